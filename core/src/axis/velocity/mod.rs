@@ -1,0 +1,44 @@
+//! Joint velocity: where it comes from when only positions are measured.
+//!
+//! | name | velocity | lag at a cost of |
+//! |---|---|---|
+//! | `measured` | the one in the reading | none, but needs a sensor that has it (or a simulator) |
+//! | `difference` | (x\[n\] − x\[n−1\])/T_c | T_c/2; noise of one encoder count per tick |
+//! | `filtered` | the same through a one-pole low pass | about 1/(2π·cutoff) more |
+//! | `adaptive` | slope over the longest window that a line fits to ± one count | half the window: short when fast |
+//!
+//! Units: m and m/s, or rad and rad/s. A non-finite reading gives a non-finite velocity, and so may the next one (`filtered`:
+//! every one until [`VelocityEstimator::start`]); [`crate::safety`] catches it.
+
+pub mod adaptive;
+pub mod difference;
+pub mod filtered;
+pub mod measured;
+
+use crate::list::{Listed, Model};
+use crate::motion::Motion;
+use crate::scalar::Scalar;
+
+/// From the readings of a joint to its velocity.
+pub trait VelocityEstimator<S: Scalar>: Model<S> + Listed<S> {
+    /// Forgets the past: the joint has moved uniformly up to `at`, which is the reading that the next `step` takes.
+    fn start(&self, state: &mut Self::State, at: Motion<S>);
+    /// The velocity (m/s or rad/s) now, after the reading of this tick; called once per tick.
+    fn step(&self, state: &mut Self::State, reading: Motion<S>) -> S;
+}
+
+list! {
+    /// Any one of the velocity estimators.
+    VelocityEstimator: AnyVelocity, AnyVelocityState, named by VelocityName in axis.velocity {
+        /// The reading's own velocity.
+        "measured" => Measured(measured::Measured),
+        /// Backward difference.
+        "difference" => Difference(difference::Difference<S>),
+        /// Backward difference through a one-pole low pass.
+        "filtered" => Filtered(filtered::Filtered<S>),
+        /// First-order adaptive windowing.
+        "adaptive" => Adaptive(adaptive::Adaptive<S>),
+    }
+    fn start(&self, [&mut] state; at: Motion<S>);
+    fn step(&self, [&mut] state; reading: Motion<S>) -> S;
+}

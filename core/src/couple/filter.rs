@@ -1,0 +1,69 @@
+//! What stands between the outgoing wave at the control rate and the one sample in M that is sent.
+//!
+//! [`Newest`] sends the last sample as it is: traditional wave communications, which alias.
+//! [`OnePole`] is the paper's anti-aliasing filter, ẋ_f = −Ω_c·x_f + u_out, y = Ω_c·x_f (eq. 1), discretised exactly for
+//! a held input: y ← e^(−Ω_c·T_c)·y + (1 − e^(−Ω_c·T_c))·u_out. Unconditionally stable, unit gain at rest.
+
+use crate::list::Model;
+use crate::scalar::Scalar;
+use crate::settings::Settings;
+use crate::vector::StateVector;
+
+/// One number of filter state, √W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level<S>(pub S);
+
+impl<S> StateVector<S> for Level<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.0);
+    }
+}
+
+/// A filter in front of the decimation.
+pub trait Decimator<S: Scalar>: Model<S, State = Level<S>> {
+    /// Takes in one sample of the outgoing wave; the state's level is what would be sent now.
+    fn push(&self, level: &mut Level<S>, wave: S);
+}
+
+/// No filter: the newest sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Newest;
+
+impl<S: Scalar> Model<S> for Newest {
+    type State = Level<S>;
+    fn build(_: &Settings) -> Self {
+        Self
+    }
+}
+
+impl<S: Scalar> Decimator<S> for Newest {
+    #[inline]
+    fn push(&self, level: &mut Level<S>, wave: S) {
+        level.0 = wave;
+    }
+}
+
+/// The one-pole low-pass filter of the paper.
+#[derive(Clone, Copy, Debug)]
+pub struct OnePole<S> {
+    /// e^(−Ω_c·T_c).
+    keep: S,
+    /// 1 − e^(−Ω_c·T_c).
+    take: S,
+}
+
+impl<S: Scalar> Model<S> for OnePole<S> {
+    type State = Level<S>;
+    fn build(settings: &Settings) -> Self {
+        let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
+        Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) }
+    }
+}
+
+impl<S: Scalar> Decimator<S> for OnePole<S> {
+    #[inline]
+    fn push(&self, level: &mut Level<S>, wave: S) {
+        level.0 = self.keep * level.0 + self.take * wave;
+    }
+}

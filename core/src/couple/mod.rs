@@ -1,0 +1,101 @@
+//! Coordination laws: what holds the two copies of the shared object together.
+//!
+//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period
+//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A new law is one file here and one line in the
+//! list below**: simulator, analyser, board and reports find it there. [`free`] shows the least a law can be.
+//!
+//! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
+//! (cooperation paper §3, eq. 7).
+
+pub mod filter;
+pub mod free;
+pub mod ledger;
+pub mod power;
+pub mod wave;
+
+use crate::list::Model;
+use crate::motion::Motion;
+use crate::scalar::Scalar;
+use crate::settings::Settings;
+
+/// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Packet<S> {
+    /// Motion of the sender's copy of the object, m and m/s (power-domain).
+    pub motion: Motion<S>,
+    /// Wave sample, √W (wave-domain).
+    pub wave: S,
+}
+
+impl<S: Scalar> Packet<S> {
+    /// Every field finite.
+    #[inline]
+    pub fn is_finite(self) -> bool {
+        self.motion.is_finite() && self.wave.is_finite()
+    }
+}
+
+/// What a law did in one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coupled<S> {
+    /// Where the law wants the local copy: the decoded remote copy x_d, ẋ_d.
+    pub desired: Motion<S>,
+    /// Coordination force F_T on the local copy, N.
+    pub force: S,
+    /// Power that came in from the network, ½·u_in², W, never negative.
+    pub power_in: S,
+    /// Power that went out to the network, ½·u_out², W, never negative.
+    pub power_out: S,
+}
+
+/// A coordination law.
+pub trait Law<S: Scalar>: Model<S> {
+    /// Engages at rest with the local copy: no force until something moves.
+    fn start(&self, state: &mut Self::State, local: Motion<S>);
+    /// Takes in the other peer's packet; it stands until the next.
+    fn receive(&self, state: &mut Self::State, packet: Packet<S>);
+    /// One tick: the force on the local copy from the copy's motion and what was received.
+    fn couple(&self, state: &mut Self::State, local: Motion<S>) -> Coupled<S>;
+    /// What to send now: everything up to and including the last tick.
+    fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
+}
+
+list! {
+    /// Any coordination law.
+    Law: AnyLaw, AnyLawState, named by LawName in coordination.comm {
+        "power" => Power(power::Power<S>),
+        "wave" => Wave(wave::Wave<S>),
+        "passive-wave" => PassiveWave(wave::PassiveWave<S>),
+        "none" => Free(free::Free),
+    }
+    fn start(&self, [&mut] state; local: Motion<S>);
+    fn receive(&self, [&mut] state; packet: Packet<S>);
+    fn couple(&self, [&mut] state; local: Motion<S>) -> Coupled<S>;
+    fn send(&self, [&] state; local: Motion<S>) -> Packet<S>;
+}
+
+/// The spring and damper K_T, B_T between the copy and where it should be.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring<S> {
+    /// K_T, N/m.
+    pub stiffness: S,
+    /// B_T, N·s/m.
+    pub damping: S,
+}
+
+impl<S: Scalar> Spring<S> {
+    /// K_T and B_T of the scene.
+    pub fn build(settings: &Settings) -> Self {
+        let coordination = &settings.coordination;
+        Self {
+            stiffness: S::from_f64(coordination.stiffness_n_per_m),
+            damping: S::from_f64(coordination.damping_n_s_per_m),
+        }
+    }
+
+    /// F_T, N.
+    #[inline]
+    pub fn force(&self, desired: Motion<S>, local: Motion<S>) -> S {
+        self.stiffness * (desired.position - local.position) + self.damping * (desired.velocity - local.velocity)
+    }
+}

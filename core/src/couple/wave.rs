@@ -1,0 +1,156 @@
+//! Wave-domain coordination: each peer sends u_out and decodes the desired motion of its copy from u_in.
+//!
+//! u_in = (b·ẋ_d + F_T)/√(2b), u_out = (b·ẋ_d − F_T)/√(2b), so that F_T·ẋ_d = ½·(u_in² − u_out²): whatever the (constant)
+//! delay, the line stores energy and makes none (cooperation paper §2; symmetric form, THEORY §2).
+//!
+//! [`Line`] is the one implementation; what it does before the rate drop is its parameter: [`Wave`] sends the newest
+//! sample, [`PassiveWave`] sends it through the paper's one-pole filter.
+//!
+//! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
+//! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
+//! x_d): no limit on K_T was found. Square roots are taken once, in `build()`.
+
+use super::filter::{Decimator, Level, Newest, OnePole};
+use super::{Coupled, Law, Packet, Spring};
+use crate::list::Model;
+use crate::motion::Motion;
+use crate::scalar::Scalar;
+use crate::settings::{Choice, Settings};
+use crate::vector::StateVector;
+
+/// How the algebraic loop of the wave decode is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decode {
+    /// ẋ_d\[n\] from F_T\[n−1\]; x_d\[n\] = x_d\[n−1\] + T_c·ẋ_d\[n−1\].
+    Delayed,
+    /// Backward Euler on x_d, solved in closed form.
+    Implicit,
+}
+
+impl Choice for Decode {
+    const NAMES: &'static [&'static str] = &["delayed", "implicit"];
+    const ALL: &'static [Self] = &[Self::Delayed, Self::Implicit];
+}
+
+/// Traditional wave communications: the newest sample is sent.
+pub type Wave<S> = Line<S, Newest>;
+
+/// Passive multirate wave communications: the filtered wave is sent.
+pub type PassiveWave<S> = Line<S, OnePole<S>>;
+
+/// One end of a wave line.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<S, D> {
+    spring: Spring<S>,
+    decimator: D,
+    decode: Decode,
+    period: S,
+    /// √(2b)/b, to decode with the force of the tick before.
+    root_over_impedance: S,
+    /// 1/b.
+    inverse_impedance: S,
+    /// √(2b).
+    root: S,
+    /// 1/(b + B_T + K_T·T_c), to decode implicitly.
+    inverse_loop: S,
+    /// √(b/2), the part of u_out that is velocity.
+    velocity_to_wave: S,
+    /// 1/√(2b), the part of u_out that is force.
+    force_to_wave: S,
+    half: S,
+}
+
+/// State of one end of a wave line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LineState<S> {
+    /// x_d, ẋ_d.
+    desired: Motion<S>,
+    /// F_T of the last tick, N.
+    force: S,
+    /// u_in as last received, √W, held between packets.
+    wave_in: S,
+    /// What would be sent now, √W.
+    outgoing: Level<S>,
+}
+
+impl<S> StateVector<S> for LineState<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.desired.visit(each);
+        each(&mut self.force);
+        each(&mut self.wave_in);
+        self.outgoing.visit(each);
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
+    type State = LineState<S>;
+
+    fn build(settings: &Settings) -> Self {
+        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
+        let impedance = coordination.wave_impedance_n_s_per_m;
+        let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
+        let root = libm::sqrt(2.0 * impedance);
+        Self {
+            spring: Spring::build(settings),
+            decimator: D::build(settings),
+            decode: coordination.decode,
+            period: S::from_f64(period),
+            root_over_impedance: S::from_f64(root / impedance),
+            inverse_impedance: S::from_f64(1.0 / impedance),
+            root: S::from_f64(root),
+            inverse_loop: S::from_f64(1.0 / loop_gain),
+            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
+            force_to_wave: S::from_f64(1.0 / root),
+            half: S::from_f64(0.5),
+        }
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Line<S, D> {
+    #[inline]
+    fn decode(&self, state: &LineState<S>, local: Motion<S>) -> Motion<S> {
+        let before = state.desired;
+        match self.decode {
+            Decode::Delayed => Motion {
+                position: before.position + self.period * before.velocity,
+                velocity: self.root_over_impedance * state.wave_in - self.inverse_impedance * state.force,
+            },
+            Decode::Implicit => {
+                let stretch = before.position - local.position;
+                let velocity = (self.root * state.wave_in - self.spring.stiffness * stretch
+                    + self.spring.damping * local.velocity)
+                    * self.inverse_loop;
+                Motion { position: before.position + self.period * velocity, velocity }
+            }
+        }
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
+    fn start(&self, state: &mut LineState<S>, local: Motion<S>) {
+        *state = LineState { desired: Motion::at(local.position), ..LineState::default() };
+    }
+
+    fn receive(&self, state: &mut LineState<S>, packet: Packet<S>) {
+        state.wave_in = packet.wave;
+    }
+
+    #[inline]
+    fn couple(&self, state: &mut LineState<S>, local: Motion<S>) -> Coupled<S> {
+        state.desired = self.decode(state, local);
+        state.force = self.spring.force(state.desired, local);
+        let wave_out = self.velocity_to_wave * state.desired.velocity - self.force_to_wave * state.force;
+        self.decimator.push(&mut state.outgoing, wave_out);
+        Coupled {
+            desired: state.desired,
+            force: state.force,
+            power_in: self.half * state.wave_in * state.wave_in,
+            power_out: self.half * wave_out * wave_out,
+        }
+    }
+
+    fn send(&self, state: &LineState<S>, _: Motion<S>) -> Packet<S> {
+        Packet { wave: state.outgoing.0, ..Packet::default() }
+    }
+}

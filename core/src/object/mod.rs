@@ -1,0 +1,76 @@
+//! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
+//!
+//! Forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
+//! A new integrator is one file here and one line in the list.
+
+pub mod exact;
+pub mod forward_euler;
+pub mod semi_implicit;
+
+use crate::list::Model;
+use crate::motion::Motion;
+use crate::scalar::Scalar;
+use crate::settings::Settings;
+use crate::vector::StateVector;
+
+/// Advances a mass by one tick.
+pub trait Integrator<S: Scalar>: Model<S> {
+    /// The motion one control period later, under `force` (N) and what of the force before still acts.
+    fn step(&self, state: &mut Self::State, motion: Motion<S>, force: S) -> Motion<S>;
+}
+
+list! {
+    /// Any integrator.
+    Integrator: AnyIntegrator, AnyIntegratorState, named by IntegratorName in object.integrator {
+        "forward-euler" => ForwardEuler(forward_euler::ForwardEuler<S>),
+        "semi-implicit" => SemiImplicit(semi_implicit::SemiImplicit<S>),
+        "exact" => Exact(exact::Exact<S>),
+    }
+    fn step(&self, [&mut] state; motion: Motion<S>, force: S) -> Motion<S>;
+}
+
+/// The force of the tick before, N.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Before<S>(pub S);
+
+impl<S> StateVector<S> for Before<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.0);
+    }
+}
+
+/// What both Euler forms share: the gain from force to velocity and the delayed force.
+#[derive(Clone, Copy, Debug)]
+struct Euler<S> {
+    period: S,
+    /// T_c/m_O.
+    gain: S,
+    /// b_O.
+    damping: S,
+    /// τ.
+    late: S,
+    /// 1 − τ.
+    prompt: S,
+}
+
+impl<S: Scalar> Euler<S> {
+    fn build(settings: &Settings) -> Self {
+        let (period, object) = (settings.timing.control_period_s, &settings.object);
+        Self {
+            period: S::from_f64(period),
+            gain: S::from_f64(period / object.mass_kg),
+            damping: S::from_f64(object.damping_n_s_per_m),
+            late: S::from_f64(object.force_delay_ticks),
+            prompt: S::from_f64(1.0 - object.force_delay_ticks),
+        }
+    }
+
+    /// ẋ + (T_c/m)·(F − b·ẋ) with F = τ·F\[n−1\] + (1 − τ)·F\[n\].
+    #[inline]
+    fn velocity(&self, before: &mut Before<S>, velocity: S, force: S) -> S {
+        let acting = self.late * before.0 + self.prompt * force;
+        before.0 = force;
+        velocity + self.gain * (acting - self.damping * velocity)
+    }
+}

@@ -1,0 +1,338 @@
+//! One haptic peer at run time: [`tick`] every control period, [`exchange`] every packet period, and nothing else.
+//!
+//! **Deadline**: the board calls [`tick`] from its highest interrupt once every T_c (1 ms); a tick that is late is
+//! reported to the next one ([`Sensors::overrun`]), which turns the motors off.
+//! **Total**: no panic, no allocation, no lock, no clock. Whatever comes in, the forces that come out are finite and
+//! within the scene's limits.
+//!
+//! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`State::packet_due`], [`exchange`];
+//! (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the object advances.
+
+use crate::axis::encoder::EncoderState;
+use crate::axis::kinematics::{Kinematics, Pose};
+use crate::axis::motor::Duty;
+use crate::axis::velocity::VelocityEstimator;
+use crate::axis::{AXES, Reading};
+use crate::couple::ledger::Ledger;
+use crate::couple::{Law, Packet};
+use crate::list::Model;
+use crate::motion::Motion;
+use crate::object::Integrator;
+use crate::safety::{Command, Fault, Mode, Patience};
+use crate::scalar::Scalar;
+use crate::scene::{Models, Scene};
+use crate::vector::StateVector;
+
+/// What the tick reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors<S> {
+    /// Where the device is.
+    pub reading: Reading<S>,
+    /// The last tick had not ended when this one was due.
+    pub overrun: bool,
+}
+
+/// What the tick commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actuators<S> {
+    /// Force on every axis of the task, N; finite, within the limits, 0 unless armed.
+    pub forces: [S; AXES],
+    /// The same as motor duties, one for every joint.
+    pub duties: [Duty; AXES],
+    /// The hardware enable line of the motor bridges.
+    pub enable: bool,
+}
+
+/// What a tick saw and did, for telemetry, reports and tests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observed<S> {
+    /// Device motion x_h on the free axis.
+    pub device: Motion<S>,
+    /// The local copy x_o as the forces of this tick saw it.
+    pub object: Motion<S>,
+    /// The decoded remote copy x_d as F_T of this tick used it.
+    pub desired: Motion<S>,
+    /// F_LC on the object, N.
+    pub contact_force: S,
+    /// F_T on the object, N.
+    pub coordination_force: S,
+}
+
+/// One joint's sensing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Joint<V> {
+    encoder: EncoderState,
+    velocity: V,
+}
+
+/// Everything about a peer that changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<M: Models> {
+    mode: Mode,
+    until_packet: u32,
+    joints: [Joint<<M::Velocity as Model<M::Scalar>>::State>; AXES],
+    /// Where the axes are when the encoders read zero, m.
+    home: [M::Scalar; AXES],
+    device: [Motion<M::Scalar>; AXES],
+    object: Motion<M::Scalar>,
+    integrator: <M::Integrator as Model<M::Scalar>>::State,
+    law: <M::Law as Model<M::Scalar>>::State,
+    forces: [M::Scalar; AXES],
+    ledger: Ledger<M::Scalar>,
+    saturated: Patience,
+    heard: bool,
+    silent: u32,
+    observed: Observed<M::Scalar>,
+}
+
+impl<M: Models> State<M> {
+    /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders
+    /// are first read: they count from there, so that two peers agree on where the shared object is.
+    pub fn new(scene: &Scene<M>, device: [Motion<M::Scalar>; AXES]) -> Self {
+        let joint = Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial() };
+        let mut state = Self {
+            mode: Mode::Disarmed,
+            until_packet: 0,
+            joints: [joint; AXES],
+            home: device.map(|axis| axis.position),
+            device,
+            object: Motion::REST,
+            integrator: scene.integrator.initial(),
+            law: scene.law.initial(),
+            forces: [M::Scalar::ZERO; AXES],
+            ledger: Ledger::default(),
+            saturated: Patience::default(),
+            heard: false,
+            silent: 0,
+            observed: Observed::default(),
+        };
+        for (joint, at) in state.joints.iter_mut().zip(device) {
+            scene.velocity.start(&mut joint.velocity, at);
+        }
+        state.engage(scene);
+        state
+    }
+
+    /// Puts the object at rest, clear of the device, and starts the coordination from there.
+    fn engage(&mut self, scene: &Scene<M>) {
+        let [free, ..] = self.device;
+        self.object = Motion::at(scene.contact.clear_of(free.position));
+        self.integrator = scene.integrator.initial();
+        self.law = scene.law.initial();
+        scene.law.start(&mut self.law, self.object);
+        self.forces = [M::Scalar::ZERO; AXES];
+        self.ledger = Ledger::default();
+        self.saturated = Patience::default();
+        self.heard = false;
+        self.silent = 0;
+    }
+
+    /// Carries out an operator's command; arming starts from rest and from zero force.
+    pub fn command(&mut self, scene: &Scene<M>, command: Command) {
+        let before = self.mode;
+        self.mode = before.after(command);
+        if before != Mode::Armed && self.mode == Mode::Armed {
+            self.engage(scene);
+        }
+    }
+
+    /// The mode, with the fault that latched.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Whether [`exchange`] is due before the next [`tick`].
+    pub fn packet_due(&self) -> bool {
+        self.until_packet == 0
+    }
+
+    /// What the last tick saw and did.
+    pub fn observed(&self) -> &Observed<M::Scalar> {
+        &self.observed
+    }
+
+    /// Energy that crossed the network port since arming.
+    pub fn ledger(&self) -> &Ledger<M::Scalar> {
+        &self.ledger
+    }
+
+    /// Turns the motors off and latches the fault; the first one stays.
+    fn trip(&mut self, fault: Fault) {
+        if !matches!(self.mode, Mode::Faulted(_)) {
+            self.mode = Mode::Faulted(fault);
+        }
+        self.forces = [M::Scalar::ZERO; AXES];
+    }
+}
+
+/// The dynamic state: object, integrator, coordination law and velocity estimators, in this order.
+impl<M: Models> StateVector<M::Scalar> for State<M> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut M::Scalar)) {
+        self.object.visit(each);
+        self.integrator.visit(each);
+        self.law.visit(each);
+        for joint in &mut self.joints {
+            joint.velocity.visit(each);
+        }
+    }
+}
+
+/// What [`exchange`] would send now. Only a network without delay needs to ask beforehand.
+pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scalar> {
+    match state.mode {
+        Mode::Armed => scene.law.send(&state.law, state.object),
+        // At rest where it stands: a wave line ends in its own impedance and takes everything in.
+        _ => Packet { motion: Motion::at(state.object.position), ..Packet::default() },
+    }
+}
+
+/// One packet period: takes in what the network brought (nothing: what came before still stands) and gives what to send.
+///
+/// Due before every M-th tick, when [`State::packet_due`].
+pub fn exchange<M: Models>(
+    scene: &Scene<M>,
+    state: &mut State<M>,
+    incoming: Option<Packet<M::Scalar>>,
+) -> Packet<M::Scalar> {
+    let packet = outgoing(scene, state);
+    match incoming {
+        Some(incoming) if !incoming.is_finite() => state.trip(Fault::NonFiniteInput),
+        Some(incoming) => {
+            state.heard = true;
+            state.silent = 0;
+            scene.law.receive(&mut state.law, incoming);
+        }
+        None if state.heard && state.mode == Mode::Armed => {
+            state.silent = state.silent.saturating_add(1);
+            if state.silent >= scene.guard.silent_packets {
+                state.trip(Fault::PeerLost);
+            }
+        }
+        None => {}
+    }
+    packet
+}
+
+/// One control period: sensors in, forces out.
+pub fn tick<M: Models>(
+    scene: &Scene<M>,
+    state: &mut State<M>,
+    sensors: &Sensors<M::Scalar>,
+) -> Actuators<M::Scalar> {
+    state.until_packet = match state.until_packet {
+        0 => scene.ticks_per_packet - 1,
+        more => more - 1,
+    };
+    let pose = match sense(scene, state, sensors) {
+        Ok(pose) => pose,
+        Err(fault) => {
+            state.trip(fault);
+            return Actuators::default();
+        }
+    };
+    state.device = pose.axes;
+    let [free, ..] = pose.axes;
+    if state.mode != Mode::Armed {
+        let object = Motion::at(state.object.position);
+        state.observed = Observed { device: free, object, desired: object, ..Observed::default() };
+        return Actuators::default();
+    }
+
+    let object = state.object;
+    let contact_force = scene.contact.force(free, object);
+    let coupled = scene.law.couple(&mut state.law, object);
+    state.ledger.book(&coupled, scene.period);
+    state.object = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
+    state.observed = Observed {
+        device: free,
+        object,
+        desired: coupled.desired,
+        contact_force,
+        coordination_force: coupled.force,
+    };
+    if !(state.object.is_finite() && coupled.force.is_finite()) {
+        state.trip(Fault::Diverged);
+        return Actuators::default();
+    }
+    actuate(scene, state, &pose, contact_force)
+}
+
+/// Where the device is on its axes, or why that cannot be said.
+#[inline]
+fn sense<M: Models>(
+    scene: &Scene<M>,
+    state: &mut State<M>,
+    sensors: &Sensors<M::Scalar>,
+) -> Result<Pose<M::Scalar>, Fault> {
+    if sensors.overrun {
+        return Err(Fault::TickOverrun);
+    }
+    let pose = match sensors.reading {
+        Reading::Exact(mut axes) => {
+            for (axis, joint) in axes.iter_mut().zip(&mut state.joints) {
+                if !axis.is_finite() {
+                    return Err(Fault::NonFiniteInput);
+                }
+                axis.velocity = scene.velocity.step(&mut joint.velocity, *axis);
+            }
+            Pose::direct(axes)
+        }
+        Reading::Counts(counts) => {
+            let mut joints = [Motion::REST; AXES];
+            for ((motion, joint), counts) in joints.iter_mut().zip(&mut state.joints).zip(counts) {
+                let position = scene.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
+                *motion = Motion::at(position);
+                motion.velocity = scene.velocity.step(&mut joint.velocity, *motion);
+            }
+            let mut pose = scene.kinematics.forward(joints);
+            for (axis, home) in pose.axes.iter_mut().zip(state.home) {
+                axis.position = axis.position + home;
+            }
+            pose
+        }
+    };
+    for axis in &pose.axes {
+        if !axis.is_finite() {
+            return Err(Fault::NonFiniteInput);
+        }
+        if scene.guard.max_speed < axis.velocity.abs() {
+            return Err(Fault::Overspeed);
+        }
+    }
+    Ok(pose)
+}
+
+/// The reaction of the contact on the free axis and the hold of the others, within the limits.
+#[inline]
+fn actuate<M: Models>(
+    scene: &Scene<M>,
+    state: &mut State<M>,
+    pose: &Pose<M::Scalar>,
+    contact_force: M::Scalar,
+) -> Actuators<M::Scalar> {
+    let mut wanted = [M::Scalar::ZERO; AXES];
+    let [free, held @ ..] = &mut wanted;
+    *free = -contact_force;
+    if scene.axes > 1 {
+        let [_, held_motions @ ..] = &pose.axes;
+        for (force, motion) in held.iter_mut().zip(held_motions) {
+            *force = scene.hold.force(*motion);
+        }
+    }
+    let mut at_limit = false;
+    for (last, wanted) in state.forces.iter_mut().zip(wanted) {
+        at_limit |= wanted.abs() > scene.guard.max_force;
+        *last = scene.guard.limit(*last, wanted);
+    }
+    let mut duties = [Duty::default(); AXES];
+    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(state.forces)) {
+        let (value, clipped) = scene.motor.duty(joint_force);
+        *duty = value;
+        at_limit |= clipped;
+    }
+    if state.saturated.spent(at_limit, scene.guard.saturated_ticks) {
+        state.trip(Fault::ForceSaturated);
+        return Actuators::default();
+    }
+    Actuators { forces: state.forces, duties, enable: true }
+}

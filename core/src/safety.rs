@@ -1,0 +1,138 @@
+//! What stands between the computed force and the motor: modes, numbered faults, limits.
+//!
+//! Forces reach the motors only while [`Mode::Armed`]. Any fault turns them off in the same tick and latches; leaving it
+//! takes [`Command::Clear`] and then [`Command::Arm`]. No setting switches a guard off. Fault numbers are never reused.
+//! Limits come last: whatever the models say, a force leaves finite, within ±max_force and within the slew limit of the
+//! one before.
+
+use crate::scalar::Scalar;
+use crate::settings::Settings;
+
+/// Why a peer stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fault {
+    /// A sensor or a packet gave an infinity or NaN.
+    NonFiniteInput = 1,
+    /// An encoder moved further in one tick than the device can.
+    EncoderJump = 2,
+    /// The device moved faster than safety.max_speed_m_per_s.
+    Overspeed = 3,
+    /// The force stood at its limit for safety.saturated_ticks.
+    ForceSaturated = 4,
+    /// No packet for safety.peer_lost_packets packet periods.
+    PeerLost = 5,
+    /// A tick began before the last one ended.
+    TickOverrun = 6,
+    /// The object or the coordination left the range of numbers: the scene is unstable.
+    Diverged = 7,
+}
+
+impl Fault {
+    /// The fault's number, for logs and telemetry.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// One sentence for a person.
+    pub fn explain(self) -> &'static str {
+        match self {
+            Self::NonFiniteInput => "a sensor or a packet gave a value that is not a number",
+            Self::EncoderJump => "an encoder moved further in one tick than the device can",
+            Self::Overspeed => "the device moved faster than safety.max_speed_m_per_s",
+            Self::ForceSaturated => "the force stood at safety.max_force_n for safety.saturated_ticks",
+            Self::PeerLost => "the other peer was silent for safety.peer_lost_packets",
+            Self::TickOverrun => "a tick began before the last one ended",
+            Self::Diverged => "the object or the coordination force left the range of numbers",
+        }
+    }
+}
+
+/// Whether forces reach the motors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Motors off; positions are sensed.
+    #[default]
+    Disarmed,
+    /// Motors on.
+    Armed,
+    /// Motors off until cleared by command.
+    Faulted(Fault),
+}
+
+/// What an operator may ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Motors on, from zero force. Only from [`Mode::Disarmed`].
+    Arm,
+    /// Motors off. From any mode but [`Mode::Faulted`], which stays.
+    Disarm,
+    /// Forget the fault; the motors stay off.
+    Clear,
+}
+
+impl Mode {
+    /// The mode after a command; one that does not apply changes nothing.
+    pub fn after(self, command: Command) -> Self {
+        match (self, command) {
+            (Self::Disarmed, Command::Arm) => Self::Armed,
+            (Self::Armed, Command::Disarm) | (Self::Faulted(_), Command::Clear) => Self::Disarmed,
+            (mode, _) => mode,
+        }
+    }
+}
+
+/// Limits of force, slew and speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Guard<S> {
+    /// Largest force, N.
+    pub max_force: S,
+    /// Largest change of force in one tick, N.
+    pub max_step: S,
+    /// Fastest plausible motion, m/s.
+    pub max_speed: S,
+    /// Ticks at the limit before a fault.
+    pub saturated_ticks: u32,
+    /// Packets of silence before a fault.
+    pub silent_packets: u32,
+}
+
+impl<S: Scalar> Guard<S> {
+    /// The scene's limits.
+    pub fn build(settings: &Settings) -> Self {
+        let safety = &settings.safety;
+        Self {
+            max_force: S::from_f64(safety.max_force_n),
+            max_step: S::from_f64(safety.max_slew_n_per_s * settings.timing.control_period_s),
+            max_speed: S::from_f64(safety.max_speed_m_per_s),
+            saturated_ticks: safety.saturated_ticks,
+            silent_packets: safety.peer_lost_packets,
+        }
+    }
+
+    /// The force that may follow `last` when `wanted` is asked for; NaN asks for 0.
+    #[inline]
+    pub fn limit(&self, last: S, wanted: S) -> S {
+        let target = wanted.limit(self.max_force);
+        if target - last > self.max_step {
+            last + self.max_step
+        } else if last - target > self.max_step {
+            last - self.max_step
+        } else {
+            target
+        }
+    }
+}
+
+/// Counts up while a condition holds and down while it does not; NaN-free memory of "too long".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Patience(u32);
+
+impl Patience {
+    /// Takes in one tick; true when the condition has held for `limit` ticks more than it has not.
+    #[inline]
+    pub fn spent(&mut self, holds: bool, limit: u32) -> bool {
+        self.0 = if holds { self.0.saturating_add(1) } else { self.0.saturating_sub(1) };
+        self.0 >= limit
+    }
+}

@@ -1,0 +1,220 @@
+//! The number types a peer computes in, and the only maths functions it may call.
+//!
+//! [`f32`] flies on the board, [`f64`] is what the analyser drives, [`Fixed`] (I32F32: range ±2³¹, step 2⁻³² ≈ 2.3e-10)
+//! is for processors without an FPU. Results are the same bits on every machine: plain IEEE operations in source order,
+//! no fused multiply-add, no platform maths; square root and trigonometry are pure Rust (`libm`).
+//!
+//! Every operation is total. Floats may give infinities or NaN, which [`crate::safety`] catches; [`Fixed`] saturates.
+
+use core::fmt::Debug;
+use core::ops::{Add, Mul, Neg, Sub};
+
+use fixed::types::I32F32;
+
+/// A number type the whole peer can be built on.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// Name for reports: `f32`, `f64`, `i32f32`.
+    const NAME: &'static str;
+    /// Additive identity.
+    const ZERO: Self;
+    /// Multiplicative identity.
+    const ONE: Self;
+
+    /// Nearest value; saturates where the type is bounded. For use in `build()`, not in the tick.
+    fn from_f64(value: f64) -> Self;
+    /// Exact for `f32` and `f64`; [`Fixed`] rounds to 53 bits.
+    fn to_f64(self) -> f64;
+    /// Exact for `f64` and [`Fixed`]; `f32` rounds to 24 bits.
+    fn from_i32(value: i32) -> Self;
+    /// Nearest integer, ties away from zero, saturating; NaN gives 0.
+    fn round_to_i32(self) -> i32;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The bits that make two values the same, for state hashes.
+    fn bits(self) -> u64;
+    /// Square root, correctly rounded (`libm`); a negative argument gives 0.
+    fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹.
+    fn sin_cos(self) -> (Self, Self);
+    /// Sine and cosine, `micromath` where the type has it (`f32`): error ≤ 1.1e-3, a fraction of the cost.
+    fn sin_cos_fast(self) -> (Self, Self) {
+        self.sin_cos()
+    }
+    /// Quotient; 0 where the divisor is 0, so that it is total.
+    fn ratio(self, divisor: Self) -> Self;
+
+    /// Absolute value; NaN stays NaN.
+    #[inline]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+    /// The value held within `±bound`; NaN gives 0, so that what comes out is always finite for a finite bound.
+    #[inline]
+    fn limit(self, bound: Self) -> Self {
+        if self > bound {
+            bound
+        } else if self < -bound {
+            -bound
+        } else if self == self {
+            self
+        } else {
+            Self::ZERO
+        }
+    }
+    /// The larger of the two; `other` where `self` is NaN.
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    /// The smaller of the two; `other` where `self` is NaN.
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+}
+
+macro_rules! float_scalar {
+    ($float:ident, $name:literal, $sqrt:path, $sincos:path, $round:path { $($fast:item)* }) => {
+        impl Scalar for $float {
+            const NAME: &'static str = $name;
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn from_i32(value: i32) -> Self {
+                value as $float
+            }
+            #[inline]
+            fn round_to_i32(self) -> i32 {
+                $round(self) as i32
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+            #[inline]
+            fn bits(self) -> u64 {
+                u64::from(self.to_bits())
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                if self > 0.0 { $sqrt(self) } else { 0.0 }
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                $sincos(self)
+            }
+            #[inline]
+            fn ratio(self, divisor: Self) -> Self {
+                if divisor == 0.0 { 0.0 } else { self / divisor }
+            }
+            $($fast)*
+        }
+    };
+}
+
+float_scalar!(f32, "f32", libm::sqrtf, libm::sincosf, libm::roundf {
+    #[inline]
+    fn sin_cos_fast(self) -> (Self, Self) {
+        micromath::F32Ext::sin_cos(self)
+    }
+});
+float_scalar!(f64, "f64", libm::sqrt, libm::sincos, libm::round {});
+
+/// Signed fixed point, 32 integer and 32 fractional bits, saturating in every operation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Fixed(pub I32F32);
+
+impl Add for Fixed {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+}
+impl Sub for Fixed {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.saturating_sub(other.0))
+    }
+}
+impl Mul for Fixed {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0.saturating_mul(other.0))
+    }
+}
+impl Neg for Fixed {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self(self.0.saturating_neg())
+    }
+}
+
+impl Scalar for Fixed {
+    const NAME: &'static str = "i32f32";
+    const ZERO: Self = Self(I32F32::ZERO);
+    const ONE: Self = Self(I32F32::ONE);
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        if value.is_nan() { Self::ZERO } else { Self(I32F32::saturating_from_num(value)) }
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.0.to_num()
+    }
+    #[inline]
+    fn from_i32(value: i32) -> Self {
+        Self(I32F32::from_bits(i64::from(value) << 32))
+    }
+    #[inline]
+    fn round_to_i32(self) -> i32 {
+        self.0.saturating_round().to_num()
+    }
+    #[inline]
+    fn is_finite(self) -> bool {
+        true
+    }
+    #[inline]
+    fn bits(self) -> u64 {
+        self.0.to_bits().cast_unsigned()
+    }
+    fn sqrt(self) -> Self {
+        Self::from_f64(Scalar::sqrt(self.to_f64()))
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = Scalar::sin_cos(self.to_f64());
+        (Self::from_f64(sine), Self::from_f64(cosine))
+    }
+    #[inline]
+    fn ratio(self, divisor: Self) -> Self {
+        Self(self.0.checked_div(divisor.0).unwrap_or_else(|| match divisor.0.to_bits() {
+            0 => I32F32::ZERO,
+            _ if (self.0 < 0) == (divisor.0 < 0) => I32F32::MAX,
+            _ => I32F32::MIN,
+        }))
+    }
+}

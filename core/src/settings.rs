@@ -1,0 +1,419 @@
+//! Every key a peer understands: table, name, type, default, allowed range, unit and meaning, in one place.
+//!
+//! Scene files, `--set`, runtime settings over the network, help texts and sweeps all work from [`Settings::KEYS`].
+//! Defaults are the cooperation paper's §5 experiments. There is no value here that switches a guard off.
+//! [`Settings::check`] is what [`crate::scene::Scene::build`] runs first.
+
+use core::fmt;
+
+use crate::axis::kinematics::{KinematicsName, Maths};
+use crate::axis::velocity::VelocityName;
+use crate::couple::LawName;
+use crate::couple::wave::Decode;
+use crate::object::IntegratorName;
+use crate::render::Side;
+
+/// A setting that is one of a fixed list of names.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// The names, in the order of [`Choice::ALL`].
+    const NAMES: &'static [&'static str];
+    /// The values, in the order of [`Choice::NAMES`].
+    const ALL: &'static [Self];
+
+    /// The value called `name`.
+    fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().position(|known| *known == name).and_then(|at| Self::ALL.get(at).copied())
+    }
+    /// What this value is called.
+    fn name(self) -> &'static str {
+        Self::ALL.iter().position(|known| *known == self).and_then(|at| Self::NAMES.get(at).copied()).unwrap_or("?")
+    }
+}
+
+/// A value on its way into or out of a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// A number, in the key's unit.
+    Number(f64),
+    /// Yes or no.
+    Flag(bool),
+    /// A name, or text that is none.
+    Text(&'a str),
+}
+
+impl fmt::Display for Value<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Text(text) => write!(f, "\"{text}\""),
+        }
+    }
+}
+
+/// What a key accepts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Allowed {
+    /// A finite number, both ends included.
+    Number {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// A whole number, both ends included.
+    Whole {
+        /// Smallest.
+        min: u32,
+        /// Largest.
+        max: u32,
+    },
+    /// `true` or `false`.
+    Flag,
+    /// One of these names.
+    Names(&'static [&'static str]),
+    /// Text of any kind, such as a file name.
+    Text,
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number { min, max } => write!(f, "a number from {min} to {max}"),
+            Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Flag => write!(f, "true or false"),
+            Self::Text => write!(f, "text"),
+            Self::Names(names) => {
+                write!(f, "one of")?;
+                for (at, name) in names.iter().enumerate() {
+                    write!(f, "{} \"{name}\"", if at == 0 { "" } else { "," })?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// One key: what it is called, what it accepts, what it means.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// `table.key`, as scene files and `--set` spell it.
+    pub name: &'static str,
+    /// What it accepts.
+    pub allowed: Allowed,
+    /// Unit, empty for a pure number, a flag or a name.
+    pub unit: &'static str,
+    /// One line of meaning.
+    pub doc: &'static str,
+}
+
+/// A value that a key does not accept; displays as `key = value is not allowed: …`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refused<'a> {
+    /// The key.
+    pub key: &'static str,
+    /// What was offered.
+    pub value: Value<'a>,
+    /// What would have been accepted.
+    pub allowed: Allowed,
+    /// The key's unit.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for Refused<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {} is not allowed: it must be {}", self.key, self.value, self.allowed)?;
+        if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
+    }
+}
+
+impl core::error::Error for Refused<'_> {}
+
+/// Why a key could not be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SetError<'a> {
+    /// There is no such key.
+    Unknown,
+    /// There is, but it does not accept the value.
+    Refused(Refused<'a>),
+}
+
+/// A type a setting can have.
+pub trait Setting: Copy + PartialEq {
+    /// Takes the value if it is allowed.
+    fn parse(value: Value<'_>, allowed: Allowed) -> Option<Self>;
+    /// The value, for reports and hashes.
+    fn value(&self) -> Value<'static>;
+}
+
+impl Setting for f64 {
+    fn parse(value: Value<'_>, allowed: Allowed) -> Option<Self> {
+        match (value, allowed) {
+            (Value::Number(number), Allowed::Number { min, max }) if number >= min && number <= max => Some(number),
+            _ => None,
+        }
+    }
+    fn value(&self) -> Value<'static> {
+        Value::Number(*self)
+    }
+}
+
+impl Setting for u32 {
+    fn parse(value: Value<'_>, allowed: Allowed) -> Option<Self> {
+        match (value, allowed) {
+            (Value::Number(number), Allowed::Whole { min, max })
+                if number >= f64::from(min) && number <= f64::from(max) && f64::from(number as u32) == number =>
+            {
+                Some(number as u32)
+            }
+            _ => None,
+        }
+    }
+    fn value(&self) -> Value<'static> {
+        Value::Number(f64::from(*self))
+    }
+}
+
+impl Setting for bool {
+    fn parse(value: Value<'_>, _: Allowed) -> Option<Self> {
+        if let Value::Flag(flag) = value { Some(flag) } else { None }
+    }
+    fn value(&self) -> Value<'static> {
+        Value::Flag(*self)
+    }
+}
+
+impl<C: Choice> Setting for C {
+    fn parse(value: Value<'_>, _: Allowed) -> Option<Self> {
+        if let Value::Text(name) = value { C::from_name(name) } else { None }
+    }
+    fn value(&self) -> Value<'static> {
+        Value::Text(self.name())
+    }
+}
+
+/// Declares tables of keys: the structs, the list of keys, and `get`, `set` and `check` by name.
+#[macro_export]
+macro_rules! settings {
+    (
+        $(#[$doc:meta])*
+        pub struct $Settings:ident;
+        $(
+            $(#[$table_doc:meta])*
+            $table:ident: $Table:ident {
+                $( #[doc = $key_doc:literal] $key:ident: $type:ty = $default:expr, $allowed:expr, $unit:literal; )+
+            }
+        )+
+    ) => {
+        $(
+            $(#[$table_doc])*
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct $Table { $( #[doc = concat!($key_doc, " Unit: ", $unit, ".")] pub $key: $type, )+ }
+
+            impl Default for $Table {
+                fn default() -> Self {
+                    Self { $( $key: $default ),+ }
+                }
+            }
+        )+
+
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct $Settings { $( $(#[$table_doc])* pub $table: $Table, )+ }
+
+        impl $Settings {
+            /// Every key, in the order of declaration.
+            pub const KEYS: &'static [$crate::settings::Key] = &[$($(
+                $crate::settings::Key {
+                    name: concat!(stringify!($table), ".", stringify!($key)),
+                    allowed: $allowed,
+                    unit: $unit,
+                    doc: $key_doc,
+                },
+            )+)+];
+
+            /// The value of the key called `name`.
+            pub fn get(&self, name: &str) -> Option<$crate::settings::Value<'static>> {
+                $($(
+                    if name == concat!(stringify!($table), ".", stringify!($key)) {
+                        return Some($crate::settings::Setting::value(&self.$table.$key));
+                    }
+                )+)+
+                None
+            }
+
+            /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
+            pub fn set<'a>(
+                &mut self,
+                name: &str,
+                value: $crate::settings::Value<'a>,
+            ) -> Result<(), $crate::settings::SetError<'a>> {
+                $($(
+                    if name == concat!(stringify!($table), ".", stringify!($key)) {
+                        let allowed = $allowed;
+                        return match <$type as $crate::settings::Setting>::parse(value, allowed) {
+                            Some(accepted) => { self.$table.$key = accepted; Ok(()) }
+                            None => Err($crate::settings::SetError::Refused($crate::settings::Refused {
+                                key: concat!(stringify!($table), ".", stringify!($key)), value, allowed, unit: $unit,
+                            })),
+                        };
+                    }
+                )+)+
+                Err($crate::settings::SetError::Unknown)
+            }
+
+            /// Every value within its range; the first that is not is the error.
+            pub fn check_ranges(&self) -> Result<(), $crate::settings::Refused<'static>> {
+                let mut probe = *self;
+                for key in Self::KEYS {
+                    if let Some(value) = self.get(key.name)
+                        && let Err($crate::settings::SetError::Refused(refused)) = probe.set(key.name, value)
+                    {
+                        return Err(refused);
+                    }
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+const fn number(min: f64, max: f64) -> Allowed {
+    Allowed::Number { min, max }
+}
+const fn whole(min: u32, max: u32) -> Allowed {
+    Allowed::Whole { min, max }
+}
+
+settings! {
+    /// Everything a peer can be told before it starts.
+    pub struct Settings;
+
+    /// The two rates.
+    timing: Timing {
+        #[doc = "Control period T_c of the force loop."]
+        control_period_s: f64 = 0.001, number(1e-5, 0.1), "s";
+        #[doc = "Ticks per packet M; the packet period is T_n = M·T_c."]
+        ticks_per_packet: u32 = 8, whole(1, 1000), "";
+    }
+
+    /// Contact between the device and the local copy of the shared object.
+    contact: Contact {
+        #[doc = "Contact stiffness K_LC."]
+        stiffness_n_per_m: f64 = 1000.0, number(0.0, 1e6), "N/m";
+        #[doc = "Contact damping B_LC."]
+        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m";
+        #[doc = "Push only: no force unless the device is past the surface."]
+        one_sided: bool = false, Allowed::Flag, "";
+        #[doc = "Free travel before contact begins; two-sided, the play to each side."]
+        gap_m: f64 = 0.0, number(0.0, 1.0), "m";
+        #[doc = "Side of the object the device is on; of a pair, user 1 is on the left and user 2 on the right."]
+        side: Side = Side::Left, Allowed::Names(Side::NAMES), "";
+    }
+
+    /// The local copy of the shared virtual object.
+    object: Object {
+        #[doc = "Mass m_O of one copy."]
+        mass_kg: f64 = 0.3, number(1e-4, 1e3), "kg";
+        #[doc = "Viscous damping b_O of one copy."]
+        damping_n_s_per_m: f64 = 0.0, number(0.0, 1e4), "N·s/m";
+        #[doc = "Delay τ of the forces that move the copy: the old force acts for τ·T_c, then the new one."]
+        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks";
+        #[doc = "How the copy advances by one tick."]
+        integrator: IntegratorName = IntegratorName::ForwardEuler, Allowed::Names(IntegratorName::NAMES), "";
+    }
+
+    /// What holds the two copies together.
+    coordination: Coordination {
+        #[doc = "Coordination law, by what it sends."]
+        comm: LawName = LawName::PassiveWave, Allowed::Names(LawName::NAMES), "";
+        #[doc = "How the wave decode's algebraic loop is opened."]
+        decode: Decode = Decode::Delayed, Allowed::Names(Decode::NAMES), "";
+        #[doc = "Coordination stiffness K_T."]
+        stiffness_n_per_m: f64 = 10620.0, number(0.0, 1e7), "N/m";
+        #[doc = "Coordination damping B_T."]
+        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m";
+        #[doc = "Wave impedance b."]
+        wave_impedance_n_s_per_m: f64 = 10.0, number(1e-3, 1e4), "N·s/m";
+        #[doc = "Cutoff of the anti-aliasing filter, Ω_c/2π."]
+        cutoff_hz: f64 = 60.0, number(0.01, 1e5), "Hz";
+    }
+
+    /// How positions and velocities are sensed.
+    axis: Axis {
+        #[doc = "Axes in use; the first is free, the others are held on their line."]
+        count: u32 = 1, whole(1, 2), "";
+        #[doc = "Where the velocity of an axis comes from."]
+        velocity: VelocityName = VelocityName::Measured, Allowed::Names(VelocityName::NAMES), "";
+        #[doc = "Cutoff of the filtered velocity estimator."]
+        velocity_cutoff_hz: f64 = 100.0, number(0.1, 1e4), "Hz";
+        #[doc = "Longest window of the adaptive velocity estimator."]
+        velocity_window_ticks: u32 = 16, whole(2, 16), "ticks";
+        #[doc = "Stiffness that holds every axis but the free one on its line."]
+        hold_stiffness_n_per_m: f64 = 1500.0, number(0.0, 1e5), "N/m";
+        #[doc = "Damping that holds every axis but the free one on its line."]
+        hold_damping_n_s_per_m: f64 = 3.0, number(0.0, 1e4), "N·s/m";
+    }
+
+    /// The position encoder of every joint.
+    encoder: Encoder {
+        #[doc = "Counts per metre, where a joint is a slide (kinematics \"direct\")."]
+        counts_per_m: f64 = 200000.0, number(1.0, 2e8), "counts/m";
+        #[doc = "Counts per revolution, where a joint turns (every other kinematics)."]
+        counts_per_rev: f64 = 8192.0, number(16.0, 1e7), "counts/rev";
+        #[doc = "Counts grow against the axis."]
+        reversed: bool = false, Allowed::Flag, "";
+    }
+
+    /// From joints to the axes of the task and back.
+    kinematics: Kinematics {
+        #[doc = "Kind of mechanism."]
+        model: KinematicsName = KinematicsName::Direct, Allowed::Names(KinematicsName::NAMES), "";
+        #[doc = "Which sine and cosine the mechanism is computed with."]
+        maths: Maths = Maths::Libm, Allowed::Names(Maths::NAMES), "";
+        #[doc = "Capstan: motor turns per paddle turn."]
+        capstan_ratio: f64 = 10.0, number(0.1, 1000.0), "";
+        #[doc = "Capstan: distance of the hand from the paddle's axis."]
+        paddle_radius_m: f64 = 0.08, number(0.001, 1.0), "m";
+        #[doc = "Five-bar: distance between the two motors."]
+        base_m: f64 = 0.06, number(0.0, 1.0), "m";
+        #[doc = "Five-bar: length of the links at the motors."]
+        proximal_m: f64 = 0.1, number(0.01, 1.0), "m";
+        #[doc = "Five-bar: length of the links at the hand."]
+        distal_m: f64 = 0.12, number(0.01, 1.0), "m";
+    }
+
+    /// The motor and amplifier of every joint.
+    motor: Motor {
+        #[doc = "Force (direct) or torque (turning joint) per ampere."]
+        newton_or_newton_metre_per_a: f64 = 8.0, number(1e-4, 1e3), "N/A or N·m/A";
+        #[doc = "Current at full duty."]
+        full_scale_a: f64 = 5.0, number(1e-3, 1e3), "A";
+        #[doc = "Largest duty the amplifier may be given, as a fraction of full scale."]
+        max_duty: f64 = 0.95, number(0.01, 1.0), "";
+        #[doc = "Positive duty pushes against the axis."]
+        reversed: bool = false, Allowed::Flag, "";
+    }
+
+    /// Limits that hold whatever the rest says.
+    safety: Safety {
+        #[doc = "Largest force on any axis."]
+        max_force_n: f64 = 40.0, number(0.01, 200.0), "N";
+        #[doc = "Fastest change of force on any axis."]
+        max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s";
+        #[doc = "Fastest plausible motion; above it the peer faults."]
+        max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s";
+        #[doc = "Ticks at the force limit, counted up while at it and down while off it, before the peer faults."]
+        saturated_ticks: u32 = 100, whole(1, 10000), "ticks";
+        #[doc = "Packets of silence from a peer that was heard before, before the peer faults."]
+        peer_lost_packets: u32 = 12, whole(1, 10000), "packets";
+    }
+}
+
+impl Settings {
+    /// Every value within its range, and every combination possible.
+    pub fn check(&self) -> Result<(), Refused<'static>> {
+        self.check_ranges()?;
+        crate::axis::check(self)
+    }
+}

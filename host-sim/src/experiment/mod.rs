@@ -1,0 +1,6 @@
+//! Runs with their figures of merit, and the papers' experiments made of them.
+
+pub mod apparent_mass;
+pub mod run;
+
+pub use run::{Options, Outcome, run};

@@ -1,0 +1,124 @@
+//! Two peers, two devices and a network, stepped together.
+//!
+//! The harness does for a simulated device what the board's interrupt does for a real one: read, tick, command, and a
+//! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
+//! machine and any number of threads ([`Harness::hash`]).
+
+use haptic_core::couple::Packet;
+use haptic_core::peer::{self, State};
+use haptic_core::safety::{Command, Fault, Mode};
+use haptic_core::scalar::Scalar;
+use haptic_core::scene::{Any, Models, Scene};
+use haptic_core::settings::Refused;
+use haptic_core::vector::StateVector;
+
+use crate::network::DelayLine;
+use crate::plant::Plant;
+use crate::scene::SceneFile;
+
+/// One peer with its device and the line that its packets come in by.
+#[derive(Clone, Debug)]
+pub struct Side<M: Models> {
+    /// What the peer knows.
+    pub scene: Scene<M>,
+    /// What of it changes.
+    pub state: State<M>,
+    /// Its device and user.
+    pub plant: Plant,
+    incoming: DelayLine<Packet<M::Scalar>>,
+}
+
+/// Two peers on one network.
+#[derive(Clone, Debug)]
+pub struct Harness<M: Models> {
+    /// Peer 1 (left) and peer 2 (right).
+    pub sides: [Side<M>; 2],
+    period_s: f64,
+    tick: u64,
+}
+
+/// The pair with models chosen by the scene, computing in `S`.
+pub type Pair<S> = Harness<Any<S>>;
+
+impl<M: Models> Harness<M> {
+    /// Both peers armed and at rest.
+    ///
+    /// # Errors
+    /// What [`Scene::build`] refuses.
+    pub fn new(file: &SceneFile) -> Result<Self, Refused<'static>> {
+        let [left, right] = file.peers();
+        let side = |index: usize, settings| {
+            let scene = Scene::<M>::build(settings)?;
+            let plant = Plant::new(file, index);
+            let device = plant.motions().map(|motion| haptic_core::motion::Motion {
+                position: M::Scalar::from_f64(motion.position),
+                velocity: M::Scalar::ZERO,
+            });
+            let mut state = State::new(&scene, device);
+            state.command(&scene, Command::Arm);
+            let incoming = DelayLine::new(file.world.network.one_way_delay_packets);
+            Ok(Side { scene, state, plant, incoming })
+        };
+        Ok(Self {
+            sides: [side(0, &left)?, side(1, &right)?],
+            period_s: file.peer.timing.control_period_s,
+            tick: 0,
+        })
+    }
+
+    /// Ticks done so far, n.
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// Time of the next tick, s.
+    pub fn time_s(&self) -> f64 {
+        self.tick as f64 * self.period_s
+    }
+
+    /// One control period of both peers and devices.
+    #[inline]
+    pub fn step(&mut self) {
+        let time_s = self.time_s();
+        let [left, right] = &mut self.sides;
+        if left.state.packet_due() {
+            // Both packets are made before either is taken in: a network without delay delivers within the tick.
+            let to_right = peer::outgoing(&left.scene, &left.state);
+            let to_left = peer::outgoing(&right.scene, &right.state);
+            let (to_left, to_right) = (left.incoming.pass(to_left), right.incoming.pass(to_right));
+            peer::exchange(&left.scene, &mut left.state, to_left);
+            peer::exchange(&right.scene, &mut right.state, to_right);
+        }
+        for side in [left, right] {
+            let sensors = side.plant.sensors();
+            let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
+            side.plant.step(time_s, &actuators);
+        }
+        self.tick += 1;
+    }
+
+    /// The fault that stopped either peer, if any, with the peer's number (1 or 2).
+    pub fn fault(&self) -> Option<(usize, Fault)> {
+        self.sides.iter().enumerate().find_map(|(index, side)| match side.state.mode() {
+            Mode::Faulted(fault) => Some((index + 1, fault)),
+            _ => None,
+        })
+    }
+
+    /// A hash (FNV-1a, 64 bit) of the bits of both peers' dynamic states, continued from `seed`.
+    pub fn hash(&self, seed: u64) -> u64 {
+        let mut hash = seed;
+        for side in &self.sides {
+            let mut state = side.state;
+            state.visit(&mut |number: &mut M::Scalar| {
+                for byte in number.bits().to_le_bytes() {
+                    hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+                }
+            });
+        }
+        hash
+    }
+}
+
+/// Where [`Harness::hash`] starts.
+pub const HASH_SEED: u64 = 0xcbf2_9ce4_8422_2325;

@@ -1,0 +1,23 @@
+//! Everything around the peers on a PC: software plant, network, harness, experiments, stability analysis, reports and
+//! the command line. The peers themselves are `haptic_core`, the same lines that fly on the board.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`scene`] | a scene file with its overrides, checked key by key |
+//! | [`plant`] | the device and the arm of its user: exact dynamics, optional imperfections |
+//! | [`user`] | what the users do: the paper's force profiles, reaches, traces |
+//! | [`network`] | packets on their way |
+//! | [`harness`] | two peers, two plants and a network, stepped together |
+//! | [`experiment`] | runs with their figures of merit, the papers' experiments |
+//! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`cli`] | the command line |
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod experiment;
+pub mod harness;
+pub mod network;
+pub mod plant;
+pub mod report;
+pub mod scene;
+pub mod user;

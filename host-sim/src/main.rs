@@ -1,0 +1,5 @@
+//! The `host-sim` command: see [`host_sim::cli`].
+
+fn main() -> std::process::ExitCode {
+    host_sim::cli::main()
+}

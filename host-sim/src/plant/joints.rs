@@ -1,0 +1,91 @@
+//! The device down to its joints: encoder counts from where the axes are, axis forces from motor duties.
+//!
+//! Inverse kinematics by Newton's method on the peer's own forward kinematics in f64, from the last pose on.
+
+use haptic_core::axis::AXES;
+use haptic_core::axis::encoder::Counts;
+use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName};
+use haptic_core::axis::motor::{Duty, Motor};
+use haptic_core::list::Model;
+use haptic_core::motion::Motion;
+use haptic_core::settings::Settings;
+
+use crate::scene::PlantSettings;
+
+/// Joints of a simulated device.
+#[derive(Clone, Debug)]
+pub struct Joints {
+    /// The peer reads counts.
+    pub encoder: bool,
+    kinematics: AnyKinematics<f64>,
+    motor: Motor<f64>,
+    /// Signed counts per metre or radian.
+    counts_per_unit: f64,
+    /// Duty codes in one PWM step.
+    duty_step: f64,
+}
+
+impl Joints {
+    /// The device that `settings` describe.
+    pub fn new(settings: &Settings, plant: &PlantSettings) -> Self {
+        let encoder = &settings.encoder;
+        let counts = match settings.kinematics.model {
+            KinematicsName::Direct => encoder.counts_per_m,
+            _ => encoder.counts_per_rev / core::f64::consts::TAU,
+        };
+        Self {
+            encoder: plant.encoder,
+            kinematics: AnyKinematics::build(settings),
+            motor: Motor::build(settings),
+            counts_per_unit: if encoder.reversed { -counts } else { counts },
+            duty_step: match plant.pwm_steps {
+                0 => 1.0,
+                steps => f64::from(Duty::FULL_SCALE) / f64::from(steps),
+            },
+        }
+    }
+
+    /// Joint positions at which the axes are where `axes` says.
+    fn inverse(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
+        let mut joints = [0.0; AXES];
+        for _ in 0..30 {
+            let pose = self.kinematics.forward(joints.map(Motion::at));
+            let error = [0, 1].map(|axis: usize| axes[axis].position - pose.axes[axis].position);
+            let step = solve(pose.jacobian, error);
+            for (joint, step) in joints.iter_mut().zip(step) {
+                *joint += step.clamp(-0.3, 0.3);
+            }
+            if step.iter().all(|step| step.abs() < 1e-13) {
+                break;
+            }
+        }
+        joints
+    }
+
+    /// What the encoders' counters say; they count from 0 where the device is built.
+    pub fn counts(&self, axes: [Motion<f64>; AXES]) -> [Counts; AXES] {
+        self.inverse(axes).map(|joint| Counts((joint * self.counts_per_unit).floor() as i64 as u16))
+    }
+
+    /// Forces on the axes (N) that the duties give: Jᵀ·F = τ solved for F.
+    pub fn forces(&self, axes: [Motion<f64>; AXES], duties: [Duty; AXES]) -> [f64; AXES] {
+        let torques = duties.map(|duty| {
+            let stepped = (f64::from(duty.0) / self.duty_step).round() * self.duty_step;
+            self.motor.joint_force(Duty(stepped as i16))
+        });
+        let [[a, b], [c, d]] = self.kinematics.forward(self.inverse(axes).map(Motion::at)).jacobian;
+        solve([[a, c], [b, d]], torques)
+    }
+}
+
+/// Solves a 2×2 system; a direction that the matrix does not reach gets 0.
+fn solve([[a, b], [c, d]]: [[f64; 2]; 2], [e, f]: [f64; 2]) -> [f64; 2] {
+    let determinant = a * d - b * c;
+    if determinant != 0.0 {
+        [(e * d - b * f) / determinant, (a * f - e * c) / determinant]
+    } else if a != 0.0 {
+        [e / a, 0.0]
+    } else {
+        [0.0, 0.0]
+    }
+}

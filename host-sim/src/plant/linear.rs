@@ -1,0 +1,124 @@
+//! Exact discretisation of m·ẍ + b·ẋ + k·x = F for a force that is constant in two pieces of one period.
+//!
+//! x⁺ = Φ(T)·x + [Γ(T) − Γ((1−τ)T)]·F_before + Γ((1−τ)T)·F_now, with (Φ, Γ) from the exponential of the 3×3 augmented
+//! matrix [[A, B], [0, 0]]·t by scaling and squaring of its Taylor series (relative error < 1e-14).
+
+use haptic_core::motion::Motion;
+
+/// A mass, damper and spring over one period.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// Φ(T), row by row: position, velocity.
+    pub transition: [[f64; 2]; 2],
+    /// What the force before adds to position and velocity.
+    pub gain_before: [f64; 2],
+    /// What the force now adds to position and velocity.
+    pub gain_now: [f64; 2],
+}
+
+type Matrix = [[f64; 3]; 3];
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    let mut c = [[0.0; 3]; 3];
+    for (row, out) in a.iter().zip(&mut c) {
+        for (j, cell) in out.iter_mut().enumerate() {
+            *cell = row.iter().zip(b).map(|(x, line)| x * line[j]).sum();
+        }
+    }
+    c
+}
+
+/// e^(A·time) by scaling and squaring.
+fn exponential(a: &Matrix, time: f64) -> Matrix {
+    let norm = a.iter().flatten().map(|x| (x * time).abs()).sum::<f64>();
+    let halvings = (norm.max(1e-300).log2().ceil() + 4.0).max(0.0) as i32;
+    let scaled = a.map(|row| row.map(|x| x * time / f64::from(halvings).exp2()));
+    let identity: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Horner: I + A(I + A/2(I + A/3(...))).
+    let mut sum = identity;
+    for k in (1..=14).rev() {
+        sum = product(&scaled, &sum);
+        for (row, unit) in sum.iter_mut().zip(&identity) {
+            for (x, one) in row.iter_mut().zip(unit) {
+                *x = *x / f64::from(k) + one;
+            }
+        }
+    }
+    for _ in 0..halvings {
+        sum = product(&sum, &sum);
+    }
+    sum
+}
+
+impl Linear {
+    /// Mass kg, damping N·s/m, stiffness N/m, delay of the motor force in ticks 0…1, period s.
+    pub fn new(mass: f64, damping: f64, stiffness: f64, delay_ticks: f64, period: f64) -> Self {
+        let a: Matrix = [[0.0, 1.0, 0.0], [-stiffness / mass, -damping / mass, 1.0 / mass], [0.0, 0.0, 0.0]];
+        let whole = exponential(&a, period);
+        let fresh = exponential(&a, (1.0 - delay_ticks) * period);
+        Self {
+            transition: [[whole[0][0], whole[0][1]], [whole[1][0], whole[1][1]]],
+            gain_before: [whole[0][2] - fresh[0][2], whole[1][2] - fresh[1][2]],
+            gain_now: [fresh[0][2], fresh[1][2]],
+        }
+    }
+
+    /// The motion one period later.
+    #[inline]
+    pub fn advance(&self, motion: Motion<f64>, before: f64, now: f64) -> Motion<f64> {
+        let line = |row: usize| {
+            let [from_position, from_velocity] = self.transition[row];
+            from_position * motion.position
+                + from_velocity * motion.velocity
+                + self.gain_before[row] * before
+                + self.gain_now[row] * now
+        };
+        Motion { position: line(0), velocity: line(1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed form of a mass with damping: x = (t − (m/b)(1 − e^(−bt/m)))·F/b.
+    #[test]
+    fn a_damped_mass_follows_its_closed_form() {
+        for (mass, damping, period) in [(0.1, 1.0, 1e-3), (1e-4, 50.0, 0.01), (1000.0, 0.5, 1e-3), (0.3, 1e4, 0.1)] {
+            let linear = Linear::new(mass, damping, 0.0, 0.0, period);
+            let x: f64 = damping * period / mass;
+            let velocity = -(-x).exp_m1() / damping;
+            let [position_gain, velocity_gain] = linear.gain_now;
+            let position = (period - mass / damping * -(-x).exp_m1()) / damping;
+            assert!((velocity_gain / velocity - 1.0).abs() < 1e-13, "{mass} {damping}: {velocity_gain} {velocity}");
+            // The closed form itself cancels for small x.
+            assert!((position_gain / position - 1.0).abs() < 1e-13 + 1e-15 / (x * x), "{position_gain} {position}");
+        }
+    }
+
+    /// Closed form of an undamped oscillator: it comes back after one period of 2π√(m/k).
+    #[test]
+    fn an_oscillator_returns_after_its_period() {
+        let (mass, stiffness, ticks) = (0.2, 500.0, 1000);
+        let period = core::f64::consts::TAU * f64::sqrt(mass / stiffness) / f64::from(ticks);
+        let linear = Linear::new(mass, 0.0, stiffness, 0.3, period);
+        let mut motion = Motion { position: 0.01, velocity: 0.2 };
+        let start = motion;
+        for _ in 0..ticks {
+            motion = linear.advance(motion, 0.0, 0.0);
+        }
+        assert!((motion.position - start.position).abs() < 1e-13);
+        assert!((motion.velocity - start.velocity).abs() < 1e-12);
+    }
+
+    /// Half a tick of the old force and half of the new one is two half ticks in sequence.
+    #[test]
+    fn a_late_force_is_two_shorter_steps() {
+        let (late, half) = (Linear::new(0.1, 1.0, 80.0, 0.5, 1e-3), Linear::new(0.1, 1.0, 80.0, 0.0, 5e-4));
+        let start = Motion { position: 0.01, velocity: -0.3 };
+        let expected = half.advance(half.advance(start, 0.0, 2.0), 0.0, -5.0);
+        let got = late.advance(start, 2.0, -5.0);
+        assert!((got.position - expected.position).abs() < 1e-16);
+        assert!((got.velocity - expected.velocity).abs() < 1e-14);
+    }
+}

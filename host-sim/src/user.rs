@@ -1,0 +1,192 @@
+//! What the users do: forces on their devices, N, positive **toward the other peer**.
+//!
+//! The cooperation paper's profiles (§5: a steady push, pulses, a sine), any CSV trace, and a person: a minimum-jerk
+//! reach with tremor, pulled through the impedance of an arm. All of them add up. Forces are sampled at the start of a
+//! tick and held for it; the arm's impedance belongs to the plant and acts continuously ([`crate::plant`]).
+
+use std::path::Path;
+
+use haptic_core::settings::Allowed;
+
+const fn number(min: f64, max: f64) -> Allowed {
+    Allowed::Number { min, max }
+}
+
+haptic_core::settings! {
+    /// What a user may be told, apart from a trace.
+    pub struct UserSettings;
+
+    /// One user.
+    user: Profile {
+        #[doc = "Steady push."]
+        push_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
+        #[doc = "Height of a pulse, repeated from time 0."]
+        pulse_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
+        #[doc = "Length of a pulse."]
+        pulse_s: f64 = 0.025, number(0.0, 1e6), "s";
+        #[doc = "Time from one pulse to the next."]
+        pulse_every_s: f64 = 2.5, number(1e-3, 1e6), "s";
+        #[doc = "Amplitude of a sine."]
+        sine_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
+        #[doc = "Angular frequency of the sine."]
+        sine_rad_per_s: f64 = 3.0, number(0.0, 1e4), "rad/s";
+        #[doc = "Push along the axes that are held on their line."]
+        side_push_n: f64 = 0.0, number(-100.0, 100.0), "N";
+        #[doc = "Stiffness of the arm that pulls the device to where the user wants it; 0 is no arm."]
+        arm_stiffness_n_per_m: f64 = 0.0, number(0.0, 1e4), "N/m";
+        #[doc = "Damping of the arm."]
+        arm_damping_n_s_per_m: f64 = 0.0, number(0.0, 1e3), "N·s/m";
+        #[doc = "Mass of the arm that moves with the device."]
+        arm_mass_kg: f64 = 0.0, number(0.0, 100.0), "kg";
+        #[doc = "Distance of a minimum-jerk reach toward the other peer, through the arm."]
+        reach_m: f64 = 0.0, number(-1.0, 1.0), "m";
+        #[doc = "Duration of the reach."]
+        reach_s: f64 = 1.0, number(0.01, 1e4), "s";
+        #[doc = "Amplitude of the tremor of the reach."]
+        tremor_m: f64 = 0.0, number(0.0, 0.1), "m";
+        #[doc = "Frequency of the tremor."]
+        tremor_hz: f64 = 9.0, number(0.0, 100.0), "Hz";
+    }
+}
+
+/// A user: profile and trace.
+#[derive(Clone, Debug, Default)]
+pub struct User {
+    /// Numbers.
+    pub settings: UserSettings,
+    /// A recorded force, if any.
+    pub trace: Option<Trace>,
+}
+
+impl User {
+    /// Force at `time_s`, N toward the other peer.
+    pub fn force_n(&self, time_s: f64) -> f64 {
+        let user = &self.settings.user;
+        let mut force = user.push_n;
+        // A nanosecond forward: 2.5 s in ticks of 1 ms must not fall a rounding short of the next pulse.
+        if user.pulse_n != 0.0 && (time_s + 1e-9) % user.pulse_every_s < user.pulse_s {
+            force += user.pulse_n;
+        }
+        if user.sine_n != 0.0 {
+            force += user.sine_n * (user.sine_rad_per_s * time_s).sin();
+        }
+        if let Some(trace) = &self.trace {
+            force += trace.force_n(time_s);
+        }
+        force
+    }
+
+    /// Where the arm wants the device (m) and how fast it wants it there (m/s), toward the other peer.
+    ///
+    /// Minimum jerk: x(s) = d·(10s³ − 15s⁴ + 6s⁵), s = t/T (Flash & Hogan 1985), with a sinusoidal tremor on top.
+    pub fn wanted(&self, time_s: f64) -> (f64, f64) {
+        let user = &self.settings.user;
+        let s = (time_s / user.reach_s).min(1.0);
+        let position = user.reach_m * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+        let velocity = user.reach_m / user.reach_s * 30.0 * s * s * (1.0 - s) * (1.0 - s);
+        let angular = core::f64::consts::TAU * user.tremor_hz;
+        let (sine, cosine) = (angular * time_s).sin_cos();
+        (position + user.tremor_m * sine, velocity + user.tremor_m * angular * cosine)
+    }
+}
+
+/// A force recorded over time, interpolated linearly, constant before its first and after its last sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    samples: Vec<(f64, f64)>,
+}
+
+/// What is wrong with a trace file, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum TraceError {
+    /// The file cannot be read, or is no table.
+    #[error("cannot read {path}: {cause}")]
+    Read {
+        /// Which file.
+        path: String,
+        /// Why not.
+        cause: csv::Error,
+    },
+    /// The first line does not name the columns.
+    #[error("{path}: the first line must be time_s,force_n, not {found}")]
+    Header {
+        /// Which file.
+        path: String,
+        /// What it says instead.
+        found: String,
+    },
+    /// A line does not hold two finite numbers.
+    #[error("{path}: row {row}: expected a time and a force as two finite numbers, found {found}")]
+    Row {
+        /// Which file.
+        path: String,
+        /// Row after the header, from 1.
+        row: usize,
+        /// What it holds.
+        found: String,
+    },
+    /// Times do not grow.
+    #[error("{path}: row {row}: time {time_s} s is not after the row before")]
+    Order {
+        /// Which file.
+        path: String,
+        /// Row after the header, from 1.
+        row: usize,
+        /// The time there.
+        time_s: f64,
+    },
+    /// There is nothing in it.
+    #[error("{path}: no samples")]
+    Empty {
+        /// Which file.
+        path: String,
+    },
+}
+
+impl Trace {
+    /// Reads a CSV file with the header `time_s,force_n` and times that grow.
+    ///
+    /// # Errors
+    /// The first thing that is wrong; see [`TraceError`].
+    pub fn read(file: &Path) -> Result<Self, TraceError> {
+        let path = file.display().to_string();
+        let read = |cause| TraceError::Read { path: path.clone(), cause };
+        let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).map_err(read)?;
+        let header: Vec<String> = reader.headers().map_err(read)?.iter().map(str::to_owned).collect();
+        if header != ["time_s", "force_n"] {
+            return Err(TraceError::Header { path, found: header.join(",") });
+        }
+        let mut samples: Vec<(f64, f64)> = Vec::new();
+        for (at, record) in reader.records().enumerate() {
+            let (record, row) = (record.map_err(read)?, at + 1);
+            let numbers: Option<Vec<f64>> =
+                record.iter().map(|field| field.parse().ok().filter(|number: &f64| number.is_finite())).collect();
+            match numbers.as_deref() {
+                Some(&[time_s, _]) if samples.last().is_some_and(|last| last.0 >= time_s) => {
+                    return Err(TraceError::Order { path, row, time_s });
+                }
+                Some(&[time_s, force_n]) => samples.push((time_s, force_n)),
+                _ => {
+                    let found = record.iter().collect::<Vec<_>>().join(",");
+                    return Err(TraceError::Row { path, row, found });
+                }
+            }
+        }
+        if samples.is_empty() { Err(TraceError::Empty { path }) } else { Ok(Self { samples }) }
+    }
+
+    /// A straight line from 0 N at 0 s to `force_n` at `until_s`.
+    pub fn line(until_s: f64, force_n: f64) -> Self {
+        Self { samples: vec![(0.0, 0.0), (until_s, force_n)] }
+    }
+
+    /// Force at `time_s`, N.
+    pub fn force_n(&self, time_s: f64) -> f64 {
+        let after = self.samples.partition_point(|sample| sample.0 <= time_s);
+        match (after.checked_sub(1).map(|at| self.samples[at]), self.samples.get(after)) {
+            (Some((t0, f0)), Some(&(t1, f1))) => f0 + (f1 - f0) * (time_s - t0) / (t1 - t0),
+            (Some((_, force)), None) | (None, Some(&(_, force))) => force,
+            (None, None) => 0.0,
+        }
+    }
+}
