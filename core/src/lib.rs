@@ -11,7 +11,7 @@
 //! |---|---|
 //! | [`peer`] | `tick` and `exchange`, the only entries at run time |
 //! | [`scene`] | settings, checked once, become the models a scene needs |
-//! | [`settings`] | every key a peer understands, with unit, default and range |
+//! | [`mod@settings`] | every key a peer understands, with unit, default and range |
 //! | [`safety`] | modes, numbered faults, force and slew limits |
 //! | [`couple`] | coordination laws: how the two copies of the shared object hold together |
 //! | [`object`] | the shared virtual object's integrators |

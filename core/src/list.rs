@@ -1,6 +1,6 @@
 //! One list per kind of model: the place, and the only one, where a new law, integrator or estimator is named.
 //!
-//! [`list!`] turns the list into three things: the enum of names that a scene file may use, an enum that holds any one of
+//! `list!` turns the list into three things: the enum of names that a scene file may use, an enum that holds any one of
 //! the models behind the trait they share, and the enum of their states. A scene that is fixed at compile time names the
 //! model itself instead ([`crate::scene::Models`]) and then carries no other.
 //!

@@ -131,6 +131,12 @@ impl<M: Models> State<M> {
     pub fn command(&mut self, scene: &Scene<M>, command: Command) {
         let before = self.mode;
         self.mode = before.after(command);
+        if command == Command::Clear {
+            // What an encoder says after a jump is taken as where the joint was: the only reference there is.
+            for joint in &mut self.joints {
+                joint.encoder.primed = false;
+            }
+        }
         if before != Mode::Armed && self.mode == Mode::Armed {
             self.engage(scene);
         }

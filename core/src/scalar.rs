@@ -68,7 +68,7 @@ pub trait Scalar:
             bound
         } else if self < -bound {
             -bound
-        } else if self == self {
+        } else if self >= -bound {
             self
         } else {
             Self::ZERO
@@ -180,7 +180,8 @@ impl Scalar for Fixed {
     const ONE: Self = Self(I32F32::ONE);
     #[inline]
     fn from_f64(value: f64) -> Self {
-        if value.is_nan() { Self::ZERO } else { Self(I32F32::saturating_from_num(value)) }
+        // A float-to-integer cast saturates and turns NaN into 0: total, unlike the conversions of `fixed`.
+        Self(I32F32::from_bits(libm::rint(value * 4_294_967_296.0) as i64))
     }
     #[inline]
     fn to_f64(self) -> f64 {

@@ -105,15 +105,15 @@ impl<M: Models> Harness<M> {
         })
     }
 
-    /// A hash (FNV-1a, 64 bit) of the bits of both peers' dynamic states, continued from `seed`.
+    /// A hash (FNV-1a over 64-bit words) of the bits of both peers' dynamic states, continued from `seed`.
     pub fn hash(&self, seed: u64) -> u64 {
         let mut hash = seed;
         for side in &self.sides {
             let mut state = side.state;
             state.visit(&mut |number: &mut M::Scalar| {
-                for byte in number.bits().to_le_bytes() {
-                    hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-                }
+                // The fold brings the high bits down, where the next product spreads them again.
+                hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
+                hash ^= hash >> 32;
             });
         }
         hash

@@ -4,6 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`scene`] | a scene file with its overrides, checked key by key |
+//! | [`scenes`] | the scenes of the folder `scenes/`, built in |
 //! | [`plant`] | the device and the arm of its user: exact dynamics, optional imperfections |
 //! | [`user`] | what the users do: the paper's force profiles, reaches, traces |
 //! | [`network`] | packets on their way |
@@ -13,6 +14,7 @@
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod cli;
 pub mod experiment;
 pub mod harness;
@@ -20,4 +22,5 @@ pub mod network;
 pub mod plant;
 pub mod report;
 pub mod scene;
+pub mod scenes;
 pub mod user;

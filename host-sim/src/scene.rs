@@ -8,6 +8,7 @@
 use std::path::{Path, PathBuf};
 
 use haptic_core::axis::kinematics::KinematicsName;
+use haptic_core::axis::velocity::VelocityName;
 use haptic_core::render::Side;
 use haptic_core::settings::{Allowed, Key, SetError, Settings, Value};
 
@@ -259,6 +260,14 @@ impl SceneFile {
         for user in &self.users {
             user.settings.check_ranges().map_err(refused)?;
         }
+        if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
+            return Err(SceneError::Refused {
+                place: place.to_owned(),
+                refused: "axis.velocity = \"measured\" is not allowed with plant.encoder = true: counts carry no \
+                          velocity, it must be one of \"difference\", \"filtered\", \"adaptive\""
+                    .to_owned(),
+            });
+        }
         Ok(())
     }
 
@@ -292,6 +301,15 @@ impl SceneFile {
             to.arm_mass_kg = from.arm_mass_kg;
         }
         linear
+    }
+
+    /// Whether the run itself is linear: permanent contact, no imperfections, no window that adapts.
+    pub fn is_linear(&self) -> bool {
+        let (contact, plant) = (&self.peer.contact, &self.world.plant);
+        !contact.one_sided
+            && contact.gap_m == 0.0
+            && *plant == PlantSettings::default()
+            && self.peer.axis.velocity != VelocityName::Adaptive
     }
 
     /// What each of the two peers is told.

@@ -5,8 +5,8 @@
 //!
 //! Units: m, m/s, N; k in N/m, b in N·s/m, both ≥ 0.
 //!
-//! Limits: sampled at T_c, a mass m under it is stable only for roughly b < 2m/T_c and k < b/T_c (Colgate & Schenkel's
-//! k < 2b/T_c with the tick's own delay); the force is unlimited here, [`crate::safety`] limits it. NaN in, NaN out.
+//! Limits: sampled every T_c, without delay and on a mass m, it is stable exactly for k·T_c/2 < b < 2m/T_c; a delay
+//! narrows that. The force is unlimited here, [`crate::safety`] limits it. NaN in, NaN out.
 
 use crate::motion::Motion;
 use crate::scalar::Scalar;

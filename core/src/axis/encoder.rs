@@ -5,8 +5,8 @@
 //!
 //! Units: m for a slide, rad for a joint that turns; which one, `kinematics.model` says.
 //!
-//! Invariants: a refused reading changes nothing, so that a reading after a glitch is measured against the last good one;
-//! the first reading after a default state is position zero.
+//! Invariants: a refused reading changes nothing, so that a reading after a glitch is measured against the last good
+//! one; the first reading after a default state is position zero.
 //!
 //! Limits: the total is exact to ±2³¹ counts, and refused beyond; in `f32` the position rounds to 24 bits (past 2²⁴
 //! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer wraps
@@ -53,7 +53,7 @@ pub struct EncoderState {
     pub total: i32,
     /// The last reading that was believed.
     pub last: Counts,
-    /// A first reading has been taken.
+    /// A first reading has been taken; without it, the next one is taken as where the joint already is.
     pub primed: bool,
 }
 
@@ -82,7 +82,7 @@ impl<S: Scalar> Encoder<S> {
     #[inline]
     pub fn step(&self, state: &mut EncoderState, counts: Counts) -> Result<S, Jump> {
         if !state.primed {
-            *state = EncoderState { total: 0, last: counts, primed: true };
+            *state = EncoderState { total: state.total, last: counts, primed: true };
         }
         let raw = i32::from(counts.0.wrapping_sub(state.last.0).cast_signed());
         let step_counts = if self.reversed { -raw } else { raw };

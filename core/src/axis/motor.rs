@@ -1,7 +1,7 @@
 //! Joint force to the duty of a motor amplifier in current mode, and back.
 //!
-//! Design: force = constant · current and current = full scale · duty, so one product each way; the duty is rounded to the
-//! nearest code, ties away from zero, and held within `motor.max_duty`.
+//! Design: force = constant · current and current = full scale · duty, so one product each way; the duty is rounded to
+//! the nearest code, ties away from zero, and held within `motor.max_duty`.
 //!
 //! Units: N for a slide, N·m for a joint that turns; duty in 1/32767 of full scale.
 //!

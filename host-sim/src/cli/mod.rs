@@ -1,10 +1,112 @@
-//! The command line.
-/// x
-pub fn main() -> std::process::ExitCode { 
-    let args: Vec<String> = std::env::args().skip(1).collect();
-    let scene = crate::scene::SceneFile::load(None, &args).unwrap_or_else(|e| {eprintln!("{e}"); std::process::exit(2)});
-    let t = std::time::Instant::now();
-    let o = crate::experiment::run::<f64>(&scene, crate::experiment::Options{duration_s: 20.0, record_every: 0}, &|_| {}).unwrap();
-    println!("{:?} {:?} true {} dec {} {:?} {} {:?} {:?}", o.bounded, o.fault, o.true_discrepancy_mm, o.decoded_discrepancy_mm, o.coordination_force_n, o.ticks, t.elapsed(), o.energy);
-    println!("mass {:?}", crate::experiment::apparent_mass::measure(&scene));
-    std::process::ExitCode::SUCCESS }
+//! The command line: one file per command, each a thin layer over the library.
+//!
+//! Results go to standard output (`--json`: one JSON document and nothing else), progress and warnings to standard error.
+//! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
+//! change.
+
+mod cooperate;
+mod keys;
+mod paper;
+mod precision;
+mod stability;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::scene::{SceneError, SceneFile};
+
+/// What a command may fail with.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
+///
+/// Without a command: the cooperation paper's experiments (`paper`).
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, arg_required_else_help = false)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
+    Cooperate(cooperate::Cooperate),
+    /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
+    Paper(paper::Paper),
+    /// Stability regions, limits and margins, computed from the code that flies.
+    Stability(stability::Stability),
+    /// How far f32 and fixed point stray from f64, scene by scene.
+    Precision(precision::Precision),
+    /// Every key of a scene file: unit, default, range, meaning.
+    Keys(keys::Keys),
+}
+
+/// Which scene, and what to change in it.
+#[derive(Clone, Debug, Args)]
+pub struct SceneArgs {
+    /// Scene file (TOML); without it, the cooperation paper's defaults.
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Override one key of the scene; may be repeated.
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl SceneArgs {
+    /// The scene, checked.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub fn load(&self) -> Result<SceneFile, SceneError> {
+        SceneFile::load(self.scene.as_deref(), &self.set)
+    }
+
+    /// Short name of the scene, for file names and headings.
+    pub fn name(&self) -> String {
+        let stem = self.scene.as_ref().and_then(|path| path.file_stem());
+        stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    }
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let line = match CommandLine::try_parse() {
+        Ok(line) => line,
+        Err(error) => {
+            // Help and version are no errors; anything else is bad input.
+            let _ = error.print();
+            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        }
+    };
+    let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
+        Command::Cooperate(command) => command.run(),
+        Command::Paper(command) => command.run(),
+        Command::Stability(command) => command.run(),
+        Command::Precision(command) => command.run(),
+        Command::Keys(command) => command.run(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("host-sim: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints one JSON document on standard output.
+fn print_json(document: &impl serde::Serialize) -> Result<(), Failure> {
+    println!("{}", serde_json::to_string_pretty(document)?);
+    Ok(())
+}
+
+/// A progress bar on standard error; invisible where that is no terminal.
+fn progress_bar(length: u64, what: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style).with_message(what.to_owned())
+}

@@ -2,13 +2,15 @@
 //!
 //! A wave line of impedance b and transit time T is itself an inertia of about b·T (THEORY §4), so a shared object weighs
 //! more than its copies. Measured, not derived: both users push the same way with a slow ramp, on which every linear
-//! scene settles at a constant acceleration; the sum of the contact forces, less what the copies' damping takes, over
-//! that acceleration is the mass. Forces are tiny, so that no limit is touched.
+//! scene settles to a velocity that grows steadily; the sum of the contact forces is then m·a + c·v, a straight line over
+//! v whose intercept is the mass times the acceleration and whose slope c is the drag (the copies' damping, and what a
+//! delayed power-domain coupling adds). Forces are tiny, so that no limit is touched.
 
 use haptic_core::settings::Refused;
 
 use crate::harness::Pair;
 use crate::scene::SceneFile;
+use crate::user::{Trace, User};
 
 /// Ramp of each user's push, N/s.
 const RAMP_N_PER_S: f64 = 1e-3;
@@ -25,36 +27,33 @@ pub fn measure(scene: &SceneFile) -> Result<f64, Refused<'static>> {
     let damping = 2.0 * (device.damping_n_s_per_m + scene.peer.object.damping_n_s_per_m);
     let settle_s = if damping > 0.0 { (8.0 * mass / damping).clamp(2.0, 60.0) } else { 10.0 };
     let period_s = scene.peer.timing.control_period_s;
-    linear.users = ramps(settle_s + 1.0);
-    let mut pair = Pair::<f64>::new(&linear)?;
     let ticks = (settle_s / period_s) as u64;
-    // A whole number of packets, a second or more: the staircase of the line averages out.
+    // Whole packets: the staircase of the line averages out.
     let window = u64::from(scene.peer.timing.ticks_per_packet) * 125;
-    let mut force = 0.0;
-    let mut speeds = [0.0; 2];
-    for tick in 0..ticks + window {
+    ramp(&mut linear, (ticks + 2 * window) as f64 * period_s);
+    let mut pair = Pair::<f64>::new(&linear)?;
+    for _ in 0..ticks {
         pair.step();
-        if tick + 1 == ticks {
-            speeds[0] = speed(&pair);
-        }
-        if tick >= ticks {
-            force += pair.sides.iter().map(|side| side.state.observed().contact_force).sum::<f64>();
-            force -= 2.0 * scene.peer.object.damping_n_s_per_m * speed(&pair);
-        }
     }
-    speeds[1] = speed(&pair);
-    let acceleration = (speeds[1] - speeds[0]) / (window as f64 * period_s);
-    Ok(force / window as f64 / acceleration)
+    // Two windows, one after the other: force and speed of each, averaged.
+    let [(f0, v0), (f1, v1)] = [(); 2].map(|()| {
+        let (mut force, mut speed) = (0.0, 0.0);
+        for _ in 0..window {
+            pair.step();
+            for seen in pair.sides.iter().map(|side| side.state.observed()) {
+                force += seen.contact_force / window as f64;
+                speed += seen.object.velocity / 2.0 / window as f64;
+            }
+        }
+        (force, speed)
+    });
+    let (acceleration, drag) = ((v1 - v0) / (window as f64 * period_s), (f1 - f0) / (v1 - v0));
+    Ok(((f0 + f1) - drag * (v0 + v1)) / 2.0 / acceleration)
 }
 
-fn speed(pair: &Pair<f64>) -> f64 {
-    pair.sides.iter().map(|side| side.state.observed().object.velocity).sum::<f64>() / 2.0
-}
-
-/// Both users push toward positive x: user 2 away from the other peer.
-fn ramps(until_s: f64) -> [crate::user::User; 2] {
-    [1.0, -1.0].map(|sign| crate::user::User {
-        settings: crate::user::UserSettings::default(),
-        trace: Some(crate::user::Trace::line(until_s, sign * RAMP_N_PER_S * until_s)),
-    })
+/// Both users push toward positive x, user 2 away from the other peer, harder and harder.
+fn ramp(scene: &mut SceneFile, until_s: f64) {
+    for (user, sign) in scene.users.iter_mut().zip([1.0, -1.0]) {
+        *user = User { trace: Some(Trace::line(until_s, sign * RAMP_N_PER_S * until_s)), ..User::default() };
+    }
 }

@@ -14,9 +14,9 @@ use crate::scene::PlantSettings;
 
 /// Joints of a simulated device.
 #[derive(Clone, Debug)]
-pub struct Joints {
+pub(super) struct Joints {
     /// The peer reads counts.
-    pub encoder: bool,
+    pub(super) encoder: bool,
     kinematics: AnyKinematics<f64>,
     motor: Motor<f64>,
     /// Signed counts per metre or radian.
@@ -27,7 +27,7 @@ pub struct Joints {
 
 impl Joints {
     /// The device that `settings` describe.
-    pub fn new(settings: &Settings, plant: &PlantSettings) -> Self {
+    pub(super) fn new(settings: &Settings, plant: &PlantSettings) -> Self {
         let encoder = &settings.encoder;
         let counts = match settings.kinematics.model {
             KinematicsName::Direct => encoder.counts_per_m,
@@ -63,12 +63,12 @@ impl Joints {
     }
 
     /// What the encoders' counters say; they count from 0 where the device is built.
-    pub fn counts(&self, axes: [Motion<f64>; AXES]) -> [Counts; AXES] {
+    pub(super) fn counts(&self, axes: [Motion<f64>; AXES]) -> [Counts; AXES] {
         self.inverse(axes).map(|joint| Counts((joint * self.counts_per_unit).floor() as i64 as u16))
     }
 
     /// Forces on the axes (N) that the duties give: Jᵀ·F = τ solved for F.
-    pub fn forces(&self, axes: [Motion<f64>; AXES], duties: [Duty; AXES]) -> [f64; AXES] {
+    pub(super) fn forces(&self, axes: [Motion<f64>; AXES], duties: [Duty; AXES]) -> [f64; AXES] {
         let torques = duties.map(|duty| {
             let stepped = (f64::from(duty.0) / self.duty_step).round() * self.duty_step;
             self.motor.joint_force(Duty(stepped as i16))

@@ -98,9 +98,8 @@ impl Plant {
         };
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
-        let (mut wanted, mut wanted_speed) = (0.0, 0.0);
         if self.arm {
-            (wanted, wanted_speed) = self.user.wanted(time_s + 0.5 * self.period_s);
+            let (wanted, wanted_speed) = self.user.wanted(time_s + 0.5 * self.period_s);
             push += self.toward
                 * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }

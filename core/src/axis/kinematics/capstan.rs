@@ -1,7 +1,8 @@
 //! One motor turns a paddle through a capstan drive: the "haptic paddle".
 //!
-//! x = (r/N)·q: the hand at distance r from the paddle's axis, N motor turns per paddle turn. x is measured along the arc, so
-//! the Jacobian is the constant r/N and no angle enters. The second joint is ignored, the second axis is at rest.
+//! x = (r/N)·q: the hand at distance r from the paddle's axis, N motor turns per paddle turn. x is measured along the
+//! arc, so the Jacobian is the constant r/N and no angle enters. The second joint is ignored, the second axis is at
+//! rest.
 //!
 //! Units: q in rad, x in m. Limits: no cable stretch, no slip. A positive motor angle is a positive x; turn it with
 //! `encoder.reversed` and `motor.reversed`.

@@ -6,8 +6,8 @@
 //! | `capstan` | a motor drives a paddle through a capstan | 1 turning | 1 |
 //! | `five-bar` | two motors on a base, two links each, one hand | 2 turning | 2 |
 //!
-//! Design: one call gives positions, velocities and the Jacobian J of a pose; velocities are J·q̇ and joint forces Jᵀ·F, from
-//! the same J, so that the power at the joints is the power at the axes to rounding: τ·q̇ = F·ẋ.
+//! Design: one call gives positions, velocities and the Jacobian J of a pose; velocities are J·q̇ and joint forces
+//! Jᵀ·F, from the same J, so that the power at the joints is the power at the axes to rounding: τ·q̇ = F·ẋ.
 //!
 //! Units: joints m or rad, axes m; J in m/m or m/rad; joint forces N or N·m.
 

@@ -1,18 +1,21 @@
 //! First-order adaptive windowing, end-fit: slope over the longest window that a line fits to ± one encoder count.
 //!
-//! With Δᵢ = x\[n\] − x\[n−i\], the velocity is Δₖ/(k·T_c) for the largest k ≤ `axis.velocity_window_ticks` such that the line
-//! through the newest and the k-th last position passes within ±δ of every position between: slow motion is averaged over
-//! a long window, fast motion changes are followed at once. k = 1 always fits, and is the backward difference.
+//! With Δᵢ = x\[n\] − x\[n−i\], the velocity is Δₖ/(k·T_c) for the largest k ≤ `axis.velocity_window_ticks` such that
+//! the line through the newest and the k-th last position passes within ±δ of every position between: slow motion is
+//! averaged over a long window, fast motion changes are followed at once. k = 1 always fits, and is the backward
+//! difference.
 //!
-//! Design: a line of slope s (per tick) through the newest position passes within ±δ of the i-th last exactly if
-//! (Δᵢ − δ)/i ≤ s ≤ (Δᵢ + δ)/i. So one pass that keeps the intersection of these intervals finds k in O(window), with the
+//! Design: a line of slope s (per tick) through the newest position passes within ±δ of the i-th last exactly if (Δᵢ −
+//! δ)/i ≤ s ≤ (Δᵢ + δ)/i. So one pass that keeps the intersection of these intervals finds k in O(window), with the
 //! reciprocals 1/i computed in `build`. The intersection only shrinks: once it is empty no longer window can fit.
 //!
 //! Units: m and m/s, or rad and rad/s. Error of uniform motion ≤ δ/(k·T_c).
 //!
-//! Limits: δ is taken [`SLACK`] wider, so that a position dithering between two counts, which is at ±δ exactly, counts as
-//! standing still however numbers round. Positions must be quantised no coarser than δ; if they are not quantised at all,
-//! the window still averages over up to ±δ of real curvature.
+//! Limits: under an acceleration a the window opens until the motion bends by δ, so the velocity lags by up to
+//! √(2·a·δ). That beats the difference, whose noise is about 0.4·δ/T_c, where a < 0.08·δ/T_c²: 0.4 m/s² at the
+//! defaults. Made for coarse encoders and gentle hands, not for impacts. δ is taken [`SLACK`] wider, so that a position
+//! dithering between two counts, which is at ±δ exactly, stands still however numbers round. Positions must be
+//! quantised no coarser than δ.
 //!
 //! Reference: Janabi-Sharifi, Hayward & Chen, "Discrete-time adaptive windowing for velocity estimation", IEEE Trans.
 //! Control Systems Technology 8(6), 2000, end-fit FOAW; their procedure stops at the first k that does not fit, this is

@@ -1,8 +1,10 @@
 //! Backward difference: v\[n\] = (x\[n\] − x\[n−1\])/T_c.
 //!
-//! Units: m and m/s, or rad and rad/s. Exact for uniform motion; otherwise the velocity of half a tick ago, to first order.
+//! Units: m and m/s, or rad and rad/s. Exact for uniform motion; otherwise the velocity of half a tick ago, to first
+//! order.
 //!
-//! Limits: one encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the motion.
+//! Limits: one encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the
+//! motion.
 
 use crate::axis::velocity::VelocityEstimator;
 use crate::list::Model;

@@ -1,11 +1,12 @@
 //! Backward difference through a one-pole low pass, discretised exactly (for an input held over the tick).
 //!
-//! v ← e^(−ω·T_c)·v + (1 − e^(−ω·T_c))·(x\[n\] − x\[n−1\])/T_c, with ω = 2π·`axis.velocity_cutoff_hz`: the same rule as the
-//! wave filter's (THEORY §2). Gain one at rest, stable for every cutoff, no overshoot.
+//! v ← e^(−ω·T_c)·v + (1 − e^(−ω·T_c))·(x\[n\] − x\[n−1\])/T_c, with ω = 2π·`axis.velocity_cutoff_hz`: the same rule as
+//! the wave filter's (THEORY §2). Gain one at rest, stable for every cutoff, no overshoot.
 //!
 //! Units: m and m/s, or rad and rad/s.
 //!
-//! Limits: lags a ramp by T_c/2 + T_c/(e^(ω·T_c) − 1), about 1/ω. A non-finite reading stays in the filter until `start`.
+//! Limits: lags a ramp by T_c/2 + T_c/(e^(ω·T_c) − 1), about 1/ω. A non-finite reading stays in the filter until
+//! `start`.
 
 use crate::axis::velocity::VelocityEstimator;
 use crate::axis::velocity::difference::{Difference, DifferenceState};

@@ -1,14 +1,16 @@
 //! Joint velocity: where it comes from when only positions are measured.
 //!
-//! | name | velocity | lag at a cost of |
-//! |---|---|---|
-//! | `measured` | the one in the reading | none, but needs a sensor that has it (or a simulator) |
-//! | `difference` | (x\[n\] − x\[n−1\])/T_c | T_c/2; noise of one encoder count per tick |
-//! | `filtered` | the same through a one-pole low pass | about 1/(2π·cutoff) more |
-//! | `adaptive` | slope over the longest window that a line fits to ± one count | half the window: short when fast |
+//! | name | velocity | lag | noise |
+//! |---|---|---|---|
+//! | `measured` | the one in the reading | none | the sensor's |
+//! | `difference` | (x\[n\] − x\[n−1\])/T_c | T_c/2 | one encoder count per tick |
+//! | `filtered` | the same through a one-pole low pass | about 1/(2π·cutoff) more | below √(π·cutoff·T_c) of that |
+//! | `adaptive` | slope of the longest line that fits to ± one count | half the window | one count per window |
 //!
-//! Units: m and m/s, or rad and rad/s. A non-finite reading gives a non-finite velocity, and so may the next one (`filtered`:
-//! every one until [`VelocityEstimator::start`]); [`crate::safety`] catches it.
+//! `measured` needs a device, or a simulator, that has a velocity: encoders have none, and it then reads zero.
+//!
+//! Units: m and m/s, or rad and rad/s. A non-finite reading gives a non-finite velocity, and so may the next one
+//! (`filtered`: every one until [`VelocityEstimator::start`]); [`crate::safety`] catches it.
 
 pub mod adaptive;
 pub mod difference;

@@ -1,0 +1,62 @@
+//! `host-sim keys`: every key of a scene file.
+
+use clap::Args;
+use haptic_core::settings::Value;
+use serde::Serialize;
+
+use super::{Failure, print_json};
+use crate::report::text::TextTable;
+use crate::scene::SceneFile;
+
+/// Arguments of `keys`.
+#[derive(Debug, Args)]
+pub struct Keys {
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Row {
+    key: String,
+    default: String,
+    unit: &'static str,
+    allowed: String,
+    meaning: &'static str,
+}
+
+impl Keys {
+    /// Prints the list.
+    ///
+    /// # Errors
+    /// None but of writing.
+    pub fn run(&self) -> Result<(), Failure> {
+        let defaults = SceneFile::default();
+        let rows: Vec<Row> = SceneFile::keys()
+            .into_iter()
+            .map(|(key, about)| Row {
+                default: defaults.get(&key).as_ref().map(Value::to_string).unwrap_or_default(),
+                key,
+                unit: about.unit,
+                allowed: about.allowed.to_string(),
+                meaning: about.doc,
+            })
+            .chain((1..=2).map(|user| Row {
+                key: format!("user.{user}.trace"),
+                default: String::new(),
+                unit: "",
+                allowed: "name of a CSV file with columns time_s,force_n".to_owned(),
+                meaning: "Recorded force, added to the others.",
+            }))
+            .collect();
+        if self.json {
+            return print_json(&rows);
+        }
+        let mut table = TextTable::new(["key", "default", "unit", "allowed", "meaning"]);
+        for row in rows {
+            table.push([row.key, row.default, row.unit.to_owned(), row.allowed, row.meaning.to_owned()]);
+        }
+        println!("{table}");
+        Ok(())
+    }
+}

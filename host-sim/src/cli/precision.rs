@@ -1,0 +1,71 @@
+//! `host-sim precision`: f32 and fixed point against f64.
+
+use clap::Args;
+use rayon::prelude::*;
+
+use super::{Failure, SceneArgs, print_json};
+use crate::experiment::precision::measure;
+use crate::report::text::TextTable;
+use crate::scenes;
+
+/// Arguments of `precision`.
+#[derive(Debug, Args)]
+pub struct Precision {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Every built-in scene instead of one.
+    #[arg(long, conflicts_with_all = ["scene", "set"])]
+    all: bool,
+    /// Simulated time, s.
+    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    duration_s: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Precision {
+    /// Measures and prints.
+    ///
+    /// # Errors
+    /// A bad scene.
+    pub fn run(&self) -> Result<(), Failure> {
+        if !(self.duration_s > 0.0 && self.duration_s <= 86_400.0) {
+            let message = format!("--duration-s {} is not allowed: it must be above 0 and up to 86400 s", self.duration_s);
+            return Err(message.into());
+        }
+        let scenes = if self.all {
+            scenes::ALL.iter().map(|(name, _)| Ok(((*name).to_owned(), scenes::load(name)?))).collect()
+        } else {
+            self.scene.load().map(|scene| vec![(self.scene.name(), scene)])
+        }?;
+        let rows = scenes
+            .par_iter()
+            .map(|(name, scene)| measure(name, scene, self.duration_s))
+            .collect::<Result<Vec<_>, _>>()?;
+        if self.json {
+            return print_json(&rows);
+        }
+        println!("Largest difference from f64 over {} s\n", self.duration_s);
+        let mut table = TextTable::new([
+            "scene",
+            "f32 position um",
+            "f32 force mN",
+            "i32f32 position um",
+            "i32f32 force mN",
+            "why",
+        ]);
+        for row in rows {
+            table.push([
+                row.scene,
+                format!("{:.3}", 1e6 * row.f32.position_m),
+                format!("{:.3}", 1e3 * row.f32.force_n),
+                format!("{:.3}", 1e6 * row.i32f32.position_m),
+                format!("{:.3}", 1e3 * row.i32f32.force_n),
+                row.explanation,
+            ]);
+        }
+        println!("{table}");
+        Ok(())
+    }
+}
