@@ -68,7 +68,7 @@ impl User {
             force += user.pulse_n;
         }
         if user.sine_n != 0.0 {
-            force += user.sine_n * (user.sine_rad_per_s * time_s).sin();
+            force += user.sine_n * libm::sin(user.sine_rad_per_s * time_s);
         }
         if let Some(trace) = &self.trace {
             force += trace.force_n(time_s);
@@ -85,7 +85,7 @@ impl User {
         let position = user.reach_m * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
         let velocity = user.reach_m / user.reach_s * 30.0 * s * s * (1.0 - s) * (1.0 - s);
         let angular = core::f64::consts::TAU * user.tremor_hz;
-        let (sine, cosine) = (angular * time_s).sin_cos();
+        let (sine, cosine) = libm::sincos(angular * time_s);
         (position + user.tremor_m * sine, velocity + user.tremor_m * angular * cosine)
     }
 }

@@ -12,7 +12,8 @@ use crate::analysis;
 use crate::experiment::run::{PortEnergy, Spread};
 use crate::experiment::{Options, Outcome, apparent_mass, run};
 use crate::report::text::TextTable;
-use crate::report::{figures, files};
+use crate::experiment::figures;
+use crate::report::files;
 use crate::scene::SceneFile;
 
 /// The number type the peers compute in.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
 use crate::experiment::paper::{Experiment, Gain, experiments, gains};
-use crate::report::figures;
+use crate::experiment::figures;
 use crate::report::text::TextTable;
 
 /// Arguments of `paper`.

@@ -1,6 +1,9 @@
 //! Runs with their figures of merit, and the papers' experiments made of them.
 
 pub mod apparent_mass;
+pub mod figures;
+pub mod paper;
+pub mod precision;
 pub mod run;
 
 pub use run::{Options, Outcome, run};

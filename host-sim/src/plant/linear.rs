@@ -31,8 +31,8 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
 /// e^(A·time) by scaling and squaring.
 fn exponential(a: &Matrix, time: f64) -> Matrix {
     let norm = a.iter().flatten().map(|x| (x * time).abs()).sum::<f64>();
-    let halvings = (norm.max(1e-300).log2().ceil() + 4.0).max(0.0) as i32;
-    let scaled = a.map(|row| row.map(|x| x * time / f64::from(halvings).exp2()));
+    let halvings = (libm::log2(norm.max(1e-300)).ceil() + 4.0).max(0.0) as i32;
+    let scaled = a.map(|row| row.map(|x| x * time / libm::exp2(f64::from(halvings))));
     let identity: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     // Horner: I + A(I + A/2(I + A/3(...))).
     let mut sum = identity;

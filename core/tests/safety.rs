@@ -1,0 +1,208 @@
+//! Every fault turns the motors off in the tick that sees it, latches, and takes commands to leave.
+
+use haptic_core::axis::encoder::Counts;
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::axis::{AXES, Reading};
+use haptic_core::couple::{LawName, Packet};
+use haptic_core::motion::Motion;
+use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::safety::{Command, Fault, Mode};
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::Settings;
+
+struct Bench {
+    scene: Scene<Any<f32>>,
+    state: State<Any<f32>>,
+}
+
+impl Bench {
+    fn armed(settings: &Settings) -> Self {
+        let scene = Scene::build(settings).expect("a good scene");
+        let mut state = State::new(&scene, [Motion::REST; AXES]);
+        state.command(&scene, Command::Arm);
+        Self { scene, state }
+    }
+
+    fn at(&mut self, position: f32, velocity: f32) -> Actuators<f32> {
+        self.read(Reading::Exact([Motion { position, velocity }, Motion::REST]))
+    }
+
+    fn read(&mut self, reading: Reading<f32>) -> Actuators<f32> {
+        peer::tick(&self.scene, &mut self.state, &Sensors { reading, overrun: false })
+    }
+
+    #[track_caller]
+    fn assert_stopped(&mut self, last: Actuators<f32>, fault: Fault) {
+        assert_eq!(last, Actuators::default(), "motors are off in the same tick");
+        assert_eq!(self.state.mode(), Mode::Faulted(fault));
+        // Neither time nor arming leaves a fault; clearing does, and leaves the motors off.
+        self.state.command(&self.scene, Command::Arm);
+        self.state.command(&self.scene, Command::Disarm);
+        assert_eq!(self.state.mode(), Mode::Faulted(fault));
+        self.state.command(&self.scene, Command::Clear);
+        assert_eq!(self.state.mode(), Mode::Disarmed);
+        assert_eq!(self.at(0.0, 0.0), Actuators::default());
+        // Re-armed, the peer starts from no force at all.
+        self.state.command(&self.scene, Command::Arm);
+        let after = self.at(0.0, 0.0);
+        assert!(after.enable && after.forces == [0.0; AXES], "{after:?}");
+    }
+}
+
+/// A push that gives a force: the bench is not vacuously quiet.
+#[test]
+fn an_armed_peer_pushes_back() {
+    let mut bench = Bench::armed(&Settings::default());
+    let pushed = bench.at(0.001, 0.0);
+    assert!(pushed.enable);
+    assert_eq!(pushed.forces, [-1.0, 0.0], "K_LC times 1 mm");
+    assert!(pushed.duties[0].0 < 0);
+}
+
+#[test]
+fn a_disarmed_peer_is_silent() {
+    let scene = Scene::<Any<f32>>::build(&Settings::default()).expect("defaults");
+    let mut state = State::new(&scene, [Motion::REST; AXES]);
+    let reading = Reading::Exact([Motion { position: 0.01, velocity: 0.0 }, Motion::REST]);
+    assert_eq!(peer::tick(&scene, &mut state, &Sensors { reading, overrun: false }), Actuators::default());
+}
+
+#[test]
+fn a_reading_that_is_no_number() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut bench = Bench::armed(&Settings::default());
+        bench.at(0.001, 0.0);
+        let last = bench.at(bad, 0.0);
+        bench.assert_stopped(last, Fault::NonFiniteInput);
+    }
+}
+
+#[test]
+fn a_packet_that_is_no_number() {
+    let mut bench = Bench::armed(&Settings::default());
+    let packet = Packet { wave: f32::NAN, ..Packet::default() };
+    peer::exchange(&bench.scene, &mut bench.state, Some(packet));
+    let last = bench.at(0.001, 0.0);
+    bench.assert_stopped(last, Fault::NonFiniteInput);
+}
+
+#[test]
+fn an_encoder_that_jumps() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    let mut bench = Bench::armed(&settings);
+    bench.read(Reading::Counts([Counts(0), Counts(0)]));
+    bench.read(Reading::Counts([Counts(65_000), Counts(0)]));
+    let last = bench.read(Reading::Counts([Counts(30_000), Counts(0)]));
+    assert_eq!(last, Actuators::default());
+    assert_eq!(bench.state.mode(), Mode::Faulted(Fault::EncoderJump));
+    // A lasting offset must not lock the peer for ever: clearing takes it as where the joint was.
+    bench.state.command(&bench.scene, Command::Clear);
+    bench.state.command(&bench.scene, Command::Arm);
+    assert!(bench.read(Reading::Counts([Counts(30_000), Counts(0)])).enable);
+    assert_eq!(bench.state.mode(), Mode::Armed);
+}
+
+#[test]
+fn a_motion_too_fast() {
+    let mut bench = Bench::armed(&Settings::default());
+    let last = bench.at(0.0, 10.5);
+    bench.assert_stopped(last, Fault::Overspeed);
+}
+
+#[test]
+fn a_force_too_long_at_its_limit() {
+    let mut settings = Settings::default();
+    settings.object.mass_kg = 1000.0;
+    let mut bench = Bench::armed(&settings);
+    let mut last = Actuators::default();
+    let mut ticks = 0;
+    while bench.state.mode() == Mode::Armed && ticks < 1000 {
+        last = bench.at(1.0, 0.0);
+        ticks += 1;
+    }
+    assert_eq!(ticks, settings.safety.saturated_ticks);
+    bench.assert_stopped(last, Fault::ForceSaturated);
+}
+
+#[test]
+fn a_peer_that_falls_silent() {
+    let settings = Settings::default();
+    let mut bench = Bench::armed(&settings);
+    // Silence before the first packet is no loss: the other peer may start later.
+    for _ in 0..1000 {
+        peer::exchange(&bench.scene, &mut bench.state, None);
+    }
+    assert_eq!(bench.state.mode(), Mode::Armed);
+    peer::exchange(&bench.scene, &mut bench.state, Some(Packet::default()));
+    for _ in 1..settings.safety.peer_lost_packets {
+        peer::exchange(&bench.scene, &mut bench.state, None);
+    }
+    assert_eq!(bench.state.mode(), Mode::Armed);
+    peer::exchange(&bench.scene, &mut bench.state, None);
+    let last = bench.at(0.001, 0.0);
+    bench.assert_stopped(last, Fault::PeerLost);
+}
+
+#[test]
+fn a_tick_that_overruns() {
+    let mut bench = Bench::armed(&Settings::default());
+    let reading = Reading::Exact([Motion::REST; AXES]);
+    let last = peer::tick(&bench.scene, &mut bench.state, &Sensors { reading, overrun: true });
+    bench.assert_stopped(last, Fault::TickOverrun);
+}
+
+#[test]
+fn an_object_that_leaves_the_numbers() {
+    let mut settings = Settings::default();
+    settings.coordination.comm = LawName::Power;
+    settings.object.force_delay_ticks = 0.0;
+    let mut bench = Bench::armed(&settings);
+    let far = Packet { motion: Motion { position: 3e38, velocity: 0.0 }, ..Packet::default() };
+    peer::exchange(&bench.scene, &mut bench.state, Some(far));
+    let last = bench.at(0.0, 0.0);
+    bench.assert_stopped(last, Fault::Diverged);
+}
+
+/// Faults have numbers that logs and telemetry rely on.
+#[test]
+fn fault_numbers_never_change() {
+    let faults = [
+        Fault::NonFiniteInput,
+        Fault::EncoderJump,
+        Fault::Overspeed,
+        Fault::ForceSaturated,
+        Fault::PeerLost,
+        Fault::TickOverrun,
+        Fault::Diverged,
+    ];
+    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7]);
+}
+
+/// The slew limit holds from tick to tick, and does not touch a force that moves slower.
+#[test]
+fn forces_slew() {
+    let mut settings = Settings::default();
+    settings.safety.max_slew_n_per_s = 1000.0;
+    settings.contact.stiffness_n_per_m = 5000.0;
+    let mut bench = Bench::armed(&settings);
+    let mut last = 0.0_f32;
+    for (tick, position) in [0.001, 0.004, 0.004, -0.002, -0.0021].into_iter().cycle().take(40).enumerate() {
+        let [force, _] = bench.at(position, 0.0).forces;
+        assert!((force - last).abs() <= 1.0 + 1e-6, "tick {tick}: {last} to {force}");
+        last = force;
+    }
+}
+
+/// Arming puts the object where the device is, so that nothing jerks.
+#[test]
+fn arming_starts_from_zero_force_wherever_the_device_is() {
+    let scene = Scene::<Any<f32>>::build(&Settings::default()).expect("defaults");
+    let mut state = State::new(&scene, [Motion::REST; AXES]);
+    let here = Sensors { reading: Reading::Exact([Motion::at(0.123), Motion::REST]), overrun: false };
+    peer::tick(&scene, &mut state, &here);
+    state.command(&scene, Command::Arm);
+    let armed = peer::tick(&scene, &mut state, &here);
+    assert!(armed.enable);
+    assert_eq!(armed.forces, [0.0; AXES]);
+}

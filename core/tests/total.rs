@@ -1,0 +1,130 @@
+//! For every scene that `build()` accepts and whatever comes in, `tick` returns finite forces within the limits.
+//!
+//! Settings are drawn over their whole ranges, ends included; sensors and packets are any bit pattern: NaN, infinities,
+//! subnormals, huge numbers, encoder counts that jump.
+
+use haptic_core::axis::encoder::Counts;
+use haptic_core::axis::{AXES, Reading};
+use haptic_core::couple::Packet;
+use haptic_core::motion::Motion;
+use haptic_core::peer::{self, Sensors, State};
+use haptic_core::safety::{Command, Mode};
+use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::{Allowed, Settings, Value};
+use proptest::prelude::*;
+
+/// A number of any kind: half of them what a device could say, half of them any bits.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -0.5..0.5_f64,
+        any::<u64>().prop_map(f64::from_bits),
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(-1e38),
+        Just(5e-324),
+    ]
+}
+
+/// One tick's worth of the outside world.
+#[derive(Clone, Debug)]
+struct Outside {
+    numbers: [f64; 7],
+    counts: [u16; AXES],
+    read_counts: bool,
+    overrun: bool,
+    packet: bool,
+}
+
+fn outside() -> impl Strategy<Value = Outside> {
+    (prop::array::uniform7(any_number()), any::<[u16; AXES]>(), any::<bool>(), 0..50_u8, any::<bool>()).prop_map(
+        |(numbers, counts, read_counts, overrun, packet)| Outside {
+            numbers,
+            counts,
+            read_counts,
+            overrun: overrun == 0,
+            packet,
+        },
+    )
+}
+
+/// Settings with every key drawn from its range by one number in 0..=1; 0 and 1 are the ends.
+fn settings(draws: &[f64]) -> Settings {
+    let mut settings = Settings::default();
+    for (key, &draw) in Settings::KEYS.iter().zip(draws) {
+        let value = match key.allowed {
+            // Half the draws over the magnitudes, half over the values.
+            Allowed::Number { min, max } if min > 0.0 && draw < 0.5 => Value::Number(min * (max / min).powf(2.0 * draw)),
+            Allowed::Number { min, max } => Value::Number((min + (max - min) * draw * draw).clamp(min, max)),
+            Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
+            Allowed::Flag => Value::Flag(draw > 0.5),
+            Allowed::Names(names) => Value::Text(names[((draw * names.len() as f64) as usize).min(names.len() - 1)]),
+            Allowed::Text => continue,
+        };
+        settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
+    }
+    settings
+}
+
+fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestCaseError> {
+    let Ok(scene) = Scene::<Any<S>>::build(settings) else { return Ok(()) };
+    let mut state = State::new(&scene, [Motion::REST; AXES]);
+    state.command(&scene, Command::Arm);
+    for now in course {
+        let [a, b, c, d, e, f, g] = now.numbers.map(S::from_f64);
+        if state.packet_due() {
+            let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g };
+            let sent = peer::exchange(&scene, &mut state, now.packet.then_some(packet));
+            prop_assert!(sent.is_finite(), "sent {sent:?}");
+        }
+        let reading = if now.read_counts {
+            Reading::Counts(now.counts.map(Counts))
+        } else {
+            Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
+        };
+        let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: now.overrun });
+        for force in actuators.forces {
+            let force = force.to_f64();
+            prop_assert!(force.is_finite() && force.abs() <= settings.safety.max_force_n * (1.0 + 1e-6), "force {force}");
+        }
+        let on = actuators.enable || actuators.forces.iter().any(|f| f.to_f64() != 0.0);
+        prop_assert!(!on || state.mode() == Mode::Armed, "forces while {:?}", state.mode());
+        if matches!(state.mode(), Mode::Faulted(_)) {
+            // Keep going as an operator would: everything must hold after any fault.
+            state.command(&scene, Command::Clear);
+            state.command(&scene, Command::Arm);
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn forces_stay_finite_and_within_limits(
+        draws in prop::collection::vec(0.0..=1.0_f64, Settings::KEYS.len()),
+        course in prop::collection::vec(outside(), 1..120),
+    ) {
+        let settings = settings(&draws);
+        check::<f32>(&settings, &course)?;
+        check::<f64>(&settings, &course)?;
+        check::<Fixed>(&settings, &course)?;
+    }
+}
+
+/// The draws above would prove nothing if `build()` refused them all.
+#[test]
+fn most_drawn_settings_are_accepted() {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+    let mut runner = TestRunner::deterministic();
+    let strategy = prop::collection::vec(0.0..=1.0_f64, Settings::KEYS.len());
+    let accepted = (0..1000)
+        .filter(|_| {
+            let draws = strategy.new_tree(&mut runner).expect("a vector of numbers").current();
+            Scene::<Any<f32>>::build(&settings(&draws)).is_ok()
+        })
+        .count();
+    assert!(accepted > 150, "only {accepted} of 1000 random settings build");
+}

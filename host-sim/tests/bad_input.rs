@@ -1,0 +1,122 @@
+//! Whatever is wrong with what a user wrote: exit status 2, nothing on standard output, one line that names it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bad-input");
+    std::fs::create_dir_all(&folder).expect("a folder for bad files");
+    folder
+}
+
+fn file(name: &str, text: &str) -> String {
+    let path = folder().join(name);
+    std::fs::write(&path, text).expect("write a bad file");
+    path.display().to_string()
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], names: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().expect("host-sim runs");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed {}", String::from_utf8_lossy(&output.stdout));
+    assert_eq!(error.trim_end().lines().count(), 1, "{arguments:?} said more than one line:\n{error}");
+    for name in names {
+        assert!(error.contains(name), "{arguments:?}: {name:?} is missing in: {error}");
+    }
+}
+
+fn refused_set(set: &str, names: &[&str]) {
+    refused(&["cooperate", "--json", "--set", set], names);
+}
+
+fn refused_scene(name: &str, text: &str, names: &[&str]) {
+    refused(&["cooperate", "--json", "--scene", &file(name, text)], names);
+}
+
+#[test]
+fn values_out_of_range() {
+    refused_set("device.mass_kg=-1", &["device.mass_kg = -1", "0.0001 to 1000 kg"]);
+    refused_set("device.mass_kg=0", &["device.mass_kg = 0"]);
+    refused_set("object.mass_kg=nan", &["object.mass_kg = NaN"]);
+    refused_set("object.mass_kg=inf", &["object.mass_kg = inf"]);
+    refused_set("device.force_delay_ticks=1.5", &["device.force_delay_ticks = 1.5", "0 to 1 ticks"]);
+    refused_set("object.force_delay_ticks=-0.1", &["object.force_delay_ticks = -0.1"]);
+    refused_set("timing.control_period_s=0", &["timing.control_period_s = 0"]);
+    refused_set("timing.ticks_per_packet=0", &["timing.ticks_per_packet = 0", "1 to 1000"]);
+    refused_set("timing.ticks_per_packet=2.5", &["timing.ticks_per_packet = 2.5", "whole"]);
+    refused_set("network.one_way_delay_packets=-1", &["network.one_way_delay_packets = -1"]);
+    refused_set("contact.stiffness_n_per_m=1e9", &["contact.stiffness_n_per_m = 1000000000"]);
+    refused_set("coordination.wave_impedance_n_s_per_m=0", &["coordination.wave_impedance_n_s_per_m = 0"]);
+    refused_set("safety.max_force_n=1e6", &["safety.max_force_n = 1000000", "200 N"]);
+    refused_set("user.1.push_n=1e9", &["user.1.push_n = 1000000000"]);
+    refused_set("user.2.pulse_every_s=0", &["user.2.pulse_every_s = 0"]);
+}
+
+#[test]
+fn values_of_the_wrong_kind() {
+    refused_set("object.mass_kg=heavy", &["object.mass_kg = \"heavy\"", "a number"]);
+    refused_set("contact.one_sided=1", &["contact.one_sided = 1", "true or false"]);
+    refused_set("coordination.comm=telepathy", &["coordination.comm = \"telepathy\"", "\"passive-wave\""]);
+    refused_set("coordination.decode=5", &["coordination.decode = 5", "\"implicit\""]);
+    refused_set("object.integrator=rk4", &["object.integrator = \"rk4\"", "\"semi-implicit\""]);
+    refused_set("object.mass_kg=[1,2]", &["object.mass_kg"]);
+}
+
+#[test]
+fn keys_that_do_not_exist() {
+    refused_set("object.mass=1", &["object.mass", "did you mean object.mass_kg?"]);
+    refused_set("object.mass_g=300", &["object.mass_g", "object.mass_kg"]);
+    refused_set("gravity.g=9.81", &["no table gravity", "device"]);
+    refused_set("user.3.push_n=1", &["user.3.push_n"]);
+    refused_set("contact.side=right", &["contact.side"]);
+    refused_set("nonsense", &["nonsense", "table.key=value"]);
+}
+
+#[test]
+fn combinations_that_cannot_be() {
+    refused(
+        &["cooperate", "--json", "--set", "kinematics.model=five-bar", "--set", "axis.count=1"],
+        &["axis.count = 1", "2"],
+    );
+    refused(&["cooperate", "--json", "--set", "plant.encoder=true"], &["axis.velocity", "plant.encoder"]);
+    refused(
+        &["cooperate", "--json", "--set", "axis.velocity=filtered", "--set", "axis.velocity_cutoff_hz=900"],
+        &["axis.velocity_cutoff_hz = 900", "500"],
+    );
+}
+
+#[test]
+fn scene_files() {
+    refused(&["cooperate", "--json", "--scene", "/no/such/scene.toml"], &["/no/such/scene.toml"]);
+    refused_scene("syntax.toml", "[object]\nmass_kg = = 3\n", &["syntax.toml:2"]);
+    refused_scene("negative.toml", "[object]\n\nmass_kg = -3\n", &["negative.toml:3", "object.mass_kg = -3"]);
+    refused_scene("table.toml", "[objet]\nmass_kg = 3\n", &["objet"]);
+    refused_scene("twice.toml", "[object]\nmass_kg = 3\nmass_kg = 3\n", &["twice.toml:3"]);
+    refused_scene("bare.toml", "mass_kg = 3\n", &["bare.toml:1", "mass_kg"]);
+}
+
+#[test]
+fn traces() {
+    let traced = |csv: &str, text: &str, names: &[&str]| {
+        file(csv, text);
+        refused_scene(&format!("{csv}.toml"), &format!("[user.1]\ntrace = \"{csv}\"\n"), names);
+    };
+    traced("ragged.csv", "time_s,force_n\n0,1\n1\n", &["user.1.trace", "ragged.csv", "row 2"]);
+    traced("words.csv", "time_s,force_n\n0,much\n", &["words.csv", "row 1", "much"]);
+    traced("nan.csv", "time_s,force_n\n0,NaN\n", &["nan.csv", "row 1"]);
+    traced("back.csv", "time_s,force_n\n1,0\n0.5,0\n", &["back.csv", "row 2", "0.5 s"]);
+    traced("header.csv", "t,f\n0,0\n", &["header.csv", "time_s,force_n"]);
+    traced("empty.csv", "time_s,force_n\n", &["empty.csv", "no samples"]);
+    refused_scene("gone.toml", "[user.2]\ntrace = \"gone.csv\"\n", &["user.2.trace", "gone.csv"]);
+    refused_set("user.1.trace=5", &["user.1.trace = 5"]);
+}
+
+#[test]
+fn arguments() {
+    refused(&["cooperate", "--json", "--duration-s", "-1"], &["--duration-s"]);
+    refused(&["cooperate", "--json", "--duration-s", "nan"], &["--duration-s"]);
+    refused(&["cooperate", "--json", "--duration-s", "0.0001"], &["--duration-s 0.0001"]);
+    refused(&["cooperate", "--json", "--out", "/proc/nowhere"], &["/proc/nowhere"]);
+}

@@ -1,0 +1,110 @@
+//! The commands as a script sees them: one JSON document on standard output, the papers' numbers in it.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+fn json(arguments: &[&str]) -> Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().expect("host-sim runs");
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
+
+#[track_caller]
+fn close(got: &Value, want: f64, relative: f64) {
+    let number = got.as_f64().unwrap_or_else(|| panic!("{got} is no number"));
+    assert!((number / want - 1.0).abs() <= relative, "{number} is not {want} within {relative}");
+}
+
+/// THEORY §4, marked checked: the decoded discrepancies beside the paper's 3.5, 0.644 and 0.099 mm, the true ones beside.
+#[test]
+fn the_papers_discrepancies() {
+    let document = json(&["paper", "--json"]);
+    let experiments = document["experiments"].as_array().expect("a list of experiments");
+    let find = |section: &str, comm: &str, round_trip: f64| {
+        experiments
+            .iter()
+            .find(|one| one["section"] == section && one["comm"] == comm && one["round_trip_ms"] == round_trip)
+            .unwrap_or_else(|| panic!("no experiment {section} {comm} {round_trip}"))
+    };
+    for (comm, decoded, decoded_within, true_mm, paper) in [
+        ("power", 3.25, 0.01, 3.24, 3.5),
+        ("wave", 0.638, 0.02, 2.24, 0.644),
+        ("passive-wave", 0.0946, 0.01, 1.78, 0.099),
+    ] {
+        let one = find("5.2", comm, 16.0);
+        assert_eq!(one["stable"], true, "{comm}");
+        close(&one["decoded_discrepancy_mm"], decoded, decoded_within);
+        close(&one["true_discrepancy_mm"], true_mm, 0.02);
+        close(&one["paper_discrepancy_mm"], paper, 0.0);
+    }
+    // §5.1: at 32 ms the power-domain gain of 16 ms no longer holds; both wave gains do.
+    for (comm, stable) in [("power", false), ("wave", true), ("passive-wave", true)] {
+        assert_eq!(find("5.1", comm, 32.0)["stable"], stable, "{comm} at 32 ms");
+        assert_eq!(find("5.1", comm, 16.0)["stable"], true, "{comm} at 16 ms");
+    }
+}
+
+/// THEORY §4: the matched line comes near the floor of an elastic rod of the same mass.
+#[test]
+fn the_matched_line() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/matched-line.toml");
+    let report = json(&["cooperate", "--scene", scene, "--json"]);
+    assert_eq!(report["stable"], true);
+    let per_newton = report["true_discrepancy_mm_per_n"].as_f64().expect("a number");
+    let mass = report["apparent_object_mass_kg"].as_f64().expect("a number");
+    assert!(per_newton <= 0.37, "{per_newton} mm/N");
+    assert!((0.60..=0.70).contains(&mass), "{mass} kg");
+}
+
+#[test]
+fn cooperate_reports_what_scripts_rely_on() {
+    let report = json(&["cooperate", "--json", "--duration-s", "2", "--set", "user.1.push_n=1"]);
+    assert_eq!(report["ticks"], 2000);
+    assert_eq!(report["seed"], 1);
+    for key in ["true_discrepancy_mm", "decoded_discrepancy_mm", "wall_s", "spectral_radius"] {
+        assert!(report[key].is_number(), "{key} in {report}");
+    }
+    for key in ["mean", "sd"] {
+        assert!(report["coordination_force_n"][key].is_number(), "coordination_force_n.{key}");
+    }
+}
+
+/// An unstable scene is a result, with a fault that says why the machine stopped, and a warning that says what to change.
+#[test]
+fn an_unstable_scene_is_a_result_with_advice() {
+    let report = json(&[
+        "cooperate",
+        "--json",
+        "--set",
+        "coordination.comm=power",
+        "--set",
+        "coordination.stiffness_n_per_m=2000",
+        "--set",
+        "user.1.push_n=1",
+        "--set",
+        "user.2.push_n=1",
+    ]);
+    assert_eq!(report["stable"], false);
+    assert!(report["spectral_radius"].as_f64().is_some_and(|radius| radius > 1.0));
+    let warning = report["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("coordination.stiffness_n_per_m"), "{warning}");
+}
+
+#[test]
+fn files_hold_the_run() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cooperate");
+    let report = json(&["cooperate", "--json", "--duration-s", "1", "--out", &folder.display().to_string()]);
+    let files = report["files"].as_array().expect("a list of files");
+    for extension in ["csv", "parquet", "svg", "png"] {
+        let file = files
+            .iter()
+            .filter_map(Value::as_str)
+            .find(|file| file.ends_with(extension))
+            .unwrap_or_else(|| panic!("no .{extension} in {files:?}"));
+        assert!(std::fs::metadata(file).expect("the file is there").len() > 1000, "{file}");
+    }
+    let csv = folder.join("scene.csv");
+    let rows = csv::Reader::from_path(csv).expect("a table").into_records().count();
+    assert_eq!(rows, 1000);
+}
