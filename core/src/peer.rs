@@ -220,11 +220,7 @@ pub fn exchange<M: Models>(
 }
 
 /// One control period: sensors in, forces out.
-pub fn tick<M: Models>(
-    scene: &Scene<M>,
-    state: &mut State<M>,
-    sensors: &Sensors<M::Scalar>,
-) -> Actuators<M::Scalar> {
+pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors<M::Scalar>) -> Actuators<M::Scalar> {
     state.until_packet = match state.until_packet {
         0 => scene.ticks_per_packet - 1,
         more => more - 1,
@@ -249,13 +245,8 @@ pub fn tick<M: Models>(
     let coupled = scene.law.couple(&mut state.law, object);
     state.ledger.book(&coupled, scene.period);
     state.object = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
-    state.observed = Observed {
-        device: free,
-        object,
-        desired: coupled.desired,
-        contact_force,
-        coordination_force: coupled.force,
-    };
+    state.observed =
+        Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
     if !(state.object.is_finite() && coupled.force.is_finite()) {
         state.trip(Fault::Diverged);
         return Actuators::default();
@@ -326,12 +317,15 @@ fn actuate<M: Models>(
         }
     }
     let mut at_limit = false;
-    for (last, wanted) in state.forces.iter_mut().zip(wanted) {
+    // In a local: read back from the state as a pair, forces just stored one by one would stall the processor.
+    let mut forces = state.forces;
+    for (force, wanted) in forces.iter_mut().zip(wanted) {
         at_limit |= wanted.abs() > scene.guard.max_force;
-        *last = scene.guard.limit(*last, wanted);
+        *force = scene.guard.limit(*force, wanted);
     }
+    state.forces = forces;
     let mut duties = [Duty::default(); AXES];
-    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(state.forces)) {
+    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)) {
         let (value, clipped) = scene.motor.duty(joint_force);
         *duty = value;
         at_limit |= clipped;
@@ -340,5 +334,5 @@ fn actuate<M: Models>(
         state.trip(Fault::ForceSaturated);
         return Actuators::default();
     }
-    Actuators { forces: state.forces, duties, enable: true }
+    Actuators { forces, duties, enable: true }
 }

@@ -54,7 +54,9 @@ fn settings(draws: &[f64]) -> Settings {
     for (key, &draw) in Settings::KEYS.iter().zip(draws) {
         let value = match key.allowed {
             // Half the draws over the magnitudes, half over the values.
-            Allowed::Number { min, max } if min > 0.0 && draw < 0.5 => Value::Number(min * (max / min).powf(2.0 * draw)),
+            Allowed::Number { min, max } if min > 0.0 && draw < 0.5 => {
+                Value::Number(min * (max / min).powf(2.0 * draw))
+            }
             Allowed::Number { min, max } => Value::Number((min + (max - min) * draw * draw).clamp(min, max)),
             Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
             Allowed::Flag => Value::Flag(draw > 0.5),
@@ -85,7 +87,10 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: now.overrun });
         for force in actuators.forces {
             let force = force.to_f64();
-            prop_assert!(force.is_finite() && force.abs() <= settings.safety.max_force_n * (1.0 + 1e-6), "force {force}");
+            prop_assert!(
+                force.is_finite() && force.abs() <= settings.safety.max_force_n * (1.0 + 1e-6),
+                "force {force}"
+            );
         }
         let on = actuators.enable || actuators.forces.iter().any(|f| f.to_f64() != 0.0);
         prop_assert!(!on || state.mode() == Mode::Armed, "forces while {:?}", state.mode());

@@ -59,11 +59,7 @@ impl<M: Models> Harness<M> {
             let incoming = DelayLine::new(file.world.network.one_way_delay_packets);
             Ok(Side { scene, state, plant, incoming })
         };
-        Ok(Self {
-            sides: [side(0, &left)?, side(1, &right)?],
-            period_s: file.peer.timing.control_period_s,
-            tick: 0,
-        })
+        Ok(Self { sides: [side(0, &left)?, side(1, &right)?], period_s: file.peer.timing.control_period_s, tick: 0 })
     }
 
     /// Ticks done so far, n.

@@ -134,8 +134,8 @@ impl SceneFile {
     pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
         let mut scene = Self::default();
         if let Some(path) = path {
-            let text = std::fs::read_to_string(path)
-                .map_err(|cause| SceneError::Read { path: path.to_path_buf(), cause })?;
+            let text =
+                std::fs::read_to_string(path).map_err(|cause| SceneError::Read { path: path.to_path_buf(), cause })?;
             scene.apply(&text, &path.display().to_string(), path.parent())?;
         }
         for text in overrides {
@@ -220,8 +220,10 @@ impl SceneFile {
                     return Err(SceneError::Refused { place, refused });
                 };
                 let path = folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
-                let trace = Trace::read(&path)
-                    .map_err(|error| SceneError::Trace { place: format!("{place}: {key}"), message: error.to_string() })?;
+                let trace = Trace::read(&path).map_err(|error| SceneError::Trace {
+                    place: format!("{place}: {key}"),
+                    message: error.to_string(),
+                })?;
                 self.user_mut(user).trace = Some(trace);
                 return Ok(());
             }
@@ -326,7 +328,9 @@ impl SceneFile {
 /// What a mistyped key may have meant.
 fn hint(key: &str) -> String {
     let keys = SceneFile::keys();
-    if let Some((table, _)) = key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}.")))) {
+    if let Some((table, _)) =
+        key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
+    {
         let mut tables: Vec<&str> = keys.iter().filter_map(|(name, _)| name.rsplit_once('.')).map(|(t, _)| t).collect();
         tables.dedup();
         return format!("; there is no table {table}, the tables are {}", tables.join(", "));

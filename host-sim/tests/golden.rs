@@ -19,7 +19,10 @@ fn hash<S: Scalar>(name: &str) -> String {
 fn all(threads: usize) -> String {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
     let lines: Vec<String> = pool.install(|| {
-        scenes::ALL.par_iter().flat_map_iter(|(name, _)| [hash::<f32>(name), hash::<f64>(name), hash::<Fixed>(name)]).collect()
+        scenes::ALL
+            .par_iter()
+            .flat_map_iter(|(name, _)| [hash::<f32>(name), hash::<f64>(name), hash::<Fixed>(name)])
+            .collect()
     });
     lines.join("\n") + "\n"
 }

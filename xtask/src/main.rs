@@ -1,2 +1,104 @@
-//! x
-fn main(){}
+//! Chores of the project: `cargo xtask COMMAND`. One file per chore, the standard library only.
+//!
+//! | file | chore |
+//! |---|---|
+//! | [`setup`] | installs what a fresh machine lacks |
+//! | [`test`] | everything that must pass before a change is taken |
+//! | [`bench`] | measures the tick and prints the README's tables |
+//! | [`instructions`] | compares instruction counts with the reviewed ones |
+//! | [`run`] | how chores call other programs, and how they fail |
+//!
+//! Exit status: 0 when the chore succeeded, 1 when it failed, 2 when the command line is wrong.
+
+mod bench;
+mod instructions;
+mod run;
+mod setup;
+mod test;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Chores of the project.
+
+Usage: cargo xtask COMMAND [--help]
+
+  setup        install what building and testing need and this machine lacks
+  test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
+  bench        measure one tick of every scene and the two-peer simulation, print the README's tables
+  bench-check  compare the instructions of one tick with core/benches/instructions.txt
+";
+
+const SETUP_HELP: &str = "\
+Installs what building and testing need and this machine lacks. Does nothing, in under a second, when all is there.
+
+Usage: cargo xtask setup
+
+  - rustfmt and clippy, with `rustup component add`
+  - core for thumbv7em-none-eabihf, with `rustup target add`; where that download is refused, from Debian's sources
+    with xtask/thumb-toolchain.sh
+
+Prints the toolchain that builds for the microcontroller.
+";
+
+const TEST_HELP: &str = "\
+The one command: sets up what is missing and passes every test. Stops at the first failure.
+
+Usage: cargo xtask test
+
+  set-up, cargo fmt --check, clippy without warnings, haptic-core for the microcontroller, documentation without
+  warnings, all tests in debug (documentation tests included), the golden traces in release as well, and the
+  instructions of one tick against core/benches/instructions.txt (needs valgrind, which apt-get installs if it can)
+";
+
+const BENCH_HELP: &str = "\
+Measures one tick of every scene in every number type (instructions under callgrind, nanoseconds with criterion) and the
+two-peer simulation, and prints the tables of the README in Markdown.
+
+Usage: cargo xtask bench [--quick]
+
+  --quick   less time for each measurement: for a look, not for the README
+";
+
+const BENCH_CHECK_HELP: &str = "\
+Counts the instructions of one tick under callgrind and compares them with core/benches/instructions.txt: each may
+differ by 2 %. x86-64 Linux only, where it installs valgrind if apt-get can.
+
+Usage: cargo xtask bench-check [--bless]
+
+  --bless   write what was counted to the file, for review
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        [] | ["help" | "--help" | "-h"] => print(HELP),
+        ["setup", "--help" | "-h"] => print(SETUP_HELP),
+        ["test", "--help" | "-h"] => print(TEST_HELP),
+        ["bench", "--help" | "-h"] => print(BENCH_HELP),
+        ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
+        ["setup"] => setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
+        ["test"] => test::test(),
+        ["bench"] => bench::bench(false),
+        ["bench", "--quick"] => bench::bench(true),
+        ["bench-check"] => instructions::check(false),
+        ["bench-check", "--bless"] => instructions::check(true),
+        _ => {
+            eprintln!("error: there is no `cargo xtask {}`; `cargo xtask --help` lists the commands", words.join(" "));
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn print(help: &str) -> Result<(), run::Failure> {
+    print!("{help}");
+    Ok(())
+}

@@ -17,6 +17,7 @@ use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::settings::Settings;
+use crate::vector::StateVector;
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,6 +26,14 @@ pub struct Packet<S> {
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain).
     pub wave: S,
+}
+
+/// Every number that a peer may send, in the order of declaration.
+impl<S> StateVector<S> for Packet<S> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.motion.visit(each);
+        each(&mut self.wave);
+    }
 }
 
 impl<S: Scalar> Packet<S> {

@@ -67,12 +67,7 @@ impl<S: Scalar> Model<S> for Exact<S> {
     type State = Before<S>;
     fn build(settings: &Settings) -> Self {
         let object = &settings.object;
-        Self::new(
-            object.mass_kg,
-            object.damping_n_s_per_m,
-            object.force_delay_ticks,
-            settings.timing.control_period_s,
-        )
+        Self::new(object.mass_kg, object.damping_n_s_per_m, object.force_delay_ticks, settings.timing.control_period_s)
     }
 }
 

@@ -1,39 +1,69 @@
-//! Stability of a scene, computed from the code that flies.
-use crate::scene::SceneFile;
+//! Stability, computed from the code that flies.
+//!
+//! | module | answers |
+//! |---|---|
+//! | [`mod@verdict`] | is this scene stable, and by how much? |
+//! | [`lifted`] | the lifted, or monodromy, matrix of one packet period, built two independent ways |
+//! | [`mod@limit`] | at which values of one key does that change? |
+//! | [`mod@map`] | and of two keys? |
+//! | [`figure4`], [`picture`] | the cooperation paper's Figure 4; regions as pictures |
+//! | [`mod@advice`] | what to change in a scene that is unstable |
+//! | [`sweep`] | one key, its range and the scenes along it |
+//! | [`speed`] | how fast? |
+//! | [`spectrum`] | the largest eigenvalue of a matrix |
+//!
+//! What is analysed is the linear scene behind a scene ([`crate::scene::SceneFile::linear`]): permanent two-sided contact,
+//! exact sensors and motors, nobody pushing. Gaps, friction, encoder steps and force limits are not part of it.
 
-/// Why an analysis could not be made.
+use haptic_core::settings::{Allowed, Refused};
+
+pub mod advice;
+pub mod figure4;
+pub mod lifted;
+pub mod limit;
+pub mod map;
+pub mod matrix;
+pub mod picture;
+pub mod spectrum;
+pub mod speed;
+pub mod sweep;
+pub mod verdict;
+
+pub use advice::advice;
+pub use limit::{Effort, Limit, limit};
+pub use sweep::Range;
+pub use verdict::{Analyser, Verdict, verdict};
+
+use crate::scene::SceneError;
+
+/// Why an analysis could not be made, in one line.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalysisError {
     /// The peer does not accept the settings.
-    #[error("{0}")]
-    Refused(haptic_core::settings::Refused<'static>),
-}
-
-/// What the eigenvalues of one packet period say about a scene.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Verdict {
-    /// Largest |eigenvalue| of the lifted matrix, rest modes left out; infinite where one period overflows.
-    pub spectral_radius: f64,
-    /// No eigenvalue outside the unit circle.
-    pub stable: bool,
-    /// States of the pair that act on the next packet period.
-    pub states: usize,
-}
-
-/// The verdict on the linear scene behind this one.
-///
-/// # Errors
-/// Settings that the peer refuses.
-pub fn verdict(scene: &SceneFile) -> Result<Verdict, AnalysisError> {
-    let _ = scene;
-    Ok(Verdict { spectral_radius: 0.0, stable: true, states: 0 })
-}
-
-/// One line: which gain to change, and to what, for a scene outside its region.
-///
-/// # Errors
-/// Settings that the peer refuses.
-pub fn advice(scene: &SceneFile) -> Result<String, AnalysisError> {
-    let _ = scene;
-    Ok(String::new())
+    #[error(transparent)]
+    Refused(#[from] Refused<'static>),
+    /// The scene does not accept a value of a sweep.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The key of a sweep is a name or a flag.
+    #[error("{key} is no number that could be swept: it is {allowed}")]
+    NoNumber {
+        /// The key.
+        key: String,
+        /// What it takes.
+        allowed: Allowed,
+    },
+    /// A range that does not ascend.
+    #[error("{key}: a range must be two finite numbers that ascend, not from {from} to {to}")]
+    Range {
+        /// The key.
+        key: String,
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+    },
+    /// The eigenvalue iteration gave up.
+    #[error("the eigenvalues of this scene's lifted matrix did not converge")]
+    NoConvergence,
 }

@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json, progress_bar};
 use crate::analysis;
+use crate::experiment::figures;
 use crate::experiment::run::{PortEnergy, Spread};
 use crate::experiment::{Options, Outcome, apparent_mass, run};
-use crate::report::text::TextTable;
-use crate::experiment::figures;
 use crate::report::files;
+use crate::report::text::TextTable;
 use crate::scene::SceneFile;
 
 /// The number type the peers compute in.
@@ -30,11 +30,11 @@ enum ScalarName {
 
 /// Arguments of `cooperate`.
 #[derive(Debug, Args)]
-pub struct Cooperate {
+pub(super) struct Cooperate {
     #[command(flatten)]
     scene: SceneArgs,
     /// Simulated time, s.
-    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// Number type of the peers.
     #[arg(long, value_enum, default_value_t)]
@@ -76,7 +76,7 @@ impl Cooperate {
     ///
     /// # Errors
     /// A bad scene or duration, or a file that cannot be written.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let period_s = scene.peer.timing.control_period_s;
         // A day at 1 kHz: beyond that, sums of ticks in f64 begin to round.
@@ -128,14 +128,15 @@ impl Report {
     fn new(name: String, scene: &SceneFile, outcome: &Outcome, wall_s: f64) -> Result<Self, Failure> {
         let verdict = analysis::verdict(scene)?;
         let stable = outcome.bounded && (verdict.stable || !scene.is_linear());
-        let moved = if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
+        let moved =
+            if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
         Ok(Self {
             scene: name,
             stable,
             spectral_radius: verdict.spectral_radius,
-            fault: outcome.fault.map(|(peer, fault)| {
-                format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
-            }),
+            fault: outcome
+                .fault
+                .map(|(peer, fault)| format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())),
             true_discrepancy_mm: outcome.true_discrepancy_mm,
             decoded_discrepancy_mm: outcome.decoded_discrepancy_mm,
             true_discrepancy_mm_per_n: outcome.true_discrepancy_mm / outcome.contact_force_n,

@@ -10,7 +10,7 @@ use crate::scene::SceneFile;
 
 /// Arguments of `keys`.
 #[derive(Debug, Args)]
-pub struct Keys {
+pub(super) struct Keys {
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -30,7 +30,7 @@ impl Keys {
     ///
     /// # Errors
     /// None but of writing.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let defaults = SceneFile::default();
         let rows: Vec<Row> = SceneFile::keys()
             .into_iter()

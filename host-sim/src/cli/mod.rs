@@ -19,7 +19,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::scene::{SceneError, SceneFile};
 
 /// What a command may fail with.
-pub type Failure = Box<dyn std::error::Error>;
+pub(super) type Failure = Box<dyn std::error::Error>;
 
 /// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
 ///
@@ -47,7 +47,7 @@ enum Command {
 
 /// Which scene, and what to change in it.
 #[derive(Clone, Debug, Args)]
-pub struct SceneArgs {
+pub(super) struct SceneArgs {
     /// Scene file (TOML); without it, the cooperation paper's defaults.
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
@@ -61,12 +61,12 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub fn load(&self) -> Result<SceneFile, SceneError> {
+    pub(super) fn load(&self) -> Result<SceneFile, SceneError> {
         SceneFile::load(self.scene.as_deref(), &self.set)
     }
 
     /// Short name of the scene, for file names and headings.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
         stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
@@ -77,9 +77,15 @@ pub fn main() -> ExitCode {
     let line = match CommandLine::try_parse() {
         Ok(line) => line,
         Err(error) => {
-            // Help and version are no errors; anything else is bad input.
-            let _ = error.print();
-            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+            // Help and version are no errors; anything else is bad input, said in one line.
+            if !error.use_stderr() {
+                let _ = error.print();
+                return ExitCode::SUCCESS;
+            }
+            let text = error.to_string();
+            let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+            eprintln!("host-sim: {} (--help lists what there is)", said.join(" ").trim_start_matches("error: "));
+            return ExitCode::from(2);
         }
     };
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {

@@ -6,13 +6,13 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::experiment::paper::{Experiment, Gain, experiments, gains};
 use crate::experiment::figures;
+use crate::experiment::paper::{Experiment, Gain, experiments, gains};
 use crate::report::text::TextTable;
 
 /// Arguments of `paper`.
 #[derive(Debug, Default, Args)]
-pub struct Paper {
+pub(super) struct Paper {
     /// Print JSON; pictures are drawn only with --out.
     #[arg(long)]
     json: bool,
@@ -33,7 +33,7 @@ impl Paper {
     ///
     /// # Errors
     /// A picture that cannot be written.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let bar = progress_bar(3, "experiments, gains, pictures");
         let experiments = experiments().map_err(|error| error.to_string())?;
         bar.inc(1);
@@ -57,7 +57,9 @@ impl Paper {
 impl Document {
     fn print(&self) {
         let dash = || "-".to_owned();
-        println!("Distributed haptic cooperation (Rakhsha & Constantinescu 2012), section 5: means over 10 s, mm and N\n");
+        println!(
+            "Distributed haptic cooperation (Rakhsha & Constantinescu 2012), section 5: means over 10 s, mm and N\n"
+        );
         let mut table = TextTable::new([
             "experiment",
             "comm",
@@ -102,7 +104,8 @@ impl Document {
             table.push([gain.comm.clone(), format!("{:.0}", gain.paper_n_per_m), crossings.join(", ")]);
         }
         println!("{table}");
-        let pictures: Vec<_> = self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")).collect();
+        let pictures: Vec<_> =
+            self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")).collect();
         if !pictures.is_empty() {
             println!("Pictures (SVG, and PNG beside each):");
             for picture in pictures {

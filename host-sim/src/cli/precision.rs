@@ -10,14 +10,14 @@ use crate::scenes;
 
 /// Arguments of `precision`.
 #[derive(Debug, Args)]
-pub struct Precision {
+pub(super) struct Precision {
     #[command(flatten)]
     scene: SceneArgs,
     /// Every built-in scene instead of one.
     #[arg(long, conflicts_with_all = ["scene", "set"])]
     all: bool,
     /// Simulated time, s.
-    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// Print JSON.
     #[arg(long)]
@@ -29,9 +29,10 @@ impl Precision {
     ///
     /// # Errors
     /// A bad scene.
-    pub fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         if !(self.duration_s > 0.0 && self.duration_s <= 86_400.0) {
-            let message = format!("--duration-s {} is not allowed: it must be above 0 and up to 86400 s", self.duration_s);
+            let message =
+                format!("--duration-s {} is not allowed: it must be above 0 and up to 86400 s", self.duration_s);
             return Err(message.into());
         }
         let scenes = if self.all {

@@ -18,13 +18,20 @@ fn over_time(outcome: &Outcome, column: &str, scale: f64) -> Vec<(f64, f64)> {
 /// Position of local and remote copy, coordination force, discrepancy and energy ledger: one column of a sheet.
 fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first: bool) -> [Panel; 4] {
     let other = 3 - peer;
+    // A run that stopped shows how it came to that.
+    let window =
+        outcome.fault_time_s.map_or(window, |stop| ((stop - (window.1 - window.0) + 0.5).max(0.0), stop + 0.5));
     let panel = |title: &str, y_label: &str, series: Vec<Series>| Panel {
         title: title.to_owned(),
         x_label: "Time (s)".to_owned(),
         y_label: y_label.to_owned(),
         x_range: Some(window),
         off_scale: !outcome.bounded,
-        note: outcome.fault.map(|(peer, fault)| format!("peer {peer} stops: fault {}", fault.number())),
+        note: outcome
+            .fault
+            .zip(outcome.fault_time_s)
+            .filter(|_| !title.is_empty())
+            .map(|((peer, fault), time_s)| format!("peer {peer} stops at {time_s:.2} s: {fault:?}")),
         series,
         ..Panel::default()
     };
@@ -54,7 +61,12 @@ fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first
             "Discrepancy (mm)",
             vec![
                 Series::line(label("true"), 2, over_time(outcome, "true_discrepancy_m", 1e3)),
-                Series::dashed(label("decoded, peer 2"), 1, Dash::Dashed, over_time(outcome, "decoded_discrepancy_2_m", 1e3)),
+                Series::dashed(
+                    label("decoded, peer 2"),
+                    1,
+                    Dash::Dashed,
+                    over_time(outcome, "decoded_discrepancy_2_m", 1e3),
+                ),
             ],
         ),
         panel("", "Net energy from network (J)", vec![Series::line("", 3, net)]),
@@ -119,8 +131,8 @@ pub fn paper(experiments: &[Experiment], folder: &Path) -> Result<Vec<PathBuf>, 
         let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome)).collect();
         let heading = format!("Figure {number}: largest coordination gains, {round_trip_ms} ms round trip (peer 2)");
         let caption = "Each user pushes 0.1 N toward the other; user 1 adds 1 N for 25 ms every 2.5 s. The paper plots the \
-                       remote copy as decoded at the same peer; the true one stands beside it. An unstable run is drawn \
-                       until its peers fault and cut at the others' scale.";
+                       remote copy as decoded at the same peer; the true one stands beside it. An unstable run is shown \
+                       as it comes to a fault, cut at the others' scale.";
         // Two pulses, after the start has settled; an unstable run shows how it begins.
         let figure = side_by_side(&heading, caption, &columns, (9.5, 13.5));
         pictures.extend(draw(&figure, &folder.join(format!("figure-{number}")))?);
@@ -139,7 +151,8 @@ pub fn paper(experiments: &[Experiment], folder: &Path) -> Result<Vec<PathBuf>, 
         .collect();
     let caption = "Each user pushes 1 N toward the other; user 2 adds 0.25 sin 3t N. The matched line puts the object's mass \
                    into the wave line (b = 40 N s/m) and leaves 20 g to each copy.";
-    let figure = side_by_side("Section 5.2: position coherency, 16 ms round trip (peer 2)", caption, &columns, (10.0, 16.0));
+    let figure =
+        side_by_side("Section 5.2: position coherency, 16 ms round trip (peer 2)", caption, &columns, (10.0, 16.0));
     pictures.extend(draw(&figure, &folder.join("coherency"))?);
     Ok(pictures)
 }
@@ -173,9 +186,10 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
     };
     Figure {
         title: "Figure 9: mean position discrepancy, 16 ms round trip".to_owned(),
-        caption: "The paper's remote copy is the one decoded at the same peer; the true discrepancy is larger, because the \
+        caption:
+            "The paper's remote copy is the one decoded at the same peer; the true discrepancy is larger, because the \
                   wave line itself is a spring."
-            .to_owned(),
+                .to_owned(),
         columns: 1,
         panels: vec![Panel {
             x_label: "Communications".to_owned(),

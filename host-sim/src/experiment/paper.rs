@@ -7,8 +7,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::run::Spread;
 use super::{Options, Outcome, apparent_mass, run};
-use crate::analysis;
+use crate::analysis::{self, Effort, Range};
 use crate::scene::SceneFile;
 use crate::scenes;
 
@@ -57,7 +58,7 @@ pub struct Experiment {
     /// The same over the mean contact force, mm/N.
     pub true_discrepancy_mm_per_n: f64,
     /// F_T at peer 2 over the last half.
-    pub coordination_force_n: super::run::Spread,
+    pub coordination_force_n: Spread,
     /// Apparent mass of the shared object, kg, where the scene is stable.
     pub apparent_object_mass_kg: Option<f64>,
     /// What was recorded.
@@ -86,7 +87,9 @@ pub fn experiments() -> Result<Vec<Experiment>, Box<dyn std::error::Error + Send
 }
 
 fn section(name: &str) -> Option<&str> {
-    name.strip_prefix("paper-").and_then(|rest| rest.split('-').next()).or_else(|| (name == "matched-line").then_some(name))
+    name.strip_prefix("paper-")
+        .and_then(|rest| rest.split('-').next())
+        .or_else(|| (name == "matched-line").then_some(name))
 }
 
 fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send + Sync>> {
@@ -132,7 +135,8 @@ pub fn gains() -> Result<Vec<Gain>, Box<dyn std::error::Error + Send + Sync>> {
         .iter()
         .map(|printed| {
             let scene = scenes::load(&format!("paper-5.1-{}-16ms", printed.comm))?;
-            let limit = analysis::limit(&scene, "coordination.stiffness_n_per_m", 1.0, 12_000.0)?;
+            let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
+            let limit = analysis::limit(&scene, range, Effort::default())?;
             Ok(Gain {
                 comm: printed.comm.to_owned(),
                 paper_n_per_m: printed.gain_n_per_m,

@@ -3,6 +3,7 @@
 //! Discrepancies are two, always by name (THEORY §4): **true** |x_o1 − x_o2| at one instant, and **decoded** |x_o − x_d| at
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 
+use haptic_core::safety::Fault;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::Refused;
 use serde::Serialize;
@@ -51,7 +52,9 @@ pub struct Outcome {
     /// Neither peer faulted, and no envelope grew without bound.
     pub bounded: bool,
     /// Who stopped, and why.
-    pub fault: Option<(usize, haptic_core::safety::Fault)>,
+    pub fault: Option<(usize, Fault)>,
+    /// When, s.
+    pub fault_time_s: Option<f64>,
     /// Mean of |x_o1 − x_o2| over the last half, mm.
     pub true_discrepancy_mm: f64,
     /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
@@ -91,17 +94,25 @@ pub type Progress<'a> = &'a dyn Fn(u64);
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn run<S: Scalar>(scene: &SceneFile, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
+pub fn run<S: Scalar>(
+    scene: &SceneFile,
+    options: Options,
+    progress: Progress<'_>,
+) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + 2 * PEER_COLUMNS.len() + 2];
     let mut merits = Merits::default();
     let mut growth = Growth::new(ticks);
     let mut hash = HASH_SEED;
+    let mut fault_time_s = None;
     for tick in 0..ticks {
         let time_s = pair.time_s();
         pair.step();
         hash = pair.hash(hash);
+        if fault_time_s.is_none() && pair.fault().is_some() {
+            fault_time_s = Some(time_s);
+        }
         let [first, second] = pair.sides.each_ref().map(|side| side.state.observed());
         let true_m = (first.object.position.to_f64() - second.object.position.to_f64()).abs();
         let decoded_m = (second.object.position.to_f64() - second.desired.position.to_f64()).abs();
@@ -140,6 +151,7 @@ pub fn run<S: Scalar>(scene: &SceneFile, options: Options, progress: Progress<'_
     Ok(Outcome {
         bounded: fault.is_none() && !growth.grew(),
         fault,
+        fault_time_s,
         true_discrepancy_mm: 1e3 * merits.true_m / count,
         decoded_discrepancy_mm: 1e3 * merits.decoded_m / count,
         coordination_force_n: Spread { mean, sd: (merits.force_squared / count - mean * mean).max(0.0).sqrt() },

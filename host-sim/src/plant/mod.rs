@@ -63,7 +63,8 @@ impl Plant {
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
             moving_mass_kg,
-            joints: (world.plant.encoder || world.plant.motor).then(|| Joints::new(&scene.peers()[index], &world.plant)),
+            joints: (world.plant.encoder || world.plant.motor)
+                .then(|| Joints::new(&scene.peers()[index], &world.plant)),
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
             motions: [free, held[0]],
@@ -100,8 +101,8 @@ impl Plant {
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {
             let (wanted, wanted_speed) = self.user.wanted(time_s + 0.5 * self.period_s);
-            push += self.toward
-                * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
+            push +=
+                self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
         let pushes = [push, profile.side_push_n];
         for axis in 0..self.axes_in_use {

@@ -78,14 +78,11 @@ fn parquet_groups(table: &Table, path: &Path) -> Result<(), ParquetError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scratch::Scratch;
     use super::super::table::Column;
     use super::*;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
-
-    fn scratch(name: &str) -> std::path::PathBuf {
-        std::env::temp_dir().join(format!("report-files-{}", std::process::id())).join(name)
-    }
 
     fn awkward() -> Table {
         let values = vec![0.0, -0.0, 0.1 + 0.2, 1e300, f64::MIN_POSITIVE / 8.0, -1.0 / 3.0, f64::INFINITY, f64::NAN];
@@ -125,7 +122,8 @@ mod tests {
 
     #[test]
     fn csv_round_trips_every_bit() {
-        let path = scratch("awkward.csv");
+        let folder = Scratch::new("csv");
+        let path = folder.join("new folder/awkward.csv");
         write_csv(&awkward(), &path).unwrap();
         assert_eq!(bits(&read_csv(&path)), bits(&awkward()));
         assert!(std::fs::read_to_string(&path).unwrap().contains("0.002,0.30000000000000004\n"));
@@ -133,7 +131,8 @@ mod tests {
 
     #[test]
     fn parquet_round_trips_every_bit() {
-        let path = scratch("awkward.parquet");
+        let folder = Scratch::new("parquet");
+        let path = folder.join("new folder/awkward.parquet");
         write_parquet(&awkward(), &path).unwrap();
         assert_eq!(bits(&read_parquet(&path)), bits(&awkward()));
     }
@@ -142,7 +141,8 @@ mod tests {
     fn parquet_starts_a_new_row_group_after_its_limit() {
         let values: Vec<f64> = (0..ROW_GROUP_ROWS + 3).map(|i| (i as f64).sin()).collect();
         let table = Table::new(vec![Column::new("x_m", values)]).unwrap();
-        let path = scratch("long.parquet");
+        let folder = Scratch::new("groups");
+        let path = folder.join("long.parquet");
         write_parquet(&table, &path).unwrap();
         assert_eq!(SerializedFileReader::new(File::open(&path).unwrap()).unwrap().num_row_groups(), 2);
         assert_eq!(bits(&read_parquet(&path)), bits(&table));
@@ -150,10 +150,11 @@ mod tests {
 
     #[test]
     fn the_same_table_gives_the_same_bytes() {
+        let folder = Scratch::new("same");
         for (name, write) in [("same.csv", write_csv as fn(&Table, &Path) -> _), ("same.parquet", write_parquet)] {
             let read = || {
-                write(&awkward(), &scratch(name)).unwrap();
-                std::fs::read(scratch(name)).unwrap()
+                write(&awkward(), &folder.join(name)).unwrap();
+                std::fs::read(folder.join(name)).unwrap()
             };
             assert_eq!(read(), read(), "{name}");
         }
@@ -161,24 +162,23 @@ mod tests {
 
     #[test]
     fn tables_without_rows_or_columns_are_written() {
+        let folder = Scratch::new("empty");
         let no_rows = Table::with_names(&["time_s"]).unwrap();
         for (i, table) in [no_rows, Table::default()].iter().enumerate() {
-            write_csv(table, &scratch(&format!("empty-{i}.csv"))).unwrap();
-            write_parquet(table, &scratch(&format!("empty-{i}.parquet"))).unwrap();
-            assert_eq!(&read_parquet(&scratch(&format!("empty-{i}.parquet"))), table);
+            write_csv(table, &folder.join(format!("{i}.csv"))).unwrap();
+            write_parquet(table, &folder.join(format!("{i}.parquet"))).unwrap();
+            assert_eq!(&read_parquet(&folder.join(format!("{i}.parquet"))), table);
         }
     }
 
     #[test]
     fn an_error_names_the_path_and_the_cause() {
-        let file = scratch("a-file");
-        create_folder(&file, "CSV").unwrap();
+        let folder = Scratch::new("error");
+        let file = folder.join("a-file");
         std::fs::write(&file, "").unwrap();
-        for result in
-            [write_csv(&awkward(), &file.join("x.csv")), write_parquet(&awkward(), file.parent().unwrap())]
-        {
+        for result in [write_csv(&awkward(), &file.join("x.csv")), write_parquet(&awkward(), &folder)] {
             let text = result.unwrap_err().to_string();
-            assert!(text.starts_with("cannot write ") && text.contains("report-files-"), "{text}");
+            assert!(text.starts_with("cannot write ") && text.contains(&*folder.to_string_lossy()), "{text}");
         }
     }
 }

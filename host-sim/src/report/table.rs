@@ -1,8 +1,8 @@
 //! A table: named columns of equal length.
 //!
-//! Every value is an `f64`; the unit is the last part of the column's name (`time_s`, `object_1_m`, `force_n`), so that a
-//! file needs no second file to be understood. Two things always hold: all columns are equally long, and no name occurs
-//! twice. NaN and infinities are allowed and mean themselves.
+//! Every value is an `f64`; the unit is the last part of the column's name (`time_s`, `object_1_m`, `force_n`), so that
+//! a file needs no second file to be understood. Two things always hold: all columns are equally long, and no name
+//! occurs twice. NaN and infinities are allowed and mean themselves.
 
 use super::ReportError;
 

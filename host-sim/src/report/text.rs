@@ -39,10 +39,8 @@ impl TextTable {
         };
         let columns = escaped.columns();
         let line = |row: &[String]| format!("| {} |\n", pad(row, &columns).join(" | "));
-        let rules: Vec<String> = columns
-            .iter()
-            .map(|c| "-".repeat(c.width + 1) + if c.right { ":" } else { "-" })
-            .collect();
+        let rules: Vec<String> =
+            columns.iter().map(|c| "-".repeat(c.width + 1) + if c.right { ":" } else { "-" }).collect();
         let rows: String = escaped.rows.iter().map(|row| line(row)).collect();
         format!("{}|{}|\n{rows}", line(&escaped.header), rules.join("|"))
     }
@@ -71,8 +69,9 @@ impl fmt::Display for TextTable {
     }
 }
 
-/// A number with at least `digits` significant digits, and never fewer than its integer part needs: `significant(0.09871,
-/// 3)` is `0.0987`, `significant(10620.0, 3)` is `10620`. Below 1e-4 and from 1e9 up in scientific notation.
+/// A number with at least `digits` significant digits, and never fewer than its integer part needs:
+/// `significant(0.09871, 3)` is `0.0987`, `significant(10620.0, 3)` is `10620`. Below 1e-4 and from 1e9 up in
+/// scientific notation.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { value.to_string() };

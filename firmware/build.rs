@@ -1,0 +1,19 @@
+//! Gives the linker the root's memory.x and the scripts of cortex-m-rt and defmt, from whatever directory cargo runs in.
+
+use std::path::PathBuf;
+use std::{env, fs};
+
+fn main() {
+    println!("cargo::rustc-check-cfg=cfg(loom)");
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=../memory.x");
+    if env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os != "none") {
+        return;
+    }
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    fs::copy("../memory.x", out.join("memory.x")).expect("memory.x stands in the root");
+    println!("cargo::rustc-link-search={}", out.display());
+    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+        println!("cargo::rustc-link-arg-bins={argument}");
+    }
+}

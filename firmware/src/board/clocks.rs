@@ -1,0 +1,38 @@
+//! Clocks: 480 MHz core, 240 MHz buses and timers, 120 MHz peripherals, from the ST-LINK's 8 MHz.
+//!
+//! 8 MHz / 2 × 240 = 960 MHz, / 2 = 480 MHz: needs voltage scale 0, which silicon before revision V does not have.
+
+use embassy_stm32::Config;
+use embassy_stm32::rcc::{
+    AHBPrescaler, APBPrescaler, HSIPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk, VoltageScale,
+};
+use embassy_stm32::time::Hertz;
+
+/// Clock of every timer, Hz.
+pub(crate) const TIMERS_HZ: u32 = 240_000_000;
+
+/// The clock tree.
+pub(crate) fn config() -> Config {
+    let mut config = Config::default();
+    let rcc = &mut config.rcc;
+    rcc.hsi = Some(HSIPrescaler::DIV1);
+    rcc.csi = true;
+    rcc.hse = Some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
+    rcc.pll1 = Some(Pll {
+        source: PllSource::HSE,
+        prediv: PllPreDiv::DIV2,
+        mul: PllMul::MUL240,
+        fracn: None,
+        divp: Some(PllDiv::DIV2),
+        divq: Some(PllDiv::DIV8),
+        divr: None,
+    });
+    rcc.sys = Sysclk::PLL1_P;
+    rcc.ahb_pre = AHBPrescaler::DIV2;
+    rcc.apb1_pre = APBPrescaler::DIV2;
+    rcc.apb2_pre = APBPrescaler::DIV2;
+    rcc.apb3_pre = APBPrescaler::DIV2;
+    rcc.apb4_pre = APBPrescaler::DIV2;
+    rcc.voltage_scale = VoltageScale::Scale0;
+    config
+}

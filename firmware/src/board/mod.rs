@@ -1,0 +1,108 @@
+//! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges. The only folder that knows the chip.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`clocks`] | 480 MHz from the ST-LINK's 8 MHz |
+//! | [`memory`] | ITCM, caches, protection, flash for settings |
+//! | [`encoders`] | two quadrature counters |
+//! | [`bridges`] | two PWM bridges, their enable line, the emergency stop |
+//! | [`pace`] | the 1 kHz timer and the bell by which its interrupt wakes a task |
+//! | [`ethernet`] | RMII, descriptors in AXI SRAM |
+//! | [`sections`] | critical sections that the tick preempts |
+//! | [`reset`] | why the processor started |
+//!
+//! Pins (docs/hardware.md has the wiring): encoder 1 PC6/PC7 (TIM3), encoder 2 PD12/PD13 (TIM4), bridge 1 PE9/PE8, bridge
+//! 2 PE11/PE10 (TIM1), enable PF3, emergency stop PE15 (TIM1 break), board number PG12 (to ground: board 2), LEDs PB0
+//! (alive), PB14 (armed). Ethernet is the Nucleo's own.
+//!
+//! Interrupt priorities, most urgent first: 0 tick, 1 bell, 2 supervisor, 3 time driver, 4 Ethernet, 5 network executor,
+//! thread: settings store. A critical section masks 1 and everything below it, never the tick.
+
+pub(crate) mod bridges;
+pub(crate) mod clocks;
+pub(crate) mod encoders;
+pub(crate) mod ethernet;
+pub(crate) mod memory;
+pub(crate) mod pace;
+pub(crate) mod reset;
+mod sections;
+
+use embassy_stm32::Peri;
+use embassy_stm32::flash::{Blocking, Flash};
+use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::peripherals::TIM6;
+use embassy_stm32::wdg::IndependentWatchdog;
+
+/// Which of the pair this board is, by its strap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub(crate) enum Number {
+    /// Strap open: on the left, pushes toward positive x.
+    One,
+    /// Strap to ground: on the right.
+    Two,
+}
+
+/// What the tasks get to own.
+pub(crate) struct Board {
+    /// Which of the pair.
+    pub(crate) number: Number,
+    /// The 1 kHz timer, not yet running.
+    pub(crate) pace: Peri<'static, TIM6>,
+    /// Not yet running.
+    pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
+    /// For the settings store.
+    pub(crate) flash: Flash<'static, Blocking>,
+    /// What [`ethernet::start`] takes.
+    pub(crate) ethernet: ethernet::Pins,
+    /// Blinks while the supervisor runs.
+    pub(crate) alive: Output<'static>,
+    /// Lit while the motors are on.
+    pub(crate) armed: Output<'static>,
+}
+
+/// Milliseconds without a sign of life after which the watchdog resets the chip, and with it turns the outputs off.
+/// Nominal: the oscillator behind it is good to a few per cent.
+pub(crate) const WATCHDOG_MS: u32 = 25;
+
+/// Brings up everything but the tick, the watchdog and the network. Bridges stay off.
+pub(crate) fn init() -> Board {
+    // Nothing placed in ITCM has been called yet: main does this first.
+    memory::load_itcm();
+    let p = embassy_stm32::init(clocks::config());
+    bridges::init(p.TIM1, bridges::Pins {
+        bridge_1: (p.PE9, p.PE8),
+        bridge_2: (p.PE11, p.PE10),
+        enable: p.PF3,
+        stop: p.PE15,
+    });
+    memory::protect();
+    encoders::init(p.TIM3, (p.PC6, p.PC7), p.TIM4, (p.PD12, p.PD13));
+    // All interrupts come out of reset at priority 0, the tick's own.
+    interrupt::TIM5.set_priority(Priority::P3);
+    interrupt::ETH.set_priority(Priority::P4);
+    let strap = Input::new(p.PG12, Pull::Up);
+    // The pull-up charges the pin within a microsecond; give it ten.
+    cortex_m::asm::delay(4_800);
+    Board {
+        number: if strap.is_high() { Number::One } else { Number::Two },
+        pace: p.TIM6,
+        watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
+        flash: Flash::new_blocking(p.FLASH),
+        ethernet: ethernet::Pins {
+            eth: p.ETH,
+            sma: p.ETH_SMA,
+            ref_clk: p.PA1,
+            mdio: p.PA2,
+            crs: p.PA7,
+            tx_d1: p.PB13,
+            mdc: p.PC1,
+            rx_d0: p.PC4,
+            rx_d1: p.PC5,
+            tx_en: p.PG11,
+            tx_d0: p.PG13,
+        },
+        alive: Output::new(p.PB0, Level::Low, Speed::Low),
+        armed: Output::new(p.PB14, Level::Low, Speed::Low),
+    }
+}

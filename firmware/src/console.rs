@@ -1,0 +1,220 @@
+//! The operator's port: lines of text over UDP that arm, stop and set up the board ([`firmware_parts::operator`]).
+//!
+//! One datagram to port 7702, one answer back, `ok …` or `error …`, with the line's `#tag` in front. Settings go into a
+//! draft first; `apply` checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary
+//! if it is disarmed. Arming is refused while anything stands against it, with the reason.
+//!
+//! Limits: nothing here is sealed or authenticated. Whoever can reach the port can arm the motors, so it belongs on a
+//! cable or a switch of its own.
+
+use core::fmt::Write;
+use core::sync::atomic::Ordering;
+
+use embassy_net::Stack;
+use embassy_net::udp::{PacketMetadata, UdpSocket};
+use embassy_time::{Duration, Timer};
+use firmware_parts::exchange::Writer;
+use firmware_parts::operator::{self, Request};
+use firmware_parts::status;
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::motion::Motion;
+use haptic_core::render::{Contact, Side};
+use haptic_core::safety::Command;
+use haptic_core::scene::Scene;
+use haptic_core::settings::{SetError, Settings};
+use heapless::String;
+use static_cell::ConstStaticCell;
+
+use crate::board::{Number, bridges, pace};
+use crate::fault::Cause;
+use crate::tick::{self, Plan};
+use crate::{net, telemetry};
+
+/// Port of the operator.
+const PORT: u16 = 7702;
+
+/// Longest answer, bytes.
+type Answer = String<240>;
+
+/// What the operator works on.
+pub(crate) struct Console {
+    /// Which of the pair.
+    pub(crate) number: Number,
+    /// Why the board started; stands against arming until cleared if it was no ordinary start.
+    pub(crate) cause: Cause,
+    /// Nobody has acknowledged it yet.
+    pub(crate) unacknowledged: bool,
+    /// What `set` changes.
+    pub(crate) draft: Settings,
+    /// Scenes for the tick.
+    pub(crate) plans: Writer<'static, Plan>,
+    /// Numbers the orders.
+    pub(crate) orders: u32,
+}
+
+/// The settings as this board runs them, turned into what the tick takes; or why not.
+pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> {
+    let mut settings = *settings;
+    settings.contact.side = match number {
+        Number::One => Side::Left,
+        Number::Two => Side::Right,
+    };
+    let mut why = Answer::new();
+    if settings.timing.control_period_s != pace::PERIOD_S {
+        let _ = write!(why, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S);
+        return Err(why);
+    }
+    if settings.axis.velocity == VelocityName::Measured {
+        let _ = write!(why, "axis.velocity must be difference, filtered or adaptive: encoders measure no velocity");
+        return Err(why);
+    }
+    match Scene::build(&settings) {
+        Ok(scene) => {
+            // The object starts at zero, so the device starts where it is just clear of it.
+            let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
+            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST] })
+        }
+        Err(refused) => {
+            let _ = write!(why, "{refused}");
+            Err(why)
+        }
+    }
+}
+
+impl Console {
+    /// Does what a line asks for, and answers.
+    async fn answer(&mut self, request: Request<'_>, from: embassy_net::IpEndpoint, to: &mut Answer) -> core::fmt::Result {
+        match request {
+            Request::Status => self.status(to),
+            Request::Command(command) => self.command(command, to).await,
+            Request::Set(key, value) => match self.draft.set(key, value) {
+                Ok(()) => write!(to, "ok {key} = {value}"),
+                Err(SetError::Unknown) => write!(to, "error there is no key {key}"),
+                Err(SetError::Refused(refused)) => write!(to, "error {refused}"),
+            },
+            Request::Get(key) => match self.draft.get(key) {
+                Some(value) => write!(to, "ok {key} = {value}"),
+                None => write!(to, "error there is no key {key}"),
+            },
+            Request::Defaults => {
+                self.draft = crate::defaults();
+                write!(to, "ok the draft holds the defaults")
+            }
+            Request::Apply => self.apply(to).await,
+            Request::Save => write!(to, "error there is no store yet"),
+            Request::Stream(every) => {
+                telemetry::stream(from, every);
+                write!(to, "ok every {every} ticks")
+            }
+            Request::Capture(ticks) => {
+                telemetry::capture(from, ticks);
+                write!(to, "ok the next {ticks} ticks")
+            }
+        }
+    }
+
+    fn status(&self, to: &mut Answer) -> core::fmt::Result {
+        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+        let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
+        write!(
+            to,
+            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; started: {}{}",
+            self.number as u8 + 1,
+            number(&tick::TICKS),
+            number(&tick::OVERRUNS),
+            number(&net::SENT),
+            number(&net::DROPPED),
+            number(&net::RECEIVED),
+            number(&net::REFUSED),
+            self.cause.stop.explain(),
+            self.cause.place,
+        )
+    }
+
+    async fn command(&mut self, command: Command, to: &mut Answer) -> core::fmt::Result {
+        match command {
+            Command::Disarm => {
+                tick::DISARM.store(true, Ordering::Relaxed);
+                return write!(to, "ok disarmed");
+            }
+            Command::Clear => {
+                self.unacknowledged = false;
+                tick::EMERGENCY.store(false, Ordering::Relaxed);
+            }
+            Command::Arm if self.unacknowledged => {
+                return write!(to, "error clear first: {}", self.cause.stop.explain());
+            }
+            Command::Arm if tick::EMERGENCY.load(Ordering::Relaxed) => {
+                return write!(to, "error clear first: the emergency stop was pressed");
+            }
+            Command::Arm if !bridges::stop_released() => {
+                return write!(to, "error the emergency stop is pressed, or not connected");
+            }
+            Command::Arm => {}
+        }
+        self.orders = self.orders.wrapping_add(1);
+        let order = status::order(self.orders, command);
+        tick::ORDER.store(order, Ordering::Release);
+        if !carried_out(|| tick::DONE.load(Ordering::Acquire) == order).await {
+            return write!(to, "error the tick did not answer");
+        }
+        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+        match (command, mode) {
+            (Command::Arm, "armed") | (Command::Clear, "disarmed") => write!(to, "ok {mode}"),
+            _ => write!(to, "error {mode}, fault {fault}"),
+        }
+    }
+
+    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 != "disarmed" {
+            return write!(to, "error disarm first");
+        }
+        match plan(&self.draft, self.number) {
+            Ok(plan) => {
+                self.plans.write(plan);
+                write!(to, "ok applied")
+            }
+            Err(why) => write!(to, "error {why}"),
+        }
+    }
+}
+
+/// Waits up to 50 ms for the tick to do something.
+async fn carried_out(done: impl Fn() -> bool) -> bool {
+    for _ in 0..50 {
+        if done() {
+            return true;
+        }
+        Timer::after(Duration::from_millis(1)).await;
+    }
+    done()
+}
+
+/// Listens and answers.
+#[embassy_executor::task]
+pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
+    static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
+    static TX_META: ConstStaticCell<[PacketMetadata; 4]> = ConstStaticCell::new([PacketMetadata::EMPTY; 4]);
+    static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), TX_META.take(), TX.take());
+    if socket.bind(PORT).is_err() {
+        defmt::panic!("the operator's port cannot be bound");
+    }
+    let mut bytes = [0; 256];
+    loop {
+        let Ok((length, from)) = socket.recv_from(&mut bytes).await else { continue };
+        let (tag, request) = operator::parse(bytes.get(..length).unwrap_or_default());
+        let mut answer = Answer::new();
+        if !tag.is_empty() {
+            let _ = write!(answer, "#{tag} ");
+        }
+        // An answer that does not fit is cut: the first words say what matters.
+        let _ = match request {
+            Ok(request) => console.answer(request, from.endpoint, &mut answer).await,
+            Err(misread) => write!(answer, "error {}", misread.explain()),
+        };
+        defmt::info!("operator: {=str}", answer.as_str());
+        net::send_now(&socket, answer.as_bytes(), from.endpoint).await;
+    }
+}

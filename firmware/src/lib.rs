@@ -1,0 +1,16 @@
+//! What the board's image needs and no chip: testable on a PC.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`exchange`] | the only memory that the 1 kHz interrupt and the tasks share |
+//! | [`record`] | what one tick saw and did, and its bytes |
+//! | [`operator`] | the lines of text by which a person arms, stops and sets up a board |
+//! | [`status`] | mode, fault and progress in words that an interrupt can publish |
+//!
+//! The rest of the package is the image itself (`main.rs`), for the STM32H743 only.
+#![no_std]
+
+pub mod exchange;
+pub mod operator;
+pub mod record;
+pub mod status;

@@ -1,0 +1,147 @@
+//! The lines of text by which a person, or a program on the PC, arms, stops and sets up a board.
+//!
+//! One datagram holds one line, so that `nc -u` is enough: a word, its arguments, and optionally `#tag` in front, which
+//! the answer repeats. Nothing here moves a motor but `arm`; `disarm` is always accepted.
+//!
+//! | line | does |
+//! |---|---|
+//! | `status` | mode, fault, ticks, what stopped the board last |
+//! | `arm`, `disarm`, `clear` | motors on; motors off; forget a fault (the motors stay off) |
+//! | `set key value`, `get key` | one setting of the draft, as scene files spell it |
+//! | `defaults`, `apply` | draft back to defaults; draft checked and taken, only while disarmed |
+//! | `save` | what is applied goes to flash, only while disarmed |
+//! | `stream n`, `stream off` | every n-th tick to the sender; nothing any more |
+//! | `capture n` | the next n ticks, every one |
+
+use haptic_core::safety::Command;
+use haptic_core::settings::Value;
+
+/// What a line asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Request<'a> {
+    /// Mode, fault, progress.
+    Status,
+    /// Motors on or off, a fault forgotten.
+    Command(Command),
+    /// A key of the draft.
+    Set(&'a str, Value<'a>),
+    /// What a key of the draft is.
+    Get(&'a str),
+    /// The draft becomes the defaults.
+    Defaults,
+    /// The draft becomes the scene.
+    Apply,
+    /// The scene's settings are kept for the next start.
+    Save,
+    /// Every how-many-th tick to the sender; 0 is none.
+    Stream(u32),
+    /// So many ticks in a row, every one.
+    Capture(u32),
+}
+
+/// Why a line is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misread {
+    /// It is no text, or empty.
+    Empty,
+    /// Its first word is not known.
+    Word,
+    /// Its arguments are not what the word takes.
+    Arguments,
+}
+
+impl Misread {
+    /// One sentence for a person.
+    pub fn explain(self) -> &'static str {
+        match self {
+            Self::Empty => "send one line of text",
+            Self::Word => "the words are status, arm, disarm, clear, set, get, defaults, apply, save, stream, capture",
+            Self::Arguments => "the forms are set key value, get key, stream n, stream off, capture n",
+        }
+    }
+}
+
+/// A value as a line spells it: `true`, `false`, a number, else a name.
+pub fn value(text: &str) -> Value<'_> {
+    match text {
+        "true" => Value::Flag(true),
+        "false" => Value::Flag(false),
+        _ => text.parse().map_or(Value::Text(text), Value::Number),
+    }
+}
+
+/// The tag (empty without one) and what the line asks for.
+pub fn parse(datagram: &[u8]) -> (&str, Result<Request<'_>, Misread>) {
+    let Ok(line) = core::str::from_utf8(datagram) else { return ("", Err(Misread::Empty)) };
+    let line = line.trim();
+    let (tag, line) = match line.strip_prefix('#') {
+        Some(rest) => rest.split_once(' ').unwrap_or((rest, "")),
+        None => ("", line),
+    };
+    (tag, request(line))
+}
+
+fn request(line: &str) -> Result<Request<'_>, Misread> {
+    let mut words = line.split_ascii_whitespace();
+    let word = words.next().ok_or(Misread::Empty)?;
+    let arguments = [words.next(), words.next(), words.next()];
+    Ok(match (word, arguments) {
+        ("status", [None, ..]) => Request::Status,
+        ("arm", [None, ..]) => Request::Command(Command::Arm),
+        // Whatever else stands in the line: stopping must not fail for a slip of the finger.
+        ("disarm", _) => Request::Command(Command::Disarm),
+        ("clear", [None, ..]) => Request::Command(Command::Clear),
+        ("set", [Some(key), Some(text), None]) => Request::Set(key, value(text)),
+        ("get", [Some(key), None, _]) => Request::Get(key),
+        ("defaults", [None, ..]) => Request::Defaults,
+        ("apply", [None, ..]) => Request::Apply,
+        ("save", [None, ..]) => Request::Save,
+        ("stream", [Some("off"), None, _]) => Request::Stream(0),
+        ("stream", [Some(n), None, _]) => Request::Stream(n.parse().map_err(|_| Misread::Arguments)?),
+        ("capture", [Some(n), None, _]) => Request::Capture(n.parse().map_err(|_| Misread::Arguments)?),
+        ("arm" | "status" | "clear" | "set" | "get" | "defaults" | "apply" | "save" | "stream" | "capture", _) => {
+            return Err(Misread::Arguments);
+        }
+        _ => return Err(Misread::Word),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_read_as_written() {
+        assert_eq!(parse(b"arm\n"), ("", Ok(Request::Command(Command::Arm))));
+        assert_eq!(parse(b"#7 status"), ("7", Ok(Request::Status)));
+        assert_eq!(
+            parse(b"#x set coordination.comm wave\r\n"),
+            ("x", Ok(Request::Set("coordination.comm", Value::Text("wave"))))
+        );
+        assert_eq!(parse(b"set object.mass_kg 0.3").1, Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
+        assert_eq!(parse(b"set contact.one_sided true").1, Ok(Request::Set("contact.one_sided", Value::Flag(true))));
+        assert_eq!(parse(b"stream off").1, Ok(Request::Stream(0)));
+        assert_eq!(parse(b"capture 500").1, Ok(Request::Capture(500)));
+    }
+
+    #[test]
+    fn what_is_no_line_says_why() {
+        assert_eq!(parse(b"").1, Err(Misread::Empty));
+        assert_eq!(parse(b"\xFF\xFE").1, Err(Misread::Empty));
+        assert_eq!(parse(b"#5").1, Err(Misread::Empty));
+        assert_eq!(parse(b"launch").1, Err(Misread::Word));
+        assert_eq!(parse(b"set a").1, Err(Misread::Arguments));
+        assert_eq!(parse(b"stream x").1, Err(Misread::Arguments));
+    }
+
+    #[test]
+    fn stopping_is_never_misread_for_what_follows_it() {
+        assert_eq!(parse(b"disarm!").1, Err(Misread::Word));
+        assert_eq!(parse(b"disarm now please").1, Ok(Request::Command(Command::Disarm)));
+    }
+
+    #[test]
+    fn arming_takes_no_arguments() {
+        assert_eq!(parse(b"arm everything").1, Err(Misread::Arguments));
+    }
+}

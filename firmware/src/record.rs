@@ -1,0 +1,189 @@
+//! What one tick read, computed and commanded, with a digest of the state behind it: 72 bytes, little-endian.
+//!
+//! The interrupt fills one [`Record`] a tick; tasks put its bytes into telemetry. Inputs and digest are enough to run the
+//! same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
+//!
+//! | offset | bytes | field |
+//! |---|---|---|
+//! | 0 | 4 | tick since boot |
+//! | 4 | 4 | encoder counts, 2 × u16 |
+//! | 8 | 4 | motor duties, 2 × i16, 1/32767 of full scale |
+//! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted |
+//! | 13 | 1 | fault number, 0 none |
+//! | 14 | 1 | flags: 1 bridges enabled, 2 a packet went out, 4 a packet came in, 8 the tick before overran |
+//! | 15 | 1 | 0 |
+//! | 16 | 12 | the packet that came in: position (m), velocity (m/s), wave (√W), 3 × f32; 0 without one |
+//! | 28 | 8 | device position (m), velocity (m/s) |
+//! | 36 | 8 | object position, velocity |
+//! | 44 | 8 | decoded remote position, velocity |
+//! | 52 | 8 | contact force, coordination force (N) |
+//! | 60 | 4 | digest of the state after the tick |
+//! | 64 | 8 | energy from and to the network (J) |
+
+use haptic_core::axis::AXES;
+use haptic_core::axis::encoder::Counts;
+use haptic_core::couple::Packet;
+use haptic_core::peer::{Actuators, State};
+use haptic_core::scene::Models;
+use haptic_core::vector::StateVector;
+
+/// Bytes of a record.
+pub const BYTES: usize = 72;
+const WORDS: usize = BYTES / 4;
+
+/// The bridges are enabled.
+pub const ENABLED: u8 = 1;
+/// A packet went out before this tick.
+pub const SENT: u8 = 2;
+/// A packet came in before this tick.
+pub const RECEIVED: u8 = 4;
+/// The tick before had not ended when this one was due.
+pub const OVERRUN: u8 = 8;
+
+/// One tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Record(pub [u32; WORDS]);
+
+impl Record {
+    /// What a tick read and did. `flags` are [`ENABLED`], [`SENT`], [`RECEIVED`] and [`OVERRUN`].
+    #[inline]
+    pub fn new<M: Models<Scalar = f32>>(
+        tick: u32,
+        counts: [Counts; AXES],
+        incoming: Option<Packet<f32>>,
+        flags: u8,
+        state: &mut State<M>,
+        actuators: &Actuators<f32>,
+    ) -> Self {
+        let [Counts(count_a), Counts(count_b)] = counts;
+        let [duty_a, duty_b] = actuators.duties.map(|duty| duty.0.cast_unsigned());
+        let incoming = incoming.unwrap_or_default();
+        let digest = digest(state);
+        let (seen, ledger) = (state.observed(), state.ledger());
+        Self([
+            tick,
+            u32::from(count_a) | u32::from(count_b) << 16,
+            u32::from(duty_a) | u32::from(duty_b) << 16,
+            crate::status::pack(state.mode()) | u32::from(flags) << 16,
+            incoming.motion.position.to_bits(),
+            incoming.motion.velocity.to_bits(),
+            incoming.wave.to_bits(),
+            seen.device.position.to_bits(),
+            seen.device.velocity.to_bits(),
+            seen.object.position.to_bits(),
+            seen.object.velocity.to_bits(),
+            seen.desired.position.to_bits(),
+            seen.desired.velocity.to_bits(),
+            seen.contact_force.to_bits(),
+            seen.coordination_force.to_bits(),
+            digest,
+            ledger.received_j().to_bits(),
+            ledger.sent_j().to_bits(),
+        ])
+    }
+
+    /// The bytes on the wire.
+    pub fn bytes(&self) -> [u8; BYTES] {
+        let mut bytes = [0; BYTES];
+        for (bytes, word) in bytes.chunks_exact_mut(4).zip(self.0) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// A record from its bytes.
+    pub fn from_bytes(bytes: &[u8; BYTES]) -> Self {
+        let mut words = [0; WORDS];
+        for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
+            *word = u32::from_le_bytes(*bytes);
+        }
+        Self(words)
+    }
+
+    /// Ticks since boot.
+    pub fn tick(&self) -> u32 {
+        self.0[0]
+    }
+    /// Encoder counts.
+    pub fn counts(&self) -> [u16; AXES] {
+        [self.0[1] as u16, (self.0[1] >> 16) as u16]
+    }
+    /// Motor duties.
+    pub fn duties(&self) -> [i16; AXES] {
+        [(self.0[2] as u16).cast_signed(), ((self.0[2] >> 16) as u16).cast_signed()]
+    }
+    /// Mode (0 disarmed, 1 armed, 2 faulted).
+    pub fn mode(&self) -> u8 {
+        self.0[3] as u8
+    }
+    /// Fault number, 0 none.
+    pub fn fault(&self) -> u8 {
+        (self.0[3] >> 8) as u8
+    }
+    /// [`ENABLED`], [`SENT`], [`RECEIVED`], [`OVERRUN`].
+    pub fn flags(&self) -> u8 {
+        (self.0[3] >> 16) as u8
+    }
+    /// Object position, m.
+    pub fn object_m(&self) -> f32 {
+        f32::from_bits(self.0[9])
+    }
+    /// Decoded remote position, m.
+    pub fn desired_m(&self) -> f32 {
+        f32::from_bits(self.0[11])
+    }
+    /// Digest of the state after the tick.
+    pub fn digest(&self) -> u32 {
+        self.0[15]
+    }
+}
+
+/// A digest of the bits of a peer's dynamic state, cheap enough for every tick: one multiplication a number.
+#[inline]
+pub fn digest<M: Models<Scalar = f32>>(state: &mut State<M>) -> u32 {
+    let mut digest = 0x811C_9DC5_u32;
+    state.visit(&mut |number: &mut f32| {
+        // The fold brings the high bits down, where the next product spreads them again.
+        digest = (digest ^ number.to_bits()).wrapping_mul(0x0100_0193);
+        digest ^= digest >> 15;
+    });
+    digest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptic_core::motion::Motion;
+    use haptic_core::scene::{Any, Scene};
+
+    #[test]
+    fn bytes_lead_back_to_the_record() {
+        let scene = Scene::<Any<f32>>::build(&Default::default()).unwrap();
+        let mut state = State::new(&scene, [Motion::at(0.25); AXES]);
+        let counts = [Counts(0x1234), Counts(0xABCD)];
+        let record = Record::new(7, counts, None, ENABLED | SENT, &mut state, &Actuators::default());
+        let back = Record::from_bytes(&record.bytes());
+        assert_eq!(back, record);
+        assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, [0x1234, 0xABCD], 0, ENABLED | SENT));
+        assert_eq!(back.digest(), digest(&mut state));
+    }
+
+    #[test]
+    fn any_bit_of_the_state_changes_the_digest() {
+        let scene = Scene::<Any<f32>>::build(&Default::default()).unwrap();
+        let state = State::new(&scene, [Motion::REST; AXES]);
+        let mut numbers = 0;
+        state.clone().visit(&mut |_| numbers += 1);
+        for at in 0..numbers {
+            let mut changed = state;
+            let mut n = 0;
+            changed.visit(&mut |number: &mut f32| {
+                if n == at {
+                    *number = f32::from_bits(number.to_bits() ^ 1);
+                }
+                n += 1;
+            });
+            assert_ne!(digest(&mut changed), digest(&mut state.clone()), "number {at}");
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The tick: the 1 kHz interrupt that reads the encoders, runs the peer and commands the bridges.
+//!
+//! **Deadline**: 1 ms from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
+//! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
+//! never ends is the watchdog's.
+//!
+//! **Rules**: the highest priority there is, above every critical section; code in ITCM, data in DTCM. No lock, no log, no
+//! allocation, no executor, no await; what it shares with tasks is in [`Shared`] and in single words. It cannot panic.
+//!
+//! Order, as in host-sim's harness: encoders; operator's orders and a new scene at packet boundaries, stopping at once;
+//! exchange; tick; bridges; record.
+
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use firmware_parts::exchange::{Latest, Reader, Writer};
+use firmware_parts::record::{self, Record};
+use firmware_parts::status;
+use haptic_core::axis::{AXES, Reading};
+use haptic_core::couple::Packet;
+use haptic_core::motion::Motion;
+use haptic_core::peer::{self, Sensors, State};
+use haptic_core::safety::{Command, Mode};
+use haptic_core::scene::{Any, Scene};
+use heapless::spsc::{Consumer, Producer, Queue};
+
+use crate::board::{bridges, encoders, pace};
+
+/// The models that this image holds: all of them, chosen by the settings.
+pub(crate) type Models = Any<f32>;
+
+/// What to run: built and checked by a task, swapped in by the tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// The scene.
+    pub(crate) scene: Scene<Models>,
+    /// Where the axes are taken to be when the scene begins.
+    pub(crate) home: [Motion<f32>; AXES],
+}
+
+/// What the tick has for the network.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Outgoing {
+    /// The tick that made it.
+    pub(crate) tick: u32,
+    /// The motors are on.
+    pub(crate) armed: bool,
+    /// For the other peer.
+    pub(crate) packet: Packet<f32>,
+}
+
+/// Records that may wait for telemetry: 63 ms at full rate.
+const RECORDS: usize = 64;
+
+/// The memory that the tick and the tasks share.
+pub(crate) struct Shared {
+    plans: Latest<Plan>,
+    incoming: Latest<Packet<f32>>,
+    outgoing: Latest<Outgoing>,
+    records: Queue<Record, RECORDS>,
+}
+
+/// The tasks' side of it.
+pub(crate) struct Tasks {
+    /// New scenes, taken while disarmed.
+    pub(crate) plans: Writer<'static, Plan>,
+    /// Packets from the other peer.
+    pub(crate) incoming: Writer<'static, Packet<f32>>,
+    /// Packets for the other peer.
+    pub(crate) outgoing: Reader<'static, Outgoing>,
+    /// What the ticks did.
+    pub(crate) records: Consumer<'static, Record>,
+}
+
+impl Shared {
+    /// Nothing exchanged yet.
+    pub(crate) fn new(plan: Plan) -> Self {
+        Self {
+            plans: Latest::new(plan),
+            incoming: Latest::new(Packet::default()),
+            outgoing: Latest::new(Outgoing::default()),
+            records: Queue::new(),
+        }
+    }
+}
+
+/// Motors off at the next tick, whatever else is going on. Set by tasks, cleared by the tick.
+pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
+/// An order for the next packet boundary ([`status::order`]). Set by tasks.
+pub(crate) static ORDER: AtomicU32 = AtomicU32::new(0);
+/// The last [`ORDER`] carried out. Set by the tick.
+pub(crate) static DONE: AtomicU32 = AtomicU32::new(0);
+/// Mode and fault ([`status::pack`]). Set by the tick.
+pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
+/// Ticks since boot. Set by the tick.
+pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
+/// Ticks that were due before the one before them had ended. Set by the tick.
+pub(crate) static OVERRUNS: AtomicU32 = AtomicU32::new(0);
+/// The bridges went off by the emergency stop. Set by the tick, cleared by tasks.
+pub(crate) static EMERGENCY: AtomicBool = AtomicBool::new(false);
+/// Every how-many-th tick leaves a record; 0: none. Set by tasks.
+pub(crate) static RECORD_EVERY: AtomicU32 = AtomicU32::new(0);
+/// Records that found no room. Set by the tick.
+pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
+
+/// What the tick owns.
+struct Loop {
+    plans: Reader<'static, Plan>,
+    incoming: Reader<'static, Packet<f32>>,
+    outgoing: Writer<'static, Outgoing>,
+    records: Producer<'static, Record>,
+    state: State<Models>,
+    tick: u32,
+    until_record: u32,
+    driving: bool,
+    overrun: bool,
+}
+
+static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
+
+/// Hands the tick its side of `shared`; call once, before [`pace::start`].
+pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
+    let (plans_in, plans) = shared.plans.split();
+    let (incoming_in, incoming) = shared.incoming.split();
+    let (outgoing, outgoing_out) = shared.outgoing.split();
+    let (records, records_out) = shared.records.split();
+    let plan = plans.get();
+    let state = State::new(&plan.scene, plan.home);
+    let this = Loop {
+        plans,
+        incoming,
+        outgoing,
+        records,
+        state,
+        tick: 0,
+        until_record: 0,
+        driving: false,
+        overrun: false,
+    };
+    // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
+    unsafe { (*(&raw mut LOOP)).write(this) };
+    Tasks { plans: plans_in, incoming: incoming_in, outgoing: outgoing_out, records: records_out }
+}
+
+/// The interrupt.
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".itcm.tick")]
+extern "C" fn TIM6_DAC() {
+    // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
+    let this = unsafe { (*(&raw mut LOOP)).assume_init_mut() };
+    this.period();
+}
+
+impl Loop {
+    /// One control period.
+    #[inline(always)]
+    fn period(&mut self) {
+        pace::acknowledge();
+        let counts = encoders::read();
+        self.tick = self.tick.wrapping_add(1);
+        let mut flags = if self.overrun { record::OVERRUN } else { 0 };
+
+        if self.driving && !bridges::live() {
+            EMERGENCY.store(true, Ordering::Relaxed);
+            self.command(Command::Disarm);
+        }
+        if DISARM.load(Ordering::Relaxed) {
+            DISARM.store(false, Ordering::Relaxed);
+            self.command(Command::Disarm);
+        }
+        let mut incoming = None;
+        if self.state.packet_due() {
+            self.boundary();
+            incoming = self.incoming.take();
+            flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
+            let packet = peer::exchange(&self.plans.get().scene, &mut self.state, incoming);
+            let armed = self.state.mode() == Mode::Armed;
+            self.outgoing.write(Outgoing { tick: self.tick, armed, packet });
+        }
+
+        let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
+        let actuators = peer::tick(&self.plans.get().scene, &mut self.state, &sensors);
+        self.driving = actuators.enable;
+        if actuators.enable {
+            bridges::drive(actuators.duties);
+            flags |= record::ENABLED;
+        } else {
+            bridges::off();
+        }
+
+        STATUS.store(status::pack(self.state.mode()), Ordering::Relaxed);
+        TICKS.store(self.tick, Ordering::Relaxed);
+        if self.record_due() {
+            let record = Record::new(self.tick, counts, incoming, flags, &mut self.state, &actuators);
+            if self.records.enqueue(record).is_err() {
+                RECORDS_LOST.store(RECORDS_LOST.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+            }
+        }
+        if flags & record::SENT != 0 {
+            pace::ring();
+        }
+        self.overrun = pace::due();
+        if self.overrun {
+            OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+        }
+    }
+
+    /// What may happen only between packets: a new scene while disarmed, and the operator's order.
+    #[inline(always)]
+    fn boundary(&mut self) {
+        if self.state.mode() == Mode::Disarmed && self.plans.fetch() {
+            let plan = self.plans.get();
+            self.state = State::new(&plan.scene, plan.home);
+        }
+        let order = ORDER.load(Ordering::Acquire);
+        if order != DONE.load(Ordering::Relaxed) {
+            if let Some(command) = status::ordered(order) {
+                self.command(command);
+            }
+            DONE.store(order, Ordering::Release);
+        }
+    }
+
+    #[inline(always)]
+    fn command(&mut self, command: Command) {
+        self.state.command(&self.plans.get().scene, command);
+    }
+
+    #[inline(always)]
+    fn record_due(&mut self) -> bool {
+        let every = RECORD_EVERY.load(Ordering::Relaxed);
+        if every == 0 {
+            self.until_record = 0;
+            return false;
+        }
+        let due = self.until_record == 0;
+        self.until_record = if due { every - 1 } else { self.until_record - 1 };
+        due
+    }
+}

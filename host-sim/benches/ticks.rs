@@ -1,0 +1,70 @@
+//! Time of one tick of a peer, by scene and number type, and of a simulated second of two peers.
+//!
+//! `tick/SCENE/SCALAR` replays a recording of a peer alone; `two-peer-second/SCENE` steps the whole harness in f32 (two
+//! peers, their devices, the network), without recording anything. Throughput is in ticks; a two-peer tick is one tick of
+//! both. `cargo xtask bench` prints them as the tables of the README.
+
+#[path = "../../core/benches/cases/mod.rs"]
+mod cases;
+
+use cases::{Measure, Recording, TICKS};
+use criterion::measurement::WallTime;
+use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use haptic_core::scalar::Scalar;
+use haptic_core::scene::Models;
+use haptic_core::settings::Settings;
+use host_sim::harness::Pair;
+use host_sim::scenes;
+use std::time::Duration;
+
+/// Two-peer ticks in one measurement: a second at the papers' rate.
+const SECOND: u64 = 1000;
+
+/// Scenes of the two-peer bench: each law of the paper, the scene of least discrepancy, and everything a real device adds.
+const SCENES: &[&str] =
+    &["paper-5.1-power-16ms", "paper-5.1-wave-16ms", "paper-5.1-passive-wave-16ms", "matched-line", "real-device"];
+
+/// Times a recording of every case.
+struct Time<'a>(BenchmarkGroup<'a, WallTime>);
+
+impl Measure for Time<'_> {
+    fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
+        let recording = Recording::<M>::new(settings);
+        self.0.bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| recording.replay()));
+    }
+}
+
+fn one_tick(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("tick");
+    group.throughput(Throughput::Elements(TICKS as u64));
+    let mut time = Time(group);
+    cases::measure_all(&mut time);
+    time.0.finish();
+}
+
+fn two_peer_second(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("two-peer-second");
+    group.throughput(Throughput::Elements(SECOND));
+    for name in SCENES {
+        let file = scenes::load(name).expect("built-in scenes are valid");
+        // From the middle of a run, where nothing is at rest.
+        let mut start = Pair::<f32>::new(&file).expect("built-in scenes build");
+        let second = |pair: &mut Pair<f32>| (0..SECOND).for_each(|_| pair.step());
+        second(&mut start);
+        let mut end = start.clone();
+        second(&mut end);
+        assert_eq!(end.fault(), None, "{name} must run without a fault: a faulted peer does nothing");
+        group.bench_function(*name, |bench| bench.iter_batched_ref(|| start.clone(), second, BatchSize::SmallInput));
+    }
+    group.finish();
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .without_plots()
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
+    targets = one_tick, two_peer_second
+}
+criterion_main!(benches);

@@ -1,0 +1,35 @@
+//! The lifted, or monodromy, matrix: what one packet period makes of the state of two peers.
+//!
+//! A pair of peers repeats itself every M ticks, so its stability is one matrix: state just before an exchange → state
+//! just before the next (cooperation paper §4; THEORY §3). It is built here twice, from nothing in common:
+//!
+//! | module | builds it by |
+//! |---|---|
+//! | [`driven`] | running `haptic_core::peer::{exchange, tick}`, the code that flies, on unit states |
+//! | [`constructed`] | the paper's algebra: lifted open loop, augmentation, feedback matrix |
+//! | [`closing`] | joining what peers answer through the network's queues, for the former |
+//! | [`prune`] | leaving out states that nothing depends on, or that are always zero |
+//! | [`rest`] | dividing rest modes out by their eigenvectors |
+//! | [`agreement`] | how far the two are apart |
+//!
+//! **Symmetry.** Two peers that are told the same, on a network that is the same both ways, fall apart into their sum and
+//! their difference: each is *one* peer that hears its own packets, as they are or with the sign turned. Two eigenproblems
+//! of half the size cost a quarter of one.
+
+pub mod agreement;
+pub mod closing;
+pub mod constructed;
+pub mod driven;
+pub mod prune;
+pub mod rest;
+
+use super::matrix::Matrix;
+
+/// A lifted matrix with the rest modes it must have.
+#[derive(Clone, Debug, Default)]
+pub struct Lifted {
+    /// State before an exchange → state before the next one.
+    pub matrix: Matrix,
+    /// Directions that stay as they are: eigenvectors with eigenvalue 1, linearly independent.
+    pub rest_modes: Vec<Vec<f64>>,
+}

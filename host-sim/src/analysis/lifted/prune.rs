@@ -1,0 +1,85 @@
+//! Leaves out states that cannot matter, so that `states` is honest and the eigenproblem small.
+//!
+//! Dropped, one after the other until nothing changes: a state that nothing after the period depends on (its column is
+//! zero: what an exchange overwrites), and one that is always zero (its row is zero: a packet's unused field). Either way
+//! the matrix has a block-triangular form in which the state stands alone with eigenvalue 0. Then whatever is not coupled
+//! to a device at all, in either direction: a second axis that the scene does not use.
+//!
+//! Zeros are exact zeros: a product with 0, not a small number.
+
+use super::super::matrix::Matrix;
+use super::Lifted;
+
+/// The states worth keeping, ascending. `devices` are states known to matter, one for each device.
+pub fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
+    let size = matrix.rows();
+    let (mut in_row, mut in_column) = (vec![0_usize; size], vec![0_usize; size]);
+    for j in 0..size {
+        for (i, _) in matrix.column(j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+            in_row[i] += 1;
+            in_column[j] += 1;
+        }
+    }
+    let mut alive = vec![true; size];
+    let mut doomed: Vec<usize> = (0..size).filter(|at| in_row[*at] == 0 || in_column[*at] == 0).collect();
+    while let Some(at) = doomed.pop() {
+        if !std::mem::replace(&mut alive[at], false) {
+            continue;
+        }
+        for other in 0..size {
+            if matrix[(other, at)] != 0.0 {
+                in_row[other] -= 1;
+            }
+            if matrix[(at, other)] != 0.0 {
+                in_column[other] -= 1;
+            }
+            if alive[other] && (in_row[other] == 0 || in_column[other] == 0) {
+                doomed.push(other);
+            }
+        }
+    }
+    let mut reached = vec![false; size];
+    let mut next: Vec<usize> = devices.iter().copied().filter(|at| alive[*at]).collect();
+    while let Some(at) = next.pop() {
+        if std::mem::replace(&mut reached[at], true) {
+            continue;
+        }
+        let coupled = |other: &usize| matrix[(*other, at)] != 0.0 || matrix[(at, *other)] != 0.0;
+        next.extend((0..size).filter(|other| alive[*other] && !reached[*other]).filter(coupled));
+    }
+    (0..size).filter(|at| reached[*at]).collect()
+}
+
+/// Copies what is kept of `from` into `to`.
+pub fn copy(from: &Lifted, kept: &[usize], to: &mut Lifted) {
+    to.matrix.reset(kept.len(), kept.len());
+    for (column, j) in kept.iter().enumerate() {
+        let source = from.matrix.column(*j);
+        for (out, i) in to.matrix.column_mut(column).iter_mut().zip(kept) {
+            *out = source[*i];
+        }
+    }
+    to.rest_modes.clear();
+    to.rest_modes.extend(from.rest_modes.iter().map(|mode| kept.iter().map(|at| mode[*at]).collect()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dead_and_silent_chains_go() {
+        // 0 ↔ 1 live; 2 → 3 → 0 is fed by nothing; 1 → 4 is read by nothing; 5 only remembers itself.
+        let mut matrix = Matrix::zeros(6, 6);
+        for (to, from) in [(0, 0), (0, 1), (1, 0), (3, 2), (0, 3), (4, 1), (5, 5)] {
+            matrix[(to, from)] = 0.5;
+        }
+        assert_eq!(kept(&matrix, &[0]), [0, 1]);
+        assert_eq!(kept(&matrix, &[0, 5]), [0, 1, 5]);
+        let from = Lifted { matrix, rest_modes: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]] };
+        let mut to = Lifted::default();
+        copy(&from, &[0, 1], &mut to);
+        assert_eq!(to.matrix, Matrix::from_rows(&[[0.5, 0.5], [0.5, 0.0]]));
+        assert_eq!(to.rest_modes, [[1.0, 2.0]]);
+    }
+}

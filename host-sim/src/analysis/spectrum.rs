@@ -1,0 +1,152 @@
+//! The largest |eigenvalue| of a matrix, by `faer`, on one core and without asking for memory twice.
+//!
+//! States come in metres, m/s and newtons, so entries spread over ten orders of magnitude: the matrix is balanced first
+//! (Parlett & Reinsch 1969: a diagonal similarity by powers of two, hence without rounding), then reduced to Hessenberg
+//! form and iterated by QR. Error: a few 1e-16 of the balanced norm, divided by the condition of the eigenvalue.
+//!
+//! `faer` 0.24 does not report a QR iteration that gives up; here the places for eigenvalues start as NaN, so that one
+//! that was never written is seen, and the transposed matrix is tried before giving up.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
+use faer::{MatRef, Par, Spec};
+
+use super::matrix::Matrix;
+
+/// Workspace for matrices of any size; the last size is kept.
+pub struct Spectrum {
+    size: usize,
+    real: Diag<f64>,
+    imaginary: Diag<f64>,
+    memory: MemBuffer,
+}
+
+impl std::fmt::Debug for Spectrum {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Spectrum").field("size", &self.size).finish_non_exhaustive()
+    }
+}
+
+impl Default for Spectrum {
+    fn default() -> Self {
+        Self {
+            size: 0,
+            real: Diag::zeros(0),
+            imaginary: Diag::zeros(0),
+            memory: MemBuffer::new(faer::dyn_stack::StackReq::EMPTY),
+        }
+    }
+}
+
+impl Spectrum {
+    /// Largest |eigenvalue|; infinite where an entry is not finite, `None` where the iteration did not converge.
+    /// The matrix is balanced in place.
+    pub fn radius(&mut self, matrix: &mut Matrix) -> Option<f64> {
+        if !matrix.is_finite() {
+            return Some(f64::INFINITY);
+        }
+        balance(matrix, |_, _| {});
+        self.eigenvalues(matrix).map(|all| all.fold(0.0, |largest: f64, (re, im)| largest.max(re.hypot(im))))
+    }
+
+    /// All eigenvalues as (real, imaginary), in no order; `None` where the iteration did not converge.
+    pub fn eigenvalues(&mut self, matrix: &Matrix) -> Option<impl Iterator<Item = (f64, f64)>> {
+        let size = matrix.rows();
+        if size != self.size {
+            let none = ComputeEigenvectors::No;
+            // faer asks for the size of the matrix without its first row: nothing smaller than 2.
+            self.memory = MemBuffer::new(evd_scratch::<f64>(size.max(2), none, none, Par::Seq, Spec::default()));
+            (self.real, self.imaginary) = (Diag::zeros(size), Diag::zeros(size));
+            self.size = size;
+        }
+        if size == 1 {
+            (self.real[0], self.imaginary[0]) = (matrix[(0, 0)], 0.0);
+        } else if size > 1 {
+            let plain = MatRef::from_column_major_slice(matrix.entries(), size, size);
+            if !self.iterate(plain) && !self.iterate(plain.transpose()) {
+                return None;
+            }
+        }
+        let (real, imaginary) = (&self.real, &self.imaginary);
+        Some((0..size).map(move |at| (real[at], imaginary[at])))
+    }
+
+    fn iterate(&mut self, matrix: MatRef<'_, f64>) -> bool {
+        self.real.column_vector_mut().fill(f64::NAN);
+        let (real, imaginary) = (self.real.as_mut(), self.imaginary.as_mut());
+        let stack = MemStack::new(&mut self.memory);
+        evd_real(matrix, real, imaginary, None, None, Par::Seq, stack, Spec::default()).is_ok()
+            && (0..self.size).all(|at| self.real[at].is_finite())
+    }
+}
+
+/// Scales rows and columns by powers of two until their sums are alike; eigenvalues stay as they are. `scaled` is told every
+/// state and the factor by which its unit grew.
+pub fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
+    let size = matrix.rows();
+    // Each sweep that changes anything lowers the norm by a fifth somewhere: a dozen are plenty.
+    for _ in 0..12 {
+        let mut settled = true;
+        for at in 0..size {
+            let (mut row, mut column) = (0.0, 0.0);
+            for other in (0..size).filter(|other| *other != at) {
+                row += matrix[(at, other)].abs();
+                column += matrix[(other, at)].abs();
+            }
+            if row == 0.0 || column == 0.0 {
+                continue;
+            }
+            let factor = (0.5 * (row / column).log2()).round().exp2();
+            if column * factor + row / factor < 0.8 * (column + row) {
+                settled = false;
+                scaled(at, factor);
+                for entry in matrix.column_mut(at) {
+                    *entry *= factor;
+                }
+                for other in 0..size {
+                    matrix[(at, other)] /= factor;
+                }
+            }
+        }
+        if settled {
+            break;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A companion matrix has the roots of its polynomial: (x − 2)(x² + 9).
+    #[test]
+    fn roots_of_a_known_polynomial() {
+        let mut matrix = Matrix::from_rows(&[[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        assert!((Spectrum::default().radius(&mut matrix).unwrap() - 3.0).abs() < 1e-14);
+    }
+
+    /// The same eigenvalues in newtons and micrometres.
+    #[test]
+    fn units_do_not_matter() {
+        let mut matrix = Matrix::from_rows(&[[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        for (at, unit) in [1e9, 1.0, 1e-7].into_iter().enumerate() {
+            for other in 0..3 {
+                matrix[(at, other)] *= unit;
+                matrix[(other, at)] /= unit;
+            }
+        }
+        assert!((Spectrum::default().radius(&mut matrix).unwrap() - 3.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn small_and_broken_matrices() {
+        let mut spectrum = Spectrum::default();
+        assert_eq!(spectrum.radius(&mut Matrix::zeros(0, 0)), Some(0.0));
+        assert_eq!(spectrum.radius(&mut Matrix::from_rows(&[[-3.0]])), Some(3.0));
+        let rotation = spectrum.radius(&mut Matrix::from_rows(&[[0.0, -2.0], [2.0, 0.0]])).unwrap();
+        assert!((rotation - 2.0).abs() < 1e-15);
+        assert_eq!(spectrum.radius(&mut Matrix::from_rows(&[[f64::NAN]])), Some(f64::INFINITY));
+        assert_eq!(spectrum.radius(&mut Matrix::identity(300)), Some(1.0));
+    }
+}

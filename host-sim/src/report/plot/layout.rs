@@ -1,0 +1,224 @@
+//! Layout: from a figure to a sheet.
+//!
+//! All frames of a sheet are equally large. A column is as far from its left neighbour as its own tick texts and label
+//! need; a row is as high as its headings and axis texts need. In a row that shares its vertical axis only the first
+//! panel carries its texts; of panels below each other with the same horizontal axis only the lowest does. If a legend
+//! would cover data, every vertical range of its group found from data is widened upwards once, until the legend is
+//! clear.
+
+use super::range::{self, Axes};
+use super::scale::Scale;
+use super::sheet::{Anchor, Frame, INK, Mark, Sheet, Text, WIDTH};
+use super::{Figure, Panel, ShareY, font, legend, panel};
+
+const MARGIN: f64 = 26.0;
+const TITLE: f64 = 30.0;
+const HEADING: f64 = 23.0;
+const LABEL: f64 = 22.0;
+const TICK: f64 = 20.0;
+const CAPTION: f64 = 21.0;
+/// From one base line to the next, as a multiple of the em.
+const LEADING: f64 = 1.3;
+/// Between two frames side by side, and two rows.
+const GAP: f64 = 46.0;
+
+/// The figure as marks in pixels.
+pub(crate) fn sheet(figure: &Figure) -> Sheet {
+    let axes = with_headroom(figure, range::resolve(figure));
+    let mut writer = Writer { marks: Vec::new() };
+    let mut top = MARGIN;
+    for line in font::wrap(&figure.title, TITLE, WIDTH - 2.0 * MARGIN) {
+        top += LEADING * TITLE;
+        writer.text((WIDTH / 2.0, top - 12.0), Anchor::Middle, TITLE, &line);
+    }
+    let (slots, bottom) = slots(figure, &axes, top);
+    for ((panel, axes), slot) in figure.panels.iter().zip(&axes).zip(&slots) {
+        let x_grid: Vec<f64> = slot.x_ticks.iter().map(|(v, _)| *v).filter(|_| panel.categories.is_empty()).collect();
+        let y_grid: Vec<f64> = slot.y_ticks.iter().map(|(v, _)| *v).collect();
+        let drawing = panel::draw(panel, axes, &slot.frame, &x_grid, &y_grid);
+        writer.marks.extend(drawing.marks);
+        if let Some(spot) = legend::place(panel, &slot.frame, &drawing.obstacles) {
+            writer.marks.extend(legend::marks(panel, spot.area));
+        }
+        writer.around(panel, axes, slot);
+    }
+    let mut base = bottom + 6.0;
+    for line in font::wrap(&figure.caption, CAPTION, WIDTH - 2.0 * MARGIN) {
+        base += LEADING * CAPTION;
+        writer.text((MARGIN, base), Anchor::Start, CAPTION, &line);
+    }
+    let (title, caption) = (figure.title.clone(), figure.caption.clone());
+    Sheet { height: (base + MARGIN).ceil(), title, caption, marks: writer.marks }
+}
+
+/// Where one panel lies and what stands around it.
+struct Slot {
+    frame: Frame,
+    /// Values and the lines of their texts.
+    x_ticks: Vec<(f64, Vec<String>)>,
+    y_ticks: Vec<(f64, String)>,
+    heading: Vec<String>,
+    /// The left edge of the column's texts, so that labels below each other line up.
+    label_left: f64,
+    shows_x: bool,
+    shows_y: bool,
+}
+
+impl Slot {
+    fn below(&self, panel: &Panel) -> f64 {
+        let lines = self.x_ticks.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0) as f64;
+        let label = if panel.x_label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 };
+        if self.shows_x { 8.0 + LEADING * TICK * lines + label } else { 0.0 }
+    }
+
+    fn beside(&self, panel: &Panel) -> f64 {
+        let widths = self.y_ticks.iter().map(|(_, text)| font::width(text, TICK));
+        let label = if panel.y_label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 };
+        if self.shows_y { 10.0 + widths.fold(0.0, f64::max) + label } else { 0.0 }
+    }
+}
+
+/// All panels' slots, the first row starting at `top`, and where the last row ends.
+fn slots(figure: &Figure, axes: &[Axes], top: f64) -> (Vec<Slot>, f64) {
+    let count = figure.panels.len();
+    let columns = figure.columns.max(1).min(count.max(1));
+    let rows = count.div_ceil(columns);
+    let room = WIDTH - 2.0 * MARGIN - GAP * columns as f64;
+    let height = (room / columns as f64 * if rows > 1 { 0.62 } else { 0.74 }).clamp(250.0, 640.0).round();
+    let rough = room / columns as f64 - 90.0;
+
+    let mut slots: Vec<Slot> = figure
+        .panels
+        .iter()
+        .zip(axes)
+        .enumerate()
+        .map(|(i, (panel, axis))| {
+            let left =
+                (figure.share_y != ShareY::None && i % columns > 0).then(|| (&figure.panels[i - 1], &axes[i - 1]));
+            let below = figure.panels.get(i + columns).zip(axes.get(i + columns));
+            let repeats_y = left.is_some_and(|(p, a)| a.y == axis.y && p.y_label == panel.y_label);
+            let repeats_x = below
+                .is_some_and(|(p, a)| a.x == axis.x && p.x_label == panel.x_label && p.categories == panel.categories);
+            Slot {
+                frame: Frame::default(),
+                label_left: 0.0,
+                x_ticks: x_ticks(panel, &axis.x, rough),
+                y_ticks: axis.y.ticks((height / 58.0) as usize),
+                heading: font::wrap(&panel.title, HEADING, rough),
+                shows_x: !repeats_x,
+                shows_y: !repeats_y,
+            }
+        })
+        .collect();
+
+    let beside: Vec<f64> = (0..columns)
+        .map(|column| {
+            slots.iter().zip(&figure.panels).skip(column).step_by(columns).map(|(s, p)| s.beside(p)).fold(0.0, f64::max)
+        })
+        .collect();
+    let width = ((room - beside.iter().sum::<f64>()) / columns as f64).max(60.0);
+    let mut top = top;
+    for (row, (slots, panels)) in slots.chunks_mut(columns).zip(figure.panels.chunks(columns)).enumerate() {
+        let heading = slots.iter().map(|s| s.heading.len()).max().unwrap_or(0) as f64;
+        top += if row == 0 { 6.0 } else { 0.0 } + LEADING * HEADING * heading + 8.0;
+        for (column, slot) in slots.iter_mut().enumerate() {
+            let before: f64 = beside.iter().take(column + 1).sum();
+            let left = (MARGIN + before + (width + GAP) * column as f64).round();
+            slot.label_left = left - beside.get(column).copied().unwrap_or(0.0);
+            slot.frame = Frame { left, top: top.round(), right: (left + width).round(), bottom: top.round() + height };
+        }
+        let below = slots.iter().zip(panels).map(|(s, p)| s.below(p)).fold(0.0, f64::max);
+        top = top.round() + height + below + if row + 1 < rows { GAP / 2.0 } else { 0.0 };
+    }
+    (slots, top)
+}
+
+/// Ticks of a horizontal axis, as many as their texts leave room for; or its categories.
+fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> {
+    if !panel.categories.is_empty() {
+        let limit = width / panel.categories.len() as f64 - 10.0;
+        return panel
+            .categories
+            .iter()
+            .enumerate()
+            .map(|(i, name)| (i as f64, font::wrap(name, TICK, limit)))
+            .collect();
+    }
+    let fits = |ticks: &Vec<(f64, String)>| {
+        let at = |v: f64| scale.fraction(v) * width;
+        ticks.windows(2).all(|pair| {
+            let half: f64 = pair.iter().map(|(_, text)| font::width(text, TICK) / 2.0).sum();
+            at(pair[1].0) - at(pair[0].0) > half + 16.0
+        })
+    };
+    let most = (width / 75.0).min(12.0) as usize;
+    let ticks = (2..=most.max(2)).rev().map(|count| scale.ticks(count)).find(fits).unwrap_or_else(|| scale.ticks(1));
+    ticks.into_iter().map(|(v, text)| (v, vec![text])).collect()
+}
+
+/// The axes, with room made above the data where a legend would cover them.
+fn with_headroom(figure: &Figure, axes: Vec<Axes>) -> Vec<Axes> {
+    let (slots, _) = slots(figure, &axes, 0.0);
+    let needs = figure.panels.iter().zip(&axes).zip(&slots).map(|((panel, axes), slot)| {
+        let drawing = panel::draw(panel, axes, &slot.frame, &[], &[]);
+        let covers = legend::place(panel, &slot.frame, &drawing.obstacles).is_some_and(|spot| spot.covered > 0);
+        if covers && !panel.off_scale { legend::headroom(panel, &slot.frame).min(0.5) } else { 0.0 }
+    });
+    let needs: Vec<f64> = needs.collect();
+    let widened = |axis: &Axes| {
+        let group = axes.iter().zip(&needs).filter(|(a, _)| a.y_auto && a.y_group == axis.y_group && a.y == axis.y);
+        let need = group.map(|(_, need)| *need).fold(0.0, f64::max);
+        if axis.y_auto && need > 0.0 { Axes { y: axis.y.widened(0.0, need / (1.0 - need)), ..*axis } } else { *axis }
+    };
+    axes.iter().map(widened).collect()
+}
+
+struct Writer {
+    marks: Vec<Mark>,
+}
+
+impl Writer {
+    fn text(&mut self, at: (f64, f64), anchor: Anchor, size: f64, text: &str) {
+        self.write(Text { at, anchor, size, color: INK, upward: false, text: text.to_owned() });
+    }
+
+    fn write(&mut self, text: Text) {
+        if !text.text.is_empty() {
+            self.marks.push(Mark::Text(text));
+        }
+    }
+
+    /// Heading, tick texts and labels around a frame.
+    fn around(&mut self, panel: &Panel, axes: &Axes, slot: &Slot) {
+        let frame = &slot.frame;
+        let centre = (frame.left + frame.right) / 2.0;
+        for (i, line) in slot.heading.iter().rev().enumerate() {
+            self.text((centre, frame.top - 10.0 - LEADING * HEADING * i as f64), Anchor::Middle, HEADING, line);
+        }
+        if slot.shows_x {
+            for (value, lines) in &slot.x_ticks {
+                let x = frame.left + axes.x.fraction(*value) * frame.width();
+                for (i, line) in lines.iter().enumerate() {
+                    let y = frame.bottom + 6.0 + TICK + LEADING * TICK * i as f64;
+                    self.text((x, y), Anchor::Middle, TICK, line);
+                }
+            }
+            let y = frame.bottom + slot.below(panel) - 6.0;
+            self.text((centre, y), Anchor::Middle, fitted(&panel.x_label, frame.width()), &panel.x_label);
+        }
+        if slot.shows_y {
+            for (value, text) in &slot.y_ticks {
+                let y = frame.bottom - axes.y.fraction(*value) * frame.height();
+                self.text((frame.left - 10.0, y + 0.35 * TICK), Anchor::End, TICK, text);
+            }
+            let at = (slot.label_left + LABEL - 2.0, (frame.top + frame.bottom) / 2.0);
+            let (size, text) = (fitted(&panel.y_label, frame.height()), panel.y_label.clone());
+            self.write(Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text });
+        }
+    }
+}
+
+/// The size at which a label fits along its axis, down to 16 pixels.
+fn fitted(label: &str, length: f64) -> f64 {
+    (LABEL * (length / font::width(label, LABEL).max(1.0)).min(1.0)).max(16.0)
+}

@@ -1,0 +1,137 @@
+//! Legends: who is who in a panel, written where no data are.
+//!
+//! The series with a label, then the panel's note, stand in one box. Of a raster of places inside the frame the box
+//! takes the one that covers the fewest obstacles (points of the drawn data), corners first. [`Spot::covered`] tells
+//! the layout when even that one covers data, so that it can make room above them.
+
+use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, Text, color};
+use super::{Panel, Shape, font};
+
+/// Em of the letters.
+const SIZE: f64 = 20.0;
+/// From one base line to the next.
+const LINE: f64 = 26.0;
+/// Length of the sample in front of a label, with the gap after it.
+const SAMPLE: f64 = 52.0;
+/// Inside the box, around its lines.
+const PADDING: f64 = 8.0;
+/// Between the box and the frame, and around obstacles.
+const CLEARANCE: f64 = 8.0;
+
+/// Where a box stands and how many obstacles it covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spot {
+    pub(crate) area: Frame,
+    pub(crate) covered: usize,
+}
+
+/// Width and height of a panel's box; `None` if there is nothing to write.
+pub(crate) fn size(panel: &Panel) -> Option<(f64, f64)> {
+    let labels = panel.series.iter().filter(|s| !s.label.is_empty()).map(|s| SAMPLE + font::width(&s.label, SIZE));
+    let note = panel.note.iter().map(|note| font::width(note, SIZE));
+    let widths: Vec<f64> = labels.chain(note).collect();
+    let widest = widths.iter().copied().reduce(f64::max)?;
+    Some((widest + 2.0 * PADDING, widths.len() as f64 * LINE + 2.0 * PADDING - 4.0))
+}
+
+/// The best place in the frame for the panel's box.
+pub(crate) fn place(panel: &Panel, frame: &Frame, obstacles: &[Point]) -> Option<Spot> {
+    const COLUMNS: usize = 12;
+    const ROWS: usize = 8;
+    let (width, height) = size(panel)?;
+    let room = Frame {
+        left: frame.left + CLEARANCE,
+        top: frame.top + CLEARANCE,
+        right: (frame.right - CLEARANCE - width).max(frame.left + CLEARANCE),
+        bottom: (frame.bottom - CLEARANCE - height).max(frame.top + CLEARANCE),
+    };
+    let place = |column: usize, row: usize| {
+        let left = room.left + room.width() * column as f64 / COLUMNS as f64;
+        let top = room.top + room.height() * row as f64 / ROWS as f64;
+        let area = Frame { left, top, right: left + width, bottom: top + height };
+        let grown = area.grown(CLEARANCE);
+        Spot { area, covered: obstacles.iter().filter(|p| grown.contains(**p)).count() }
+    };
+    // Edges before the middle, top before bottom, right before left: the first of equals is kept.
+    let from_edge = |i: usize, last: usize| i.min(last - i);
+    let mut cells: Vec<(usize, usize)> = (0..=COLUMNS).flat_map(|c| (0..=ROWS).map(move |r| (c, r))).collect();
+    cells.sort_by_key(|(c, r)| (from_edge(*c, COLUMNS) + from_edge(*r, ROWS), r * 2 > ROWS, c * 2 < COLUMNS));
+    cells.into_iter().map(|(c, r)| place(c, r)).min_by_key(|spot| spot.covered)
+}
+
+/// The height above the data that makes room for the panel's box, as a fraction of the frame.
+pub(crate) fn headroom(panel: &Panel, frame: &Frame) -> f64 {
+    size(panel).map_or(0.0, |(_, height)| (height + 2.0 * CLEARANCE) / frame.height())
+}
+
+/// The box at its place.
+pub(crate) fn marks(panel: &Panel, area: Frame) -> Vec<Mark> {
+    let mut border = area.corners();
+    border.push((area.left, area.top));
+    let mut marks = vec![
+        Mark::Fill { frames: vec![area], color: PAPER, opacity: 0.88 },
+        Mark::Line { points: border, color: GRID, width: 1.0, dash: Dash::Solid },
+    ];
+    let (left, mut base) = (area.left + PADDING, area.top + PADDING + 16.0);
+    let line = |text: &str, at: Point, color| {
+        let text = text.to_owned();
+        Mark::Text(Text { at, anchor: Anchor::Start, size: SIZE, color, upward: false, text })
+    };
+    for series in panel.series.iter().filter(|s| !s.label.is_empty()) {
+        let (color, middle) = (color(series.color), base - 7.0);
+        let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
+        let stroke = |dash: Dash| {
+            let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
+            Mark::Line { points, color, width: super::panel::STROKE, dash }
+        };
+        marks.push(match &series.shape {
+            Shape::Line { dash, .. } => stroke(*dash),
+            Shape::Steps(_) => stroke(Dash::Solid),
+            Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: super::dots::DOT, color },
+            Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
+            Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: super::region::TINT },
+        });
+        marks.push(line(&series.label, (left + SAMPLE, base), INK));
+        base += LINE;
+    }
+    marks.extend(panel.note.iter().map(|note| line(note, (left, base), ALERT)));
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Series;
+    use super::*;
+
+    const FRAME: Frame = Frame { left: 100.0, top: 50.0, right: 600.0, bottom: 350.0 };
+
+    fn panel() -> Panel {
+        let series = vec![Series::line("local copy", 0, vec![]), Series::line("remote copy", 1, vec![])];
+        Panel { series, note: Some("diverges".to_owned()), ..Panel::default() }
+    }
+
+    #[test]
+    fn an_empty_panel_has_its_legend_at_the_top_right() {
+        let spot = place(&panel(), &FRAME, &[]).unwrap();
+        assert_eq!((spot.area.right, spot.area.top), (FRAME.right - CLEARANCE, FRAME.top + CLEARANCE));
+        assert!(place(&Panel::default(), &FRAME, &[]).is_none());
+    }
+
+    #[test]
+    fn a_legend_moves_away_from_data() {
+        let top_right: Vec<Point> =
+            (300..600).flat_map(|x| (50..250).step_by(9).map(move |y| (x as f64, y as f64))).collect();
+        let spot = place(&panel(), &FRAME, &top_right).unwrap();
+        assert_eq!(spot.covered, 0);
+        assert!(!top_right.iter().any(|p| spot.area.contains(*p)));
+        assert!(FRAME.contains((spot.area.left, spot.area.top)) && FRAME.contains((spot.area.right, spot.area.bottom)));
+    }
+
+    #[test]
+    fn a_full_panel_reports_what_is_covered() {
+        let full: Vec<Point> =
+            (100..600).flat_map(|x| (50..350).step_by(9).map(move |y| (x as f64, y as f64))).collect();
+        assert!(place(&panel(), &FRAME, &full).unwrap().covered > 0);
+        assert!(headroom(&panel(), &FRAME) > 0.2);
+    }
+}

@@ -1,0 +1,136 @@
+//! The PNG painter: the marks of a sheet as pixels.
+//!
+//! plotters' bitmap backend fills shapes without smoothing their edges, so the sheet is painted [`ZOOM`] times larger
+//! and averaged down. A line is a filled quadrangle for each segment with a disc at each joint: exact for the zigzags
+//! that dense signals become, where joined outlines grow spikes. The built-in font is light: letters are painted twice,
+//! a third of a pixel apart.
+
+use std::path::Path;
+
+use plotters::backend::{BitMapBackend, DrawingBackend};
+use plotters::style::{FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle};
+
+use super::sheet::{Frame, Mark, PAPER, Point, Rgb, Sheet, Text, WIDTH};
+use super::{font, trace};
+
+/// Pixels of the large sheet for one of the picture, in each direction.
+const ZOOM: u32 = 3;
+
+/// Writes the sheet to a file.
+pub(crate) fn write(sheet: &Sheet, path: &Path) -> Result<(), String> {
+    let (width, height) = (WIDTH as u32, sheet.height.max(1.0) as u32);
+    let mut large = vec![PAPER.0; 3 * (width * ZOOM) as usize * (height * ZOOM) as usize];
+    let mut painter = Painter { backend: BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)) };
+    sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;
+    drop(painter);
+    let mut picture = BitMapBackend::new(path, (width, height));
+    let pixels = averaged(&large, width as usize);
+    picture.blit_bitmap((0, 0), (width, height), &pixels).map_err(|e| e.to_string())?;
+    picture.present().map_err(|e| e.to_string())
+}
+
+/// Each pixel the mean of its `ZOOM` × `ZOOM` pixels of the large sheet.
+fn averaged(large: &[u8], width: usize) -> Vec<u8> {
+    let zoom = ZOOM as usize;
+    let mut out = Vec::with_capacity(large.len() / (zoom * zoom));
+    let mut sums = vec![0_u32; 3 * width];
+    for block in large.chunks_exact(3 * width * zoom * zoom) {
+        sums.fill(0);
+        for row in block.chunks_exact(3 * width * zoom) {
+            for (sum, pixels) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * zoom)) {
+                for pixel in pixels.chunks_exact(3) {
+                    sum.iter_mut().zip(pixel).for_each(|(s, p)| *s += u32::from(*p));
+                }
+            }
+        }
+        out.extend(sums.iter().map(|sum| ((sum + ZOOM * ZOOM / 2) / (ZOOM * ZOOM)) as u8));
+    }
+    out
+}
+
+struct Painter<'a> {
+    backend: BitMapBackend<'a>,
+}
+
+impl Painter<'_> {
+    fn paint(&mut self, mark: &Mark) -> Result<(), String> {
+        match mark {
+            Mark::Line { points, color, width, dash } => {
+                let strokes = trace::dashes(points, dash.pattern());
+                strokes.iter().try_for_each(|stroke| self.stroke(stroke, *width, &style(*color, 1.0)))
+            }
+            Mark::Fill { frames, color, opacity } => {
+                frames.iter().try_for_each(|frame| self.fill(frame, &style(*color, *opacity)))
+            }
+            Mark::Disc { at, radius, color } => self.disc(*at, *radius, &style(*color, 1.0)),
+            Mark::Text(text) => self.letters(text),
+        }
+    }
+
+    fn stroke(&mut self, points: &[Point], width: f64, style: &ShapeStyle) -> Result<(), String> {
+        let half = width / 2.0;
+        for pair in points.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            if from.0 == to.0 || from.1 == to.1 {
+                let across = if from.0 == to.0 { (half, 0.0) } else { (0.0, half) };
+                let (left, right) = (from.0.min(to.0) - across.0, from.0.max(to.0) + across.0);
+                let (top, bottom) = (from.1.min(to.1) - across.1, from.1.max(to.1) + across.1);
+                self.fill(&Frame { left, top, right, bottom }, style)?;
+                continue;
+            }
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let (dx, dy) = ((to.0 - from.0) / length * half, (to.1 - from.1) / length * half);
+            let corners = [
+                (from.0 - dy, from.1 + dx),
+                (to.0 - dy, to.1 + dx),
+                (to.0 + dy, to.1 - dx),
+                (from.0 + dy, from.1 - dx),
+            ];
+            self.backend.fill_polygon(corners.map(large), style).map_err(|e| e.to_string())?;
+        }
+        let joints = if width < 2.0 { &[] } else { points.get(1..points.len().max(2) - 1).unwrap_or(&[]) };
+        joints.iter().try_for_each(|at| self.disc(*at, half, style))
+    }
+
+    fn fill(&mut self, frame: &Frame, style: &ShapeStyle) -> Result<(), String> {
+        let (left, top) = large((frame.left, frame.top));
+        let (right, bottom) = large((frame.right, frame.bottom));
+        // The backend excludes the last row and column; a line is at least one pixel wide.
+        self.backend
+            .draw_rect((left, top), (right.max(left + 1), bottom.max(top + 1)), style, true)
+            .map_err(|e| e.to_string())
+    }
+
+    fn disc(&mut self, at: Point, radius: f64, style: &ShapeStyle) -> Result<(), String> {
+        self.backend
+            .draw_circle(large(at), (radius * f64::from(ZOOM)).round() as u32, style, true)
+            .map_err(|e| e.to_string())
+    }
+
+    fn letters(&mut self, text: &Text) -> Result<(), String> {
+        let (words, width) = font::words(&text.text, text.size);
+        let back = text.anchor.back(width);
+        let ink = RGBColor(text.color.0, text.color.1, text.color.2);
+        let transform = if text.upward { FontTransform::Rotate270 } else { FontTransform::None };
+        for word in words {
+            // plotters puts the base line half a line below the position.
+            let (along, up) = (word.x - back, word.rise + word.size * font::LINE_PER_EM / 2.0);
+            let (x, y) = text.at;
+            let at = large(if text.upward { (x - up, y - along) } else { (x + along, y - up) });
+            let font = font::font(word.size * f64::from(ZOOM)).transform(transform.clone());
+            let style = TextStyle::from(font).color(&ink);
+            for shift in [0, 1] {
+                self.backend.draw_text(&word.text, &style, (at.0 + shift, at.1)).map_err(|e| e.to_string())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn large((x, y): Point) -> (i32, i32) {
+    ((x * f64::from(ZOOM)).round() as i32, (y * f64::from(ZOOM)).round() as i32)
+}
+
+fn style((red, green, blue): Rgb, opacity: f64) -> ShapeStyle {
+    ShapeStyle { color: RGBAColor(red, green, blue, opacity), filled: true, stroke_width: 1 }
+}

@@ -1,0 +1,160 @@
+//! Ranges: what part of its data each panel shows.
+//!
+//! A range found from data holds the finite values (positive ones on a logarithmic axis) of the points inside the
+//! horizontal range, and zero under bars; then the bounds of [`Panel::y_cap`] apply, then a margin is added. Panels
+//! that share an axis of the same kind get the union; [`Panel::off_scale`] panels add to it only if there is nothing
+//! else.
+
+use super::scale::{Scale, showable};
+use super::{Figure, Panel, Series, Shape, ShareY};
+
+/// Both scales of one panel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Axes {
+    pub(crate) x: Scale,
+    pub(crate) y: Scale,
+    /// The vertical range was found from data, so it may be widened.
+    pub(crate) y_auto: bool,
+    /// Panels with equal numbers share the vertical range.
+    pub(crate) y_group: usize,
+}
+
+type Range = Option<(f64, f64)>;
+
+/// The axes of every panel.
+pub(crate) fn resolve(figure: &Figure) -> Vec<Axes> {
+    let x_groups: Vec<usize> = (0..figure.panels.len()).map(|i| if figure.share_x { 0 } else { i }).collect();
+    let y_group = |i: usize| match figure.share_y {
+        ShareY::None => i,
+        ShareY::Rows => i / figure.columns.max(1),
+        ShareY::All => 0,
+    };
+    let y_groups: Vec<usize> = (0..figure.panels.len()).map(y_group).collect();
+
+    let given = figure.panels.iter().map(|p| (p.x_range, found_x(p), p.log_x && p.categories.is_empty()));
+    let xs = join(&figure.panels, &x_groups, given.collect());
+    let given = figure.panels.iter().zip(&xs).map(|(p, x)| (p.y_range, found_y(p, x), p.log_y));
+    let ys = join(&figure.panels, &y_groups, given.collect());
+    let axes = xs.into_iter().zip(ys).zip(figure.panels.iter().zip(y_groups));
+    axes.map(|((x, y), (panel, y_group))| Axes { x, y, y_auto: panel.y_range.is_none(), y_group }).collect()
+}
+
+/// One scale for each panel from (given range, found range, logarithmic): its own if given, else its group's union.
+fn join(panels: &[Panel], groups: &[usize], ranges: Vec<(Range, Range, bool)>) -> Vec<Scale> {
+    let union = |group: usize, log: bool, off_scale: bool| {
+        let members =
+            panels.iter().zip(groups).zip(&ranges).filter(|((panel, other), (.., kind))| {
+                **other == group && *kind == log && (off_scale || !panel.off_scale)
+            });
+        members.filter_map(|(_, (given, found, _))| given.or(*found)).reduce(hull)
+    };
+    let scale = |(group, (given, _, log)): (&usize, &(Range, Range, bool))| {
+        let range = given.or_else(|| union(*group, *log, false)).or_else(|| union(*group, *log, true));
+        Scale::new(range.unwrap_or((f64::NAN, f64::NAN)), *log)
+    };
+    groups.iter().zip(&ranges).map(scale).collect()
+}
+
+fn found_x(panel: &Panel) -> Range {
+    if !panel.categories.is_empty() {
+        return Some((-0.6, panel.categories.len() as f64 - 0.4));
+    }
+    let range = extent(panel.series.iter().flat_map(span).map(|(x, _)| x), panel.log_x)?;
+    // Dots and bars need room beside the outermost ones; lines and regions end at the frame.
+    let separate = panel.series.iter().any(|s| matches!(s.shape, Shape::Dots { .. } | Shape::Bars(_)));
+    Some(margin(range, panel.log_x, if separate { (0.1, 0.1) } else { (0.0, 0.0) }))
+}
+
+fn found_y(panel: &Panel, x: &Scale) -> Range {
+    let visible = panel.series.iter().flat_map(span).filter(|(at, _)| x.holds(*at)).map(|(_, y)| y);
+    let bars = panel.series.iter().any(|s| matches!(s.shape, Shape::Bars(_)));
+    let cells = panel.series.iter().any(|s| matches!(s.shape, Shape::Cells { .. }));
+    let (mut lo, mut hi) = extent(visible, panel.log_y)?;
+    if let Some((a, b)) = panel.y_cap.filter(|(a, b)| !a.is_nan() && !b.is_nan()) {
+        (lo, hi) = (lo.clamp(a.min(b), a.max(b)), hi.clamp(a.min(b), a.max(b)));
+    }
+    // Bars stand on the axis and carry their values at the end; regions fill the panel to its edge.
+    let sides = match (bars, cells, panel.log_y) {
+        (true, _, true) => (0.25, 0.15),
+        (true, _, false) => {
+            (lo, hi) = (lo.min(0.0), hi.max(0.0));
+            (if lo < 0.0 { 0.15 } else { 0.0 }, if hi > 0.0 { 0.15 } else { 0.0 })
+        }
+        (_, true, _) => (0.0, 0.0),
+        _ => (0.06, 0.06),
+    };
+    Some(margin((lo, hi), panel.log_y, sides))
+}
+
+fn margin(range: (f64, f64), log: bool, (below, above): (f64, f64)) -> (f64, f64) {
+    let wide = Scale::new(range, log).widened(below, above);
+    (wide.lo, wide.hi)
+}
+
+fn extent(values: impl Iterator<Item = f64>, log: bool) -> Range {
+    values.filter(|v| showable(*v, log)).map(|v| (v, v)).reduce(hull)
+}
+
+fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// Points that span a series: its own, or for cells the two diagonal corners of the grid.
+fn span(series: &Series) -> Vec<(f64, f64)> {
+    match &series.shape {
+        Shape::Line { points, .. } | Shape::Dots { points, .. } => points.clone(),
+        Shape::Steps(points) | Shape::Bars(points) => points.clone(),
+        Shape::Cells { xs, ys, .. } => {
+            xs.iter().zip(ys.iter().cycle()).chain(xs.iter().cycle().zip(ys)).map(|(x, y)| (*x, *y)).collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(points: Vec<(f64, f64)>) -> Panel {
+        Panel { series: vec![Series::line("", 0, points)], ..Panel::default() }
+    }
+
+    fn shared(panels: Vec<Panel>) -> Vec<Axes> {
+        resolve(&Figure { columns: 2, share_y: ShareY::Rows, panels, ..Figure::default() })
+    }
+
+    #[test]
+    fn a_row_shares_the_union_of_what_is_in_view() {
+        let mut late = panel(vec![(0.0, 900.0), (10.0, 3.0), (11.0, f64::NAN), (12.0, f64::INFINITY)]);
+        late.x_range = Some((5.0, 20.0));
+        let axes = shared(vec![panel(vec![(0.0, -1.0), (1.0, 1.0)]), late, panel(vec![(0.0, 7.0), (1.0, 8.0)])]);
+        assert_eq!(axes[0].y, axes[1].y);
+        assert!(axes[0].y.lo < -1.0 && axes[0].y.hi > 3.0 && axes[0].y.hi < 4.0, "{:?}", axes[0].y);
+        assert!(axes[2].y.lo > 6.0);
+    }
+
+    #[test]
+    fn a_run_that_diverges_does_not_flatten_the_others() {
+        let mut wild = panel(vec![(0.0, 0.0), (1.0, 1e12)]);
+        wild.off_scale = true;
+        let axes = shared(vec![panel(vec![(0.0, -1.0), (1.0, 1.0)]), wild.clone()]);
+        assert_eq!(axes[0].y, axes[1].y);
+        assert!(axes[0].y.hi < 2.0);
+        assert!(shared(vec![wild.clone()])[0].y.hi > 1e12, "alone it sets its own range");
+        wild.y_cap = Some((-50.0, 50.0));
+        assert!(shared(vec![wild])[0].y.hi < 60.0);
+    }
+
+    #[test]
+    fn linear_and_logarithmic_panels_do_not_share() {
+        let mut log = panel(vec![(0.0, 1e-3), (1.0, 1.0), (2.0, 0.0), (3.0, -4.0)]);
+        log.log_y = true;
+        let axes = shared(vec![panel(vec![(0.0, -5.0), (1.0, 5.0)]), log]);
+        assert!(axes[0].y.lo < -5.0 && axes[1].y.lo > 0.0 && axes[1].y.hi < 2.0);
+    }
+
+    #[test]
+    fn bars_stand_on_zero() {
+        let bars = Panel { series: vec![Series::bars("", 0, vec![(0.0, 3.0), (1.0, 4.0)])], ..Panel::default() };
+        assert_eq!(shared(vec![bars])[0].y.lo, 0.0);
+    }
+}

@@ -1,0 +1,159 @@
+//! Scales: a range of values on a linear or logarithmic axis, and its ticks.
+//!
+//! Ticks stand at 1, 2 or 5 times a power of ten. A logarithmic axis shows whole decades, with 2 and 5 between them
+//! when it spans at most two, and even ticks when it spans less than that can label. Texts carry the decimals that
+//! neighbouring ticks need to differ; from 1e6 up and below 1e-4 they are multiples or powers of ten (`font` sets
+//! `10^−6` as it should be).
+
+/// Larger magnitudes cannot be shown: differences of ranges would overflow.
+pub(crate) const HUGE: f64 = 1e300;
+
+/// A range of values, `lo < hi`, both finite; positive if the axis is logarithmic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scale {
+    pub(crate) lo: f64,
+    pub(crate) hi: f64,
+    pub(crate) log: bool,
+}
+
+impl Scale {
+    /// The scale over a range, put in order; around a constant; 0…1 (1…10) where the range cannot be shown.
+    pub(crate) fn new((a, b): (f64, f64), log: bool) -> Self {
+        let (lo, hi) = (a.min(b), a.max(b));
+        if !showable(a, log) || !showable(b, log) {
+            return if log { Self { lo: 1.0, hi: 10.0, log } } else { Self { lo: 0.0, hi: 1.0, log } };
+        }
+        // Relative: a range narrower than the rounding of its ticks cannot be labelled.
+        if hi - lo > 1e-9 * hi.abs().max(lo.abs()).max(1e-290) {
+            return Self { lo, hi, log };
+        }
+        let around = if lo.abs() < 1e-290 { 1.0 } else { 0.1 * lo.abs() };
+        if log { Self { lo: lo / 2.0, hi: hi * 2.0, log } } else { Self { lo: lo - around, hi: hi + around, log } }
+    }
+
+    /// Where a value lies: 0 at `lo`, 1 at `hi`; not finite if the axis cannot show it.
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
+        let (lo, hi, value) =
+            if self.log { (self.lo.ln(), self.hi.ln(), value.ln()) } else { (self.lo, self.hi, value) };
+        (value - lo) / (hi - lo)
+    }
+
+    /// Whether a value lies in the range, up to rounding.
+    pub(crate) fn holds(&self, value: f64) -> bool {
+        (-1e-9..=1.0 + 1e-9).contains(&self.fraction(value))
+    }
+
+    /// The scale with these fractions of its length added below and above.
+    pub(crate) fn widened(&self, below: f64, above: f64) -> Self {
+        if self.log {
+            let length = self.hi.ln() - self.lo.ln();
+            Self::new((self.lo * (-below * length).exp(), self.hi * (above * length).exp()), true)
+        } else {
+            let length = self.hi - self.lo;
+            Self::new((self.lo - below * length, self.hi + above * length), false)
+        }
+    }
+
+    /// Labelled ticks inside the range, about `count` of them, with their texts.
+    pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
+        let decades = if self.log { self.decade_ticks(count) } else { Vec::new() };
+        if decades.len() >= 2 { decades } else { self.even_ticks(count) }
+    }
+
+    /// Unlabelled ticks at 2…9 times the powers of ten; none on a linear axis or over more than six decades.
+    pub(crate) fn minor_ticks(&self) -> Vec<f64> {
+        if !self.log || self.hi.log10() - self.lo.log10() > 6.0 {
+            return Vec::new();
+        }
+        let decade = |e: i32| (2..10).map(move |m| f64::from(m) * 10f64.powi(e));
+        let decades = self.lo.log10().floor() as i32..=self.hi.log10().ceil() as i32;
+        decades.flat_map(decade).filter(|v| self.holds(*v)).collect()
+    }
+
+    fn decade_ticks(&self, count: usize) -> Vec<(f64, String)> {
+        let (first, last) = (self.lo.log10().floor() as i32, self.hi.log10().ceil() as i32);
+        let every = last.abs_diff(first) as usize / count.max(2) + 1;
+        let steps: &[f64] = if self.hi.log10() - self.lo.log10() <= 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let values = (first..=last).step_by(every).flat_map(|e| steps.iter().map(move |m| m * 10f64.powi(e)));
+        // All as powers or none, so that one axis speaks one language.
+        let powers = steps.len() == 1 && (first < -3 || last > 5);
+        let power = |v: f64| format!("10^{}", v.log10().round()).replace('-', "−");
+        values.filter(|v| self.holds(*v)).map(|v| (v, if powers { power(v) } else { text(v, v, v) })).collect()
+    }
+
+    fn even_ticks(&self, count: usize) -> Vec<(f64, String)> {
+        let rough = (self.hi - self.lo) / count.max(1) as f64;
+        let power = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0].iter().map(|m| m * power).find(|s| *s >= 0.999 * rough).unwrap_or(10.0 * power);
+        let (first, last) = ((self.lo / step - 1e-6).ceil(), (self.hi / step + 1e-6).floor());
+        let values = (0..=(last - first).clamp(0.0, 50.0) as usize).map(|i| (first + i as f64) * step);
+        let largest = self.lo.abs().max(self.hi.abs());
+        values.filter(|v| self.holds(*v)).map(|v| (v, text(v, step, largest))).collect()
+    }
+}
+
+/// Whether an axis can show this value at all.
+pub(crate) fn showable(value: f64, log: bool) -> bool {
+    value.abs() <= HUGE && (!log || value >= 1.0 / HUGE)
+}
+
+/// A tick's value with the decimals that tell it from one `step` further, as a multiple of the power of ten of the axis'
+/// `largest` value where that is far from 1.
+fn text(value: f64, step: f64, largest: f64) -> String {
+    if value.abs() < 1e-6 * step {
+        return "0".to_owned();
+    }
+    // One part in 1e9 up: log10 of 1e-3 may come out just below −3.
+    let power = |v: f64| (v.abs().log10() + 1e-9).floor();
+    let exponent = Some(power(largest)).filter(|e| !(-4.0..6.0).contains(e)).unwrap_or(0.0);
+    let decimals = (exponent - power(step)).clamp(0.0, 12.0) as usize;
+    let multiple = value / 10f64.powf(exponent);
+    let suffix = if exponent == 0.0 { String::new() } else { format!("×10^{exponent}") };
+    format!("{multiple:.decimals$}{suffix}").replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(lo: f64, hi: f64, log: bool) -> Vec<String> {
+        Scale::new((lo, hi), log).ticks(5).into_iter().map(|(_, text)| text).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_labels_tell_them_apart() {
+        assert_eq!(labels(0.0, 1.0, false), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(-0.5, 0.5, false), ["−0.4", "−0.2", "0", "0.2", "0.4"]);
+        assert_eq!(labels(34.0, 36.0, false), ["34.0", "34.5", "35.0", "35.5", "36.0"]);
+        assert_eq!(labels(0.0, 12000.0, false), ["0", "5000", "10000"]);
+        assert_eq!(labels(0.0, 4e6, false), ["0", "1×10^6", "2×10^6", "3×10^6", "4×10^6"]);
+        assert_eq!(labels(-1e-6, 1e-6, false), ["−1.0×10^−6", "−0.5×10^−6", "0", "0.5×10^−6", "1.0×10^−6"]);
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_decades_or_their_parts() {
+        assert_eq!(labels(1e-3, 10.0, true), ["0.001", "0.01", "0.1", "1", "10"]);
+        assert_eq!(labels(0.8, 60.0, true), ["1", "2", "5", "10", "20", "50"]);
+        assert_eq!(labels(1e-8, 1e-5, true), ["10^−8", "10^−7", "10^−6", "10^−5"]);
+        assert_eq!(labels(3.0, 4.0, true), ["3.0", "3.2", "3.4", "3.6", "3.8", "4.0"]);
+        assert_eq!(Scale::new((1.0, 100.0), true).minor_ticks().len(), 16);
+    }
+
+    #[test]
+    fn every_range_gives_a_usable_scale() {
+        let odd = [0.0, -0.0, 1e-320, 1.0, -1.0, 1e-300, 1e300, 1e308, -1e308, f64::NAN, f64::INFINITY, 1.0 + 1e-15];
+        for (a, b) in odd.iter().flat_map(|a| odd.map(|b| (*a, b))) {
+            for log in [false, true] {
+                let scale = Scale::new((a, b), log);
+                assert!(scale.lo < scale.hi, "{a} {b} {scale:?}");
+                let wide = scale.widened(0.05, 0.3);
+                for s in [scale, wide] {
+                    assert!(s.lo.is_finite() && s.hi.is_finite() && s.lo < s.hi, "{a} {b} {s:?}");
+                    let ticks = s.ticks(5);
+                    assert!(ticks.len() < 60 && ticks.iter().all(|(v, _)| v.is_finite()), "{a} {b} {ticks:?}");
+                    let _ = s.minor_ticks();
+                }
+            }
+        }
+    }
+}

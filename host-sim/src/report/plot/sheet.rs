@@ -1,0 +1,169 @@
+//! The sheet: a figure after layout, as a list of marks in pixels.
+//!
+//! This list is all that the painters see, so SVG and PNG cannot differ in what they show. The origin is the top left
+//! corner, y grows downwards. Marks are painted in order. Everything in them is finite.
+
+/// A position on the sheet in pixels.
+pub(crate) type Point = (f64, f64);
+
+/// Red, green and blue.
+pub(crate) type Rgb = (u8, u8, u8);
+
+/// Width of every sheet in pixels.
+pub const WIDTH: f64 = 1600.0;
+
+/// The colours of series: Okabe and Ito's palette, which colour-blind readers can tell apart, strongest first.
+pub const PALETTE: [(u8, u8, u8); 8] = [
+    (0, 114, 178),   // blue
+    (213, 94, 0),    // vermillion
+    (0, 158, 115),   // green
+    (204, 121, 167), // purple
+    (230, 159, 0),   // orange
+    (86, 180, 233),  // sky blue
+    (30, 30, 30),    // black
+    (240, 228, 66),  // yellow: weak on white, for regions
+];
+
+/// Colour of letters and frames.
+pub(crate) const INK: Rgb = (25, 25, 25);
+/// Colour of the lines at labelled ticks.
+pub(crate) const GRID: Rgb = (222, 222, 222);
+/// Colour of the lines at the ticks between them.
+pub(crate) const FAINT: Rgb = (240, 240, 240);
+/// Colour of the sheet.
+pub(crate) const PAPER: Rgb = (255, 255, 255);
+/// Colour of remarks.
+pub(crate) const ALERT: Rgb = (180, 60, 0);
+
+/// The colour with this number, cyclically.
+pub(crate) fn color(index: usize) -> Rgb {
+    PALETTE[index % PALETTE.len()]
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Not broken.
+    #[default]
+    Solid,
+    /// Long strokes.
+    Dashed,
+    /// Dots.
+    Dotted,
+    /// Long strokes and dots in turn.
+    DashDot,
+}
+
+impl Dash {
+    /// Lengths of strokes and gaps in turn, in pixels; empty for a solid line.
+    pub(crate) fn pattern(self) -> &'static [f64] {
+        match self {
+            Self::Solid => &[],
+            Self::Dashed => &[12.0, 7.0],
+            Self::Dotted => &[3.0, 6.0],
+            Self::DashDot => &[14.0, 6.0, 3.0, 6.0],
+        }
+    }
+}
+
+/// An upright rectangle: left, top, right, bottom.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Frame {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+}
+
+impl Frame {
+    pub(crate) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(crate) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    pub(crate) fn contains(&self, (x, y): Point) -> bool {
+        x >= self.left && x <= self.right && y >= self.top && y <= self.bottom
+    }
+
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
+    /// The rectangle with every side moved outwards by `by`.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
+    }
+
+    pub(crate) fn corners(&self) -> Vec<Point> {
+        vec![(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)]
+    }
+}
+
+/// Which part of a text stands at its position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Anchor {
+    /// How far before its position a text of this width starts.
+    pub(crate) fn back(self, width: f64) -> f64 {
+        match self {
+            Self::Start => 0.0,
+            Self::Middle => width / 2.0,
+            Self::End => width,
+        }
+    }
+}
+
+/// A line of letters.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Text {
+    /// A point of the base line.
+    pub(crate) at: Point,
+    pub(crate) anchor: Anchor,
+    /// Height of the letters' em square.
+    pub(crate) size: f64,
+    pub(crate) color: Rgb,
+    /// Written upwards instead of to the right.
+    pub(crate) upward: bool,
+    pub(crate) text: String,
+}
+
+/// One thing to paint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Mark {
+    Line {
+        points: Vec<Point>,
+        color: Rgb,
+        width: f64,
+        dash: Dash,
+    },
+    /// Rectangles that do not overlap, as one shape.
+    Fill {
+        frames: Vec<Frame>,
+        color: Rgb,
+        opacity: f64,
+    },
+    Disc {
+        at: Point,
+        radius: f64,
+        color: Rgb,
+    },
+    Text(Text),
+}
+
+/// A figure after layout.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Sheet {
+    pub(crate) height: f64,
+    /// For readers that cannot see the picture.
+    pub(crate) title: String,
+    pub(crate) caption: String,
+    pub(crate) marks: Vec<Mark>,
+}

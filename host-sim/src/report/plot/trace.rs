@@ -1,0 +1,197 @@
+//! Traces: what a long line looks like in pixels.
+//!
+//! [`polylines`] takes points in pixels through three steps, each of which keeps the picture: split at gaps, thin out
+//! to the lowest and highest point of each run inside one column of pixels, cut at the frame. [`steps`] and [`dashes`]
+//! turn a held signal and a broken line into plain ones.
+
+use super::sheet::{Frame, Point};
+
+/// Positions further out than this many pixels are moved to it: cutting stays exact where it matters.
+const FAR: f64 = 1e7;
+
+/// The visible pieces of the line through these pixels; NaN leaves a gap, an infinite height leaves through the edge.
+pub(crate) fn polylines(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
+    let runs = points.split(|(x, y)| x.is_nan() || y.is_nan() || x.is_infinite());
+    runs.filter(|run| run.len() > 1).flat_map(|run| cut(&thinned(run), frame)).collect()
+}
+
+/// At most two points (the lowest and the highest, in their order) of each run of points in one column of pixels, and
+/// always the first and the last point.
+pub(crate) fn thinned(points: &[Point]) -> Vec<Point> {
+    let near = |(x, y): &Point| (x.clamp(-FAR, FAR), y.clamp(-FAR, FAR));
+    let points: Vec<Point> = points.iter().map(near).collect();
+    let mut kept = Vec::new();
+    kept.extend(points.first());
+    for column in points.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+        let by_height = |a: &&Point, b: &&Point| a.1.total_cmp(&b.1);
+        let (low, high) = (column.iter().min_by(by_height), column.iter().max_by(by_height));
+        let first = column.iter().find(|p| Some(*p) == low || Some(*p) == high);
+        let second = if first == low { high } else { low };
+        kept.extend(first);
+        kept.extend(second.filter(|p| Some(*p) != first));
+    }
+    kept.extend(points.last());
+    kept.dedup();
+    kept
+}
+
+/// The pieces of a line that lie inside the frame.
+fn cut(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
+    let mut pieces: Vec<Vec<Point>> = Vec::new();
+    for pair in points.windows(2) {
+        let [from, to] = pair else { continue };
+        let Some((start, end)) = segment_inside(*from, *to, frame) else { continue };
+        match pieces.last_mut().filter(|piece| piece.last() == Some(&start)) {
+            Some(piece) => piece.push(end),
+            None => pieces.push(vec![start, end]),
+        }
+    }
+    pieces
+}
+
+/// Liang and Barsky's clipping: the part of a segment inside the frame.
+fn segment_inside(from: Point, to: Point, frame: &Frame) -> Option<(Point, Point)> {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let sides = [
+        (-dx, from.0 - frame.left),
+        (dx, frame.right - from.0),
+        (-dy, from.1 - frame.top),
+        (dy, frame.bottom - from.1),
+    ];
+    for (direction, distance) in sides {
+        if direction == 0.0 && distance < 0.0 {
+            return None;
+        } else if direction < 0.0 {
+            enter = enter.max(distance / direction);
+        } else if direction > 0.0 {
+            leave = leave.min(distance / direction);
+        }
+    }
+    let at = |t: f64| {
+        if t == 0.0 {
+            from
+        } else if t == 1.0 {
+            to
+        } else {
+            (from.0 + t * dx, from.1 + t * dy)
+        }
+    };
+    (enter <= leave).then(|| (at(enter), at(leave)))
+}
+
+/// The corners of a signal that holds each value until the next point.
+pub(crate) fn steps(points: &[Point]) -> Vec<Point> {
+    let corner = |pair: &[Point]| match pair {
+        [from, to] => vec![*from, (to.0, from.1)],
+        _ => Vec::new(),
+    };
+    points.windows(2).flat_map(corner).chain(points.last().copied()).collect()
+}
+
+/// The strokes of a line that is broken by a pattern of stroke and gap lengths; the line itself if there is no pattern.
+pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+    if pattern.is_empty() || pattern.iter().any(|length| *length <= 0.0) {
+        return vec![points.to_vec()];
+    }
+    let mut lengths = pattern.iter().enumerate().cycle();
+    let mut next = || lengths.next().map_or((true, f64::INFINITY), |(i, length)| (i % 2 == 0, *length));
+    let (mut drawing, mut left) = next();
+    let mut strokes: Vec<Vec<Point>> = vec![points.iter().take(1).copied().collect()];
+    for pair in points.windows(2) {
+        let [mut from, to] = [pair[0], pair[1]];
+        loop {
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let part = if length > left { left / length } else { 1.0 };
+            let reached =
+                if part < 1.0 { (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1)) } else { to };
+            if let Some(stroke) = strokes.last_mut().filter(|_| drawing) {
+                stroke.push(reached);
+            }
+            if part == 1.0 {
+                left -= length;
+                break;
+            }
+            from = reached;
+            (drawing, left) = next();
+            if drawing {
+                strokes.push(vec![reached]);
+            }
+        }
+    }
+    strokes.retain(|stroke| stroke.len() > 1);
+    strokes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: Frame = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 50.0 };
+
+    /// A signal that looks random and is the same everywhere.
+    fn noise(count: usize) -> Vec<Point> {
+        let mut state = 12345_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state) / f64::from(u32::MAX)
+        };
+        (0..count).map(|i| (i as f64 * 100.0 / count as f64, 50.0 * random())).collect()
+    }
+
+    #[test]
+    fn thinning_keeps_the_extremes_of_every_column() {
+        let points = noise(20_000);
+        let kept = thinned(&points);
+        assert!(kept.len() <= 2 * 100 + 2, "{}", kept.len());
+        for column in 0..100 {
+            let brute = |points: &[Point], pick: fn(f64, f64) -> f64| {
+                points.iter().filter(|p| p.0.floor() as i32 == column).map(|p| p.1).reduce(pick)
+            };
+            assert_eq!(brute(&kept, f64::min), brute(&points, f64::min), "column {column}");
+            assert_eq!(brute(&kept, f64::max), brute(&points, f64::max), "column {column}");
+        }
+        let mut rest = points.iter();
+        assert!(kept.iter().all(|k| rest.any(|p| p == k)), "a subsequence, in the same order");
+    }
+
+    #[test]
+    fn short_lines_stay_as_they_are() {
+        let points = vec![(0.0, 1.0), (10.5, 3.0), (10.7, 2.0), (20.0, 2.0)];
+        assert_eq!(thinned(&points), points);
+        assert!(thinned(&[]).is_empty());
+    }
+
+    #[test]
+    fn gaps_split_and_the_frame_cuts() {
+        let points = [(0.0, 10.0), (10.0, 10.0), (20.0, f64::NAN), (30.0, 10.0), (40.0, 100.0), (50.0, 10.0)];
+        let pieces = polylines(&points, &FRAME);
+        assert_eq!(pieces.len(), 3);
+        assert_eq!(pieces[0], [(0.0, 10.0), (10.0, 10.0)]);
+        for (x, y) in pieces.iter().flatten() {
+            assert!(FRAME.grown(1e-9).contains((*x, *y)), "{x} {y}");
+        }
+        assert!((pieces[1][1].0 - (30.0 + 10.0 * 40.0 / 90.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_line_to_infinity_leaves_through_the_edge() {
+        let pieces = polylines(&[(0.0, 25.0), (50.0, 25.0), (51.0, f64::NEG_INFINITY), (52.0, 1e308)], &FRAME);
+        assert!(pieces.iter().flatten().all(|p| FRAME.grown(1e-6).contains(*p)), "{pieces:?}");
+        assert!(pieces[0].last().is_some_and(|p| p.1 < 1e-6), "{pieces:?}");
+    }
+
+    #[test]
+    fn strokes_and_gaps_have_the_lengths_of_the_pattern() {
+        let strokes = dashes(&[(0.0, 0.0), (5.0, 0.0), (20.0, 0.0)], &[6.0, 4.0]);
+        assert_eq!(strokes, [vec![(0.0, 0.0), (5.0, 0.0), (6.0, 0.0)], vec![(10.0, 0.0), (16.0, 0.0)]]);
+        assert_eq!(dashes(&[(0.0, 0.0), (9.0, 0.0)], &[]), [vec![(0.0, 0.0), (9.0, 0.0)]]);
+        assert!(dashes(&[], &[1.0, 1.0]).is_empty());
+    }
+
+    #[test]
+    fn held_values_become_corners() {
+        assert_eq!(steps(&[(0.0, 1.0), (2.0, 3.0)]), [(0.0, 1.0), (2.0, 1.0), (2.0, 3.0)]);
+        assert!(steps(&[]).is_empty());
+    }
+}

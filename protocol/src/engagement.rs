@@ -1,0 +1,175 @@
+//! Engagement: how far the coordination may act, from how long the other peer has been silent.
+//!
+//! The silence ladder, in packet periods since the last flow was taken:
+//!
+//! | silent for | rung | level |
+//! |---|---|---|
+//! | up to 3 | [`Rung::Engaged`] | rises by 1/12 a period, to 1; a missing packet is the ledger's business |
+//! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
+//! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
+//!
+//! The level starts from 0 whenever the peers come together. It changes with time only, never with what was in a packet,
+//! so it has no jumps but the one to 0 when a session ends. **Unit**: µs in, a factor from 0 to 1 out. Exact: counted in
+//! whole 1/36 of a µs, the least that both 1/12 and 1/9 divide. Time that goes backwards counts as standing still.
+
+/// Where on the ladder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rung {
+    /// No flow, or none for long.
+    #[default]
+    Apart,
+    /// Flow comes.
+    Engaged,
+    /// Flow stays away.
+    Fading,
+}
+
+/// Packet periods of silence before the coordination fades.
+pub const FADE_AFTER: u32 = 3;
+/// Packet periods of silence before the peers are apart.
+pub const APART_AFTER: u32 = 12;
+/// Packet periods from 0 to full engagement.
+pub const RISE: u32 = 12;
+
+const LEVELS: u32 = RISE * (APART_AFTER - FADE_AFTER) / 3;
+const RISE_STEP: u64 = (LEVELS / RISE) as u64;
+const FADE_STEP: u64 = (LEVELS / (APART_AFTER - FADE_AFTER)) as u64;
+const _: () = assert!(LEVELS.is_multiple_of(RISE) && LEVELS.is_multiple_of(APART_AFTER - FADE_AFTER));
+
+/// The ladder and the level.
+#[derive(Clone, Copy, Debug)]
+pub struct Engagement {
+    period_us: u64,
+    heard_us: Option<u64>,
+    updated_us: u64,
+    /// From 0 to 36 packet periods.
+    level: u64,
+}
+
+impl Engagement {
+    /// Apart, for flow that comes each `period_us`.
+    pub fn new(period_us: u32) -> Self {
+        Self { period_us: u64::from(period_us), heard_us: None, updated_us: 0, level: 0 }
+    }
+
+    /// The peers part: level 0 until flow comes again.
+    pub fn part(&mut self) {
+        self.heard_us = None;
+        self.level = 0;
+    }
+
+    /// Flow was taken. Call [`Engagement::update`] with the same `now` before.
+    pub fn hear(&mut self, now: u64) {
+        if self.heard_us.is_none() {
+            self.level = 0;
+            self.updated_us = now;
+        }
+        self.heard_us = Some(now);
+    }
+
+    /// Lets time pass.
+    pub fn update(&mut self, now: u64) {
+        let Some(heard) = self.heard_us else { return };
+        let fade = heard.saturating_add(self.periods(FADE_AFTER));
+        let apart = heard.saturating_add(self.periods(APART_AFTER));
+        let until_fade = now.min(fade).saturating_sub(self.updated_us);
+        let after_fade = now.saturating_sub(fade.max(self.updated_us));
+        self.level = self.level.saturating_add(until_fade.saturating_mul(RISE_STEP)).min(self.full());
+        self.level = self.level.saturating_sub(after_fade.saturating_mul(FADE_STEP));
+        self.updated_us = self.updated_us.max(now);
+        if now >= apart {
+            self.part();
+        }
+    }
+
+    fn periods(&self, count: u32) -> u64 {
+        self.period_us.saturating_mul(u64::from(count))
+    }
+
+    fn full(&self) -> u64 {
+        self.periods(LEVELS)
+    }
+
+    /// Where on the ladder, as of the last update.
+    pub fn rung(&self) -> Rung {
+        match self.heard_us {
+            None => Rung::Apart,
+            Some(heard) if self.updated_us.saturating_sub(heard) > self.periods(FADE_AFTER) => Rung::Fading,
+            Some(_) => Rung::Engaged,
+        }
+    }
+
+    /// How far the coordination may act, 0 to 1, as of the last update.
+    pub fn level(&self) -> f32 {
+        self.level as f32 / self.full() as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: u64 = 8_000;
+
+    fn heard_for(periods: u64) -> Engagement {
+        let mut engagement = Engagement::new(PERIOD as u32);
+        for n in 0..=periods {
+            engagement.update(n * PERIOD);
+            engagement.hear(n * PERIOD);
+        }
+        engagement
+    }
+
+    #[test]
+    fn rises_from_zero_over_12_periods() {
+        assert_eq!(heard_for(0).level(), 0.0);
+        assert!((heard_for(6).level() - 0.5).abs() < 1e-6);
+        assert!((heard_for(12).level() - 1.0).abs() < 1e-6);
+        assert_eq!(heard_for(100).level(), 1.0);
+    }
+
+    #[test]
+    fn holds_3_fades_9_then_apart() {
+        for step in [1, 500, 1000, 8000, 12345] {
+            let mut engagement = heard_for(100);
+            let heard = 100 * PERIOD;
+            let mut last = 1.0;
+            for now in (heard..heard + 13 * PERIOD).step_by(step) {
+                engagement.update(now);
+                let silent = (now - heard) as f32 / PERIOD as f32;
+                let wanted = (1.0 - (silent - 3.0) / 9.0).clamp(0.0, 1.0);
+                assert!((engagement.level() - wanted).abs() < 1e-6, "{silent}: {} not {wanted}", engagement.level());
+                assert!(engagement.level() <= last);
+                last = engagement.level();
+                let rung = match silent {
+                    s if s <= 3.0 => Rung::Engaged,
+                    s if s < 12.0 => Rung::Fading,
+                    _ => Rung::Apart,
+                };
+                assert_eq!(engagement.rung(), rung, "{silent}");
+            }
+        }
+    }
+
+    #[test]
+    fn resumes_from_where_the_fade_was() {
+        let mut engagement = heard_for(100);
+        let back = 100 * PERIOD + 7 * PERIOD + PERIOD / 2;
+        engagement.update(back);
+        engagement.hear(back);
+        assert!((engagement.level() - 0.5).abs() < 1e-6);
+        engagement.update(back + PERIOD);
+        assert!((engagement.level() - 0.5 - 1.0 / 12.0).abs() < 1e-6);
+        assert_eq!(engagement.rung(), Rung::Engaged);
+    }
+
+    #[test]
+    fn time_that_goes_backwards_or_jumps_stays_within_0_and_1() {
+        let mut engagement = heard_for(100);
+        for now in [0, u64::MAX, 3, u64::MAX / 2] {
+            engagement.update(now);
+            assert!((0.0..=1.0).contains(&engagement.level()));
+            engagement.hear(now);
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Handshake: how two peers that share a key come to share a session, in any order, whoever restarts.
+//!
+//! Every peer has one current **challenge**. A greeting carries its sender's challenge and echoes the receiver's. An echo
+//! of the current challenge under a right tag proves that the sender holds the key and is there now, because nobody could
+//! have known the challenge before; only that makes a session. Hello asks for an answer, welcome is one; both ends follow
+//! the same three rules ([`Standing`]), so hellos that cross need no arbiter:
+//!
+//! ```text
+//!     A                                    B
+//!     │ hello(a, –) ─────────────────────► │  b is current: answers, keeps nothing
+//!     │ ◄───────────────── welcome(b, a)   │
+//!     │ session(a, b)                      │
+//!     │ hello(a, b), sealed probe ───────► │  session(a, b)
+//!     │ ◄───────────────── sealed probe    │  confirmed: draws b′
+//!     │ confirmed: draws a′                │
+//! ```
+//!
+//! **Invariants**: a greeting from the past or from a stranger changes nothing and is given no memory. A challenge that
+//! made a confirmed session is never offered again. What a peer sent is not accepted by itself: each direction has its key.
+//! **Limit**: who holds the key and has recorded hellos can make a peer answer them, byte for byte as long.
+
+use core::fmt;
+
+use crate::ends::{self, Ends};
+use crate::key::Key;
+use crate::parameters::Parameters;
+use crate::session::{Offer, Session};
+use crate::wire::{self, Challenge, Greeting, GreetingKind};
+
+/// Why a greeting is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// It does not go from the other end to this one.
+    Ends(ends::Error),
+    /// The tag is wrong: altered on the way, or made by someone without the key.
+    Forged,
+    /// It answers a challenge that this peer no longer has.
+    Stale,
+    /// The other peer was told something else in this table of parameters.
+    Parameters(
+        /// The first table that differs.
+        &'static str,
+    ),
+    /// The bytes are not a greeting.
+    Wire(wire::Error),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ends(error) => error.fmt(f),
+            Self::Forged => f.write_str("the tag of a greeting is wrong: altered, or another shared key"),
+            Self::Stale => f.write_str("a greeting that answers a challenge of the past"),
+            Self::Parameters(table) => write!(f, "the other peer has other parameters: {table}"),
+            Self::Wire(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// How an authentic greeting stands to what this peer knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// Its sender is the other end of the session at hand; nothing new.
+    Known,
+    /// It echoes the current challenge: its sender is there now, and wants the session that follows.
+    Fresh,
+    /// Neither: its sender may be new, or the greeting may be old.
+    Unproven,
+}
+
+/// What a peer needs to greet and to judge greetings.
+#[derive(Debug)]
+pub struct Handshake {
+    ends: Ends,
+    shared: Key,
+    outward: Key,
+    inward: Key,
+    entropy: Key,
+    drawn: u64,
+    offer: Offer,
+    parameters: Parameters,
+}
+
+impl Handshake {
+    /// Greets under the shared key. `entropy` must differ at every start of the peer and be unforeseeable.
+    pub fn new(shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
+        let Ends { local, remote } = ends;
+        let greeting_key = |from: wire::PeerId, to: wire::PeerId| shared.derive("greeting").with(&[from.0, to.0]).end();
+        let incarnation = u64::from_le_bytes(entropy.derive("incarnation").first());
+        let mut handshake = Self {
+            ends,
+            outward: greeting_key(local, remote),
+            inward: greeting_key(remote, local),
+            shared,
+            entropy: entropy.clone(),
+            drawn: 0,
+            offer: Offer { challenge: [0; 16], incarnation },
+            parameters,
+        };
+        handshake.renew();
+        handshake
+    }
+
+    /// Draws a new current challenge.
+    pub fn renew(&mut self) {
+        self.drawn = self.drawn.wrapping_add(1);
+        self.offer.challenge = self.entropy.derive("challenge").with(&self.drawn.to_le_bytes()).first();
+    }
+
+    /// The current challenge.
+    pub fn challenge(&self) -> Challenge {
+        self.offer.challenge
+    }
+
+    /// Writes a greeting to the front of `out` and gives its length.
+    pub fn greet(
+        &self,
+        kind: GreetingKind,
+        challenge: Challenge,
+        echo: Challenge,
+        out: &mut [u8],
+    ) -> Result<usize, wire::Error> {
+        let (count, tables) = self.parameters.hashes();
+        let Ends { local: from, remote: to } = self.ends;
+        let incarnation = self.offer.incarnation;
+        let length = wire::Error::Length { message: "greeting", wanted: Greeting::LEN, got: out.len() };
+        let (body, rest) = out.split_at_mut_checked(Greeting::BODY).ok_or(length)?;
+        let tag = rest.first_chunk_mut().ok_or(length)?;
+        Greeting { kind, from, to, challenge, echo, incarnation, count, tables }.emit(body)?;
+        *tag = self.outward.tag(body);
+        Ok(Greeting::LEN)
+    }
+
+    /// Reads a greeting if it is for this peer, from the other end and authentic.
+    pub fn open(&self, datagram: &[u8]) -> Result<Greeting, Error> {
+        let (greeting, body, tag) = Greeting::parse(datagram).map_err(Error::Wire)?;
+        self.ends.check(greeting.from, greeting.to).map_err(Error::Ends)?;
+        if self.inward.verifies(body, tag) { Ok(greeting) } else { Err(Error::Forged) }
+    }
+
+    /// How an authentic greeting stands to the session at hand and to the current challenge.
+    pub fn judge(&self, greeting: &Greeting, session: Option<&Session>) -> Standing {
+        if session.is_some_and(|session| session.is_with(greeting)) {
+            Standing::Known
+        } else if greeting.echo == self.offer.challenge {
+            Standing::Fresh
+        } else {
+            Standing::Unproven
+        }
+    }
+
+    /// The session that a fresh greeting leads to, unless the two peers were told different things.
+    pub fn accept(&self, greeting: &Greeting) -> Result<Session, Error> {
+        if let Some(table) = self.parameters.difference(greeting.count, &greeting.tables) {
+            return Err(Error::Parameters(table));
+        }
+        let remote = Offer { challenge: greeting.challenge, incarnation: greeting.incarnation };
+        Ok(Session::new(&self.shared, self.ends, self.offer, remote, &self.parameters.hashes()))
+    }
+}

@@ -1,0 +1,90 @@
+//! Keys: the one both peers hold, and every other one derived from it.
+//!
+//! One primitive does it all: BLAKE2s (RFC 7693) with a key is a pseudo-random function, so `derive` gives keys that say
+//! nothing about each other, and `tag` authenticates what is not sealed. A label of 16 bytes keeps the uses apart.
+//!
+//! **Invariant**: a key is never printed. **Limit**: keys are not wiped from memory when dropped; whoever reads the
+//! memory of a running peer has its shared key anyway.
+
+use core::fmt;
+
+use blake2::digest::array::Array;
+use blake2::digest::consts::U16;
+use blake2::digest::{FixedOutput, KeyInit, Mac, Update};
+use blake2::{Blake2sMac, Blake2sMac256};
+
+use crate::wire::TAG_LEN;
+
+/// 32 secret bytes.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Key([u8; Self::LEN]);
+
+impl Key {
+    /// Bytes.
+    pub const LEN: usize = 32;
+
+    /// A key from its bytes, which must come from a good source of randomness and stay secret.
+    pub fn new(bytes: [u8; Self::LEN]) -> Self {
+        Self(bytes)
+    }
+
+    /// The bytes, for the cipher.
+    pub(crate) fn bytes(&self) -> &[u8; Self::LEN] {
+        &self.0
+    }
+
+    /// Whether nobody has set it.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.0 == [0; Self::LEN]
+    }
+
+    /// A function of this key that takes in data piece by piece and ends as another key.
+    pub(crate) fn derive(&self, label: &str) -> Derivation {
+        let mut padded = [0; 16];
+        for (to, from) in padded.iter_mut().zip(label.bytes()) {
+            *to = from;
+        }
+        let mut mac = Blake2sMac256::new(&Array(self.0));
+        Update::update(&mut mac, &padded);
+        Derivation(mac)
+    }
+
+    /// The tag of `bytes` under this key.
+    pub(crate) fn tag(&self, bytes: &[u8]) -> [u8; TAG_LEN] {
+        Blake2sMac::<U16>::new(&Array(self.0)).chain_update(bytes).finalize_fixed().0
+    }
+
+    /// Whether `tag` is the tag of `bytes` under this key, in a time that does not tell where it differs.
+    pub(crate) fn verifies(&self, bytes: &[u8], tag: &[u8; TAG_LEN]) -> bool {
+        Blake2sMac::<U16>::new(&Array(self.0)).chain_update(bytes).verify(&Array(*tag)).is_ok()
+    }
+}
+
+impl fmt::Debug for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Key(…)")
+    }
+}
+
+/// A key on its way to becoming another one.
+#[derive(Clone)]
+pub(crate) struct Derivation(Blake2sMac256);
+
+impl Derivation {
+    /// Takes in more data.
+    pub(crate) fn with(mut self, data: &[u8]) -> Self {
+        Update::update(&mut self.0, data);
+        self
+    }
+
+    /// The key that all the data gives.
+    pub(crate) fn end(self) -> Key {
+        Key(self.0.finalize_fixed().0)
+    }
+
+    /// The first `N` of its bytes, for what is not secret.
+    pub(crate) fn first<const N: usize>(self) -> [u8; N] {
+        let Key(bytes) = self.end();
+        bytes.first_chunk().copied().unwrap_or([0; N])
+    }
+}

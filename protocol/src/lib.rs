@@ -1,0 +1,133 @@
+//! The wire between two haptic peers: sealed, versioned, sans-IO.
+//!
+//! What arrives over a network here becomes force on a human hand. So every datagram is authenticated and encrypted, every
+//! message is taken once, and the coordination acts only as far as the other peer is known to be there. Bytes and `now` (µs)
+//! come in, bytes and messages go out; sockets, clocks and random numbers are the caller's. There is no way to send
+//! anything in the open.
+//!
+//! From the outside in:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`link`] | [`link::Link`]: one peer's end of the wire, the only thing a firmware needs |
+//! | [`engagement`] | silence ladder: how far the coordination may act |
+//! | [`reliable`] | events that arrive once and in order, beside the flow that never waits |
+//! | [`clock`] | the other peer's clock, round trip and jitter |
+//! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
+//! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
+//! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
+//! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
+//!
+//! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
+//! the slice it is given. Nothing allocates; a link is one value of fixed size. An error is one sentence about what was
+//! wrong and never a reason to stop.
+//!
+//! **Limits**: whoever holds the shared key can read what was recorded (no forward secrecy; a microcontroller that is opened
+//! gives up its key anyway). An enemy on the path can drop datagrams, which fades the coordination, and cannot do more. Addresses
+//! prove nothing and are the caller's: send to the configured one, not to whoever wrote last.
+//!
+//! # Two links, one wire
+//!
+//! What a task on a board does each packet period, here with both peers in one loop:
+//!
+//! ```
+//! use haptic_protocol::ends::Ends;
+//! use haptic_protocol::key::Key;
+//! use haptic_protocol::link::{Config, Incoming, Link, Notice, Stage};
+//! use haptic_protocol::parameters::{Parameters, Table};
+//! use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId};
+//!
+//! fn link(local: u8, remote: u8, entropy: u8) -> Link {
+//!     let mut parameters = Parameters::new();
+//!     parameters.add(Table::new("timing").number("control_period_s", 0.001).number("ticks_per_packet", 8.0)).unwrap();
+//!     parameters.add(Table::new("coordination").text("comm", "passive-wave").number("stiffness_n_per_m", 1e4)).unwrap();
+//!     Link::new(Config {
+//!         key: Key::new([7; 32]), // from a key file, the same for both
+//!         ends: Ends { local: PeerId(local), remote: PeerId(remote) },
+//!         packet_period_us: 8_000,
+//!         parameters,
+//!         entropy: [entropy; 32], // from the random number generator, at every start
+//!     })
+//!     .unwrap()
+//! }
+//!
+//! /// One packet period of one peer: what came goes in, what it wants to say comes out.
+//! fn period(link: &mut Link, now: u64, came: &mut Vec<Vec<u8>>, flow: Flow) -> (Vec<Vec<u8>>, Option<Flow>) {
+//!     let (mut out, mut say, mut newest) = ([0; MAX_DATAGRAM], Vec::new(), None);
+//!     for mut datagram in came.drain(..) {
+//!         // A refused datagram is only worth a line in a log.
+//!         if let Ok(Some(Incoming::Flow(flow))) = link.receive(now, &mut datagram) {
+//!             newest = Some(flow);
+//!         }
+//!         while let Some(len) = link.poll(now, &mut out) {
+//!             say.push(out[..len].to_vec());
+//!         }
+//!     }
+//!     if let Some(len) = link.send_flow(now, &flow, &mut out) {
+//!         say.push(out[..len].to_vec());
+//!     }
+//!     while let Some(len) = link.poll(now, &mut out) {
+//!         say.push(out[..len].to_vec());
+//!     }
+//!     (say, newest)
+//! }
+//!
+//! let (mut one, mut two) = (link(1, 2, 11), link(2, 1, 22));
+//! one.push_event(Event::new(42, b"take it").unwrap()).unwrap();
+//! let (mut to_one, mut to_two) = (Vec::new(), Vec::new());
+//! let mut seen = None;
+//! for tick in (0..400).step_by(8) {
+//!     let now = u64::from(tick) * 1_000;
+//!     let flow = Flow { engaged: one.engagement() > 0.0, tick, position: 0.01, ..Flow::default() };
+//!     let (said, _) = period(&mut one, now, &mut to_one, flow);
+//!     to_two.extend(said);
+//!     let (said, newest) = period(&mut two, now, &mut to_two, Flow::default());
+//!     to_one.extend(said);
+//!     seen = newest.or(seen);
+//! }
+//! assert_eq!((one.stage(), two.stage()), (Stage::Running, Stage::Running));
+//! assert_eq!((one.engagement(), two.engagement()), (1.0, 1.0));
+//! assert_eq!(seen.map(|flow| (flow.tick, flow.position)), Some((392, 0.01)));
+//! assert_eq!(two.take_event().map(|event| event.payload().to_vec()), Some(b"take it".to_vec()));
+//! assert_eq!(two.take_event(), None);
+//! assert_eq!(one.take_notice(), Some(Notice::NewPeer { dropped: 0 }));
+//! ```
+//!
+//! In an Embassy task the same calls stand around a `select` of socket and ticker. Poll a `send_to` once and drop it when it is
+//! not ready: flow that has to wait is flow that is late.
+//!
+//! ```text
+//! loop {
+//!     match select(socket.recv_from(&mut came), packet_period.next()).await {
+//!         First(Ok((len, _))) => match link.receive(now(), &mut came[..len]) {
+//!             Ok(Some(Incoming::Flow(flow))) => EXCHANGE.incoming.put(flow),
+//!             _ => {}
+//!         },
+//!         First(Err(_)) => {}
+//!         Second(()) => {
+//!             EXCHANGE.engagement.put(link.engagement());
+//!             if let Some(len) = link.send_flow(now(), &EXCHANGE.outgoing.get(), &mut out) { send(&out[..len]) }
+//!         }
+//!     }
+//!     while let Some(len) = link.poll(now(), &mut out) { send(&out[..len]) }
+//! }
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)
+)]
+
+pub mod clock;
+pub mod ends;
+pub mod engagement;
+pub mod handshake;
+pub mod key;
+pub mod link;
+pub mod parameters;
+pub mod reliable;
+pub mod replay;
+pub mod seal;
+pub mod session;
+pub mod wire;

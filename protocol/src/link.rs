@@ -1,0 +1,275 @@
+//! Link: one peer's end of the wire to another. Bytes and `now` go in, bytes and messages come out.
+//!
+//! ```text
+//! Calling ──proof──► Joining ──heard──► Idle ──flow──► Running ◄──3 silent, flow again──► Fading
+//!    ▲  ▲ Refused ◄─other parameters      │ ▲                                               │
+//!    │  └──────────────────────────12 silent└───────────────────no flow for 12──────────────┘
+//! ```
+//!
+//! The caller owns socket, clock and buffers. Each packet period it calls [`Link::send_flow`]; after every datagram that
+//! came ([`Link::receive`]) and at least once a packet period it calls [`Link::poll`] until there is nothing more to send.
+//! Nothing here waits, and the flow waits for nothing.
+//!
+//! **Units**: µs on the caller's own clock, which may start anywhere and must not go backwards (if it does, time stands
+//! still). **Invariants**: bounded memory, the size of [`Link`] itself; a datagram that is not authentic changes nothing
+//! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
+//! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
+
+use heapless::Deque;
+
+use crate::clock::Clock;
+use crate::ends::Ends;
+use crate::engagement::{APART_AFTER, Engagement};
+use crate::handshake::Handshake;
+use crate::key::Key;
+use crate::parameters::Parameters;
+use crate::reliable::{Full, Receiver, Sender};
+use crate::seal::Counter;
+use crate::session::Session;
+use crate::wire::{Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
+
+mod error;
+mod incoming;
+mod stage;
+
+pub use error::{ConfigError, Error};
+pub use incoming::Incoming;
+pub use stage::{Notice, Stage};
+
+/// Packet periods between hellos.
+const HELLO_EVERY: u32 = 2;
+/// Packet periods between time probes.
+const PROBE_EVERY: u32 = 32;
+/// Packet periods without anything sent before a probe keeps the session alive.
+const KEEP_ALIVE_AFTER: u32 = 2;
+/// Notices kept for a caller that does not ask; then the oldest goes.
+const NOTICES: usize = 16;
+
+/// What a link is made from.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The key that both peers hold.
+    pub key: Key,
+    /// The two peers' numbers.
+    pub ends: Ends,
+    /// How often flow is sent, µs.
+    pub packet_period_us: u32,
+    /// What both peers must have been told alike.
+    pub parameters: Parameters,
+    /// 32 random bytes, never the same at two starts of this peer: from a true random number generator.
+    pub entropy: [u8; Key::LEN],
+}
+
+/// What a link has counted since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Sealed datagrams taken.
+    pub taken: u32,
+    /// Sealed datagrams of the other peer that never came.
+    pub missing: u32,
+    /// Flow that came after newer flow, dropped.
+    pub late: u32,
+    /// Datagrams refused.
+    pub refused: u32,
+}
+
+/// One peer's end of the wire to another.
+#[derive(Debug)]
+pub struct Link {
+    ends: Ends,
+    period_us: u32,
+    handshake: Handshake,
+    counter: Counter,
+    session: Option<Session>,
+    /// The incarnation of the other peer that the reliable events belong to.
+    peer: Option<u64>,
+    refused: Option<&'static str>,
+    engagement: Engagement,
+    clock: Clock,
+    sender: Sender,
+    receiver: Receiver,
+    /// Sequence number of the newest flow taken in this session.
+    newest_flow: Option<u64>,
+    /// A welcome to send: own challenge, and the one to echo.
+    answer: Option<(Challenge, Challenge)>,
+    /// A probe to answer: its time, and when it came.
+    probed: Option<(u64, u64)>,
+    ack_due: bool,
+    heard_us: u64,
+    sent_us: u64,
+    next_hello_us: u64,
+    next_probe_us: u64,
+    told: Stage,
+    notices: Deque<Notice, NOTICES>,
+    past: Counts,
+}
+
+impl Link {
+    /// A link that begins to call at its first [`Link::poll`].
+    pub fn new(config: Config) -> Result<Self, ConfigError> {
+        let Config { key, ends, packet_period_us, parameters, entropy } = config;
+        let entropy = Key::new(entropy);
+        if ends.local == ends.remote {
+            return Err(ConfigError::SameNumber { number: ends.local.0 });
+        }
+        if key.is_zero() {
+            return Err(ConfigError::ZeroKey);
+        }
+        if entropy.is_zero() {
+            return Err(ConfigError::ZeroEntropy);
+        }
+        if !(ConfigError::SHORTEST_US..=ConfigError::LONGEST_US).contains(&packet_period_us) {
+            return Err(ConfigError::PacketPeriod { us: packet_period_us });
+        }
+        Ok(Self {
+            ends,
+            period_us: packet_period_us,
+            handshake: Handshake::new(key, ends, parameters, &entropy),
+            counter: Counter::default(),
+            session: None,
+            peer: None,
+            refused: None,
+            engagement: Engagement::new(packet_period_us),
+            clock: Clock::default(),
+            sender: Sender::default(),
+            receiver: Receiver::default(),
+            newest_flow: None,
+            answer: None,
+            probed: None,
+            ack_due: false,
+            heard_us: 0,
+            sent_us: 0,
+            next_hello_us: 0,
+            next_probe_us: 0,
+            told: Stage::Calling,
+            notices: Deque::new(),
+            past: Counts::default(),
+        })
+    }
+
+    /// Lets time pass, and gives the length of the next datagram to send, written to the front of `out`; `None` when there
+    /// is nothing to send for now.
+    pub fn poll(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        if let Some((challenge, echo)) = self.answer.take() {
+            return self.handshake.greet(GreetingKind::Welcome, challenge, echo, out).ok();
+        }
+        let confirmed = self.session.as_ref().is_some_and(Session::is_confirmed);
+        if !confirmed && now >= self.next_hello_us {
+            self.next_hello_us = self.after(now, HELLO_EVERY);
+            let offers = self.session.as_ref().map(|session| (session.local.challenge, session.remote.challenge));
+            let (challenge, echo) = offers.unwrap_or((self.handshake.challenge(), [0; 16]));
+            return self.handshake.greet(GreetingKind::Hello, challenge, echo, out).ok();
+        }
+        let message = self.due(now, confirmed)?;
+        self.seal(now, &message, out)
+    }
+
+    /// What is to be said to the other peer beside the flow.
+    fn due(&mut self, now: u64, confirmed: bool) -> Option<Message> {
+        self.session.as_ref()?;
+        if let Some((probe_sent_us, probe_received_us)) = self.probed.take() {
+            return Some(Message::Reply(Reply { probe_sent_us, probe_received_us, sent_us: now }));
+        }
+        if core::mem::take(&mut self.ack_due) {
+            return Some(Message::Ack(self.receiver.ack()));
+        }
+        if confirmed {
+            let timeout = self.clock.timeout_us(u64::from(self.period_us).saturating_mul(2));
+            if let Some(event) = self.sender.due(now, timeout) {
+                return Some(Message::Event(event));
+            }
+        }
+        if now >= self.next_probe_us || now >= self.after(self.sent_us, KEEP_ALIVE_AFTER) {
+            self.next_probe_us = self.after(now, if confirmed { PROBE_EVERY } else { 1 });
+            return Some(Message::Probe(Probe { sent_us: now }));
+        }
+        None
+    }
+
+    /// Seals this packet period's flow into `out` and gives the datagram's length; `None` while there is no session, or
+    /// when a number in it is not finite.
+    pub fn send_flow(&mut self, now: u64, flow: &Flow, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Flow(*flow), out)
+    }
+
+    /// Seals telemetry into `out` and gives the datagram's length; `None` as for [`Link::send_flow`].
+    pub fn send_telemetry(&mut self, now: u64, telemetry: &Telemetry, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Telemetry(*telemetry), out)
+    }
+
+    /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.
+    pub fn push_event(&mut self, event: Event) -> Result<u32, Full> {
+        self.sender.push(event)
+    }
+
+    /// The next event of the other peer, once and in order.
+    pub fn take_event(&mut self) -> Option<Event> {
+        self.receiver.take()
+    }
+
+    /// Events of this peer that have not been acknowledged.
+    pub fn events_under_way(&self) -> usize {
+        self.sender.under_way()
+    }
+
+    /// How far the coordination may act, 0 to 1, as of the last call.
+    pub fn engagement(&self) -> f32 {
+        self.engagement.level()
+    }
+
+    /// The other peer's clock, the round trip and its jitter.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// What has been counted.
+    pub fn counts(&self) -> Counts {
+        let (taken, missing) = self.session.as_ref().map_or((0, 0), |session| (session.taken(), session.missing()));
+        Counts {
+            taken: self.past.taken.saturating_add(taken),
+            missing: self.past.missing.saturating_add(missing),
+            ..self.past
+        }
+    }
+
+    /// Fills in what the link knows of a telemetry message; the rest stays as it is.
+    pub fn describe(&self, now: u64, telemetry: &mut Telemetry) {
+        let counts = self.counts();
+        telemetry.stage = self.stage() as u8;
+        telemetry.engagement = self.engagement();
+        telemetry.round_trip_us = self.clock.round_trip_us().unwrap_or(0);
+        telemetry.jitter_us = self.clock.jitter_us();
+        telemetry.clock_offset_us = self.clock.offset_us(now).unwrap_or(0);
+        telemetry.clock_drift_ppm = self.clock.drift_ppm();
+        telemetry.packets_taken = counts.taken;
+        telemetry.packets_missing = counts.missing;
+        telemetry.flow_late = counts.late;
+        telemetry.refused = counts.refused;
+    }
+
+    fn after(&self, from: u64, periods: u32) -> u64 {
+        from.saturating_add(u64::from(self.period_us).saturating_mul(u64::from(periods)))
+    }
+
+    fn advance(&mut self, now: u64) {
+        self.engagement.update(now);
+        let silent = now >= self.after(self.heard_us, APART_AFTER);
+        if silent && self.session.as_ref().is_some_and(Session::is_confirmed) {
+            self.end();
+            self.next_hello_us = now;
+        }
+        self.settle();
+    }
+
+    fn seal(&mut self, now: u64, message: &Message, out: &mut Datagram) -> Option<usize> {
+        let len = self.session.as_mut()?.seal(&mut self.counter, message, out).ok()?;
+        self.sent_us = now;
+        Some(len)
+    }
+}
+
+// A link on a microcontroller: everything it will ever need, at once.
+const _: () = assert!(size_of::<Link>() <= 4096 && Greeting::LEN == size_of::<Datagram>());

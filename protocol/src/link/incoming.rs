@@ -1,0 +1,127 @@
+//! Incoming: what a link does with a datagram.
+
+use super::{Error, Link, Notice};
+use crate::handshake::{self, Standing};
+use crate::wire::{self, Event, Flow, Greeting, GreetingKind, Header, Message, Telemetry};
+
+/// What has come for the caller. Events wait in [`Link::take_event`], what the link itself needs it keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // 92 bytes on the way to the caller, and nowhere else.
+pub enum Incoming {
+    /// Flow, newer than any before.
+    Flow(Flow),
+    /// How the other peer is doing.
+    Telemetry(Telemetry),
+}
+
+impl Link {
+    /// Takes a datagram, which is opened in place. `Ok(None)`: it was the link's own business, or flow that came late.
+    ///
+    /// An error is no reason to do anything: the datagram was not taken, nothing has changed but [`super::Counts::refused`].
+    /// It says what was wrong, for a person who wonders why two peers do not meet.
+    pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Incoming>, Error> {
+        self.advance(now);
+        let taken = match datagram.get(1) {
+            Some(kind) if Greeting::is_kind(*kind) => self.greeted(now, datagram).map(|()| None),
+            _ => self.open(now, datagram),
+        };
+        if taken.is_err() {
+            self.past.refused = self.past.refused.saturating_add(1);
+        }
+        self.settle();
+        taken
+    }
+
+    /// A greeting, by the three rules of [`crate::handshake`].
+    fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
+        let greeting = self.handshake.open(datagram).map_err(Error::Handshake)?;
+        let standing = self.handshake.judge(&greeting, self.session.as_ref());
+        let known = self.session.as_ref().filter(|_| standing == Standing::Known);
+        let challenge = known.map_or(self.handshake.challenge(), |session| session.local.challenge);
+        if greeting.kind == GreetingKind::Hello {
+            self.answer = Some((challenge, greeting.challenge));
+        }
+        match standing {
+            Standing::Known => Ok(()),
+            Standing::Unproven if greeting.kind == GreetingKind::Hello => Ok(()),
+            Standing::Unproven => Err(Error::Handshake(handshake::Error::Stale)),
+            Standing::Fresh => match self.handshake.accept(&greeting) {
+                Ok(session) => {
+                    self.begin(session, now);
+                    Ok(())
+                }
+                Err(error) => {
+                    if let handshake::Error::Parameters(table) = error {
+                        // The other peer has started anew, and differs: the session with what it was is over.
+                        self.refused = Some(table);
+                        self.end();
+                        self.handshake.renew();
+                    }
+                    Err(Error::Handshake(error))
+                }
+            },
+        }
+    }
+
+    /// A sealed datagram.
+    fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Incoming>, Error> {
+        let (header, head, sealed) = Header::parse(datagram).map_err(Error::Wire)?;
+        self.ends.check(header.from, header.to).map_err(Error::Ends)?;
+        let session = self.session.as_mut().ok_or(Error::NoSession)?;
+        let first = !session.is_confirmed();
+        let message = session.open(&header, head, sealed).map_err(Error::Session)?;
+        let incarnation = session.remote.incarnation;
+        self.heard_us = now;
+        if first {
+            self.confirm(now, incarnation);
+        }
+        let message = Message::parse(message).map_err(Error::Wire)?;
+        Ok(self.take(now, header.sequence, message))
+    }
+
+    /// The other end has the keys: the challenge has done its work.
+    fn confirm(&mut self, now: u64, incarnation: u64) {
+        self.handshake.renew();
+        self.next_probe_us = now;
+        if self.peer != Some(incarnation) {
+            // What waits for the first peer ever waits on; what was meant for one that is gone does not.
+            let dropped = if self.peer.is_some() { self.sender.under_way() } else { 0 };
+            if self.peer.is_some() {
+                self.sender = crate::reliable::Sender::default();
+            }
+            self.receiver = crate::reliable::Receiver::default();
+            self.clock = crate::clock::Clock::default();
+            self.peer = Some(incarnation);
+            self.notify(Notice::NewPeer { dropped: u8::try_from(dropped).unwrap_or(u8::MAX) });
+        }
+        self.sender.hurry();
+    }
+
+    fn take(&mut self, now: u64, sequence: u64, message: Message) -> Option<Incoming> {
+        match message {
+            Message::Flow(flow) => {
+                if self.newest_flow.is_some_and(|newest| sequence < newest) {
+                    self.past.late = self.past.late.saturating_add(1);
+                    return None;
+                }
+                self.newest_flow = Some(sequence);
+                self.engagement.hear(now);
+                return Some(Incoming::Flow(flow));
+            }
+            Message::Telemetry(telemetry) => return Some(Incoming::Telemetry(telemetry)),
+            Message::Event(event) => self.event(event),
+            Message::Ack(ack) => self.sender.acknowledge(&ack),
+            Message::Probe(wire::Probe { sent_us }) => self.probed = Some((sent_us, now)),
+            Message::Reply(reply) => {
+                // A reply with impossible times says nothing; the sender's clock may have been set.
+                let _ = self.clock.sample(reply.probe_sent_us, reply.probe_received_us, reply.sent_us, now);
+            }
+        }
+        None
+    }
+
+    fn event(&mut self, event: Event) {
+        self.receiver.receive(event);
+        self.ack_due = true;
+    }
+}

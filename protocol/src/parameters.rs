@@ -1,0 +1,164 @@
+//! Parameters: whether two peers were told the same, and if not, in which table they differ.
+//!
+//! Two peers that couple with different gains are each stable in theory and not together. So every greeting carries a hash
+//! of each table of parameters that must be equal, and a peer refuses another by naming the first that is not. What may
+//! differ between the two ends (side of the object, motor, encoder) stays out. `FORMAT.md` says how the hash is made.
+//!
+//! **Limit**: 64 bits a table guard against accidents; against an enemy the greeting's tag does.
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::key::{Derivation, Key};
+use crate::wire::TABLES;
+
+/// One table on its way to a hash: name, then every key with its value, always in the same order.
+#[derive(Clone)]
+pub struct Table {
+    name: &'static str,
+    hash: Derivation,
+}
+
+impl Table {
+    /// Begins the table called `name`.
+    pub fn new(name: &'static str) -> Self {
+        Self { name, hash: Key::new([0; Key::LEN]).derive("table") }.text_bytes(name)
+    }
+
+    fn text_bytes(mut self, text: &str) -> Self {
+        let len = u32::try_from(text.len()).unwrap_or(u32::MAX);
+        self.hash = self.hash.with(&len.to_le_bytes()).with(text.as_bytes());
+        self
+    }
+
+    /// A key whose value is a number, in the key's unit.
+    pub fn number(mut self, key: &str, value: f64) -> Self {
+        self = self.text_bytes(key);
+        self.hash = self.hash.with(b"n").with(&value.to_le_bytes());
+        self
+    }
+
+    /// A key whose value is yes or no.
+    pub fn flag(mut self, key: &str, value: bool) -> Self {
+        self = self.text_bytes(key);
+        self.hash = self.hash.with(b"f").with(&[u8::from(value)]);
+        self
+    }
+
+    /// A key whose value is a name.
+    pub fn text(mut self, key: &str, value: &str) -> Self {
+        self = self.text_bytes(key);
+        self.hash = self.hash.with(b"t");
+        self.text_bytes(value)
+    }
+}
+
+/// Every table that both peers must agree on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Parameters {
+    names: Vec<&'static str, TABLES>,
+    hashes: Vec<u64, TABLES>,
+}
+
+/// There is no room for another table: a greeting names 16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManyTables;
+
+impl fmt::Display for TooManyTables {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "more than {TABLES} tables of parameters")
+    }
+}
+
+impl core::error::Error for TooManyTables {}
+
+impl Parameters {
+    /// No table: peers agree whatever they were told.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a table; both peers add the same ones in the same order.
+    pub fn add(&mut self, table: Table) -> Result<(), TooManyTables> {
+        self.names.push(table.name).map_err(|_| TooManyTables)?;
+        self.hashes.push(u64::from_le_bytes(table.hash.first())).map_err(|_| TooManyTables)
+    }
+
+    /// How many tables, and their hashes as a greeting carries them.
+    pub(crate) fn hashes(&self) -> (u8, [u64; TABLES]) {
+        let mut all = [0; TABLES];
+        for (to, from) in all.iter_mut().zip(&self.hashes) {
+            *to = *from;
+        }
+        (u8::try_from(self.hashes.len()).unwrap_or(u8::MAX), all)
+    }
+
+    /// The name of the first table in which a peer with `count` tables of these hashes differs.
+    pub(crate) fn difference(&self, count: u8, tables: &[u64; TABLES]) -> Option<&'static str> {
+        let theirs = tables.iter().take(usize::from(count));
+        let mut differing =
+            self.names.iter().zip(&self.hashes).zip(theirs).filter(|((_, ours), theirs)| ours != theirs);
+        if let Some(((name, _), _)) = differing.next() {
+            return Some(name);
+        }
+        match usize::from(count) {
+            more if more > self.names.len() => Some("a table that this peer does not have"),
+            fewer => self.names.get(fewer).copied(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters(stiffness: f64, last: &'static str) -> Parameters {
+        let mut all = Parameters::new();
+        all.add(Table::new("timing").number("control_period_s", 0.001)).unwrap();
+        all.add(Table::new("coordination").text("comm", "wave").number("stiffness_n_per_m", stiffness)).unwrap();
+        all.add(Table::new(last).flag("one_sided", false)).unwrap();
+        all
+    }
+
+    fn difference(a: &Parameters, b: &Parameters) -> Option<&'static str> {
+        let (count, hashes) = b.hashes();
+        a.difference(count, &hashes)
+    }
+
+    #[test]
+    fn names_the_first_table_that_differs() {
+        let a = parameters(310.0, "contact");
+        assert_eq!(difference(&a, &a.clone()), None);
+        assert_eq!(difference(&a, &parameters(311.0, "contact")), Some("coordination"));
+        assert_eq!(difference(&a, &parameters(310.0, "contacts")), Some("contact"));
+    }
+
+    #[test]
+    fn names_a_table_that_one_end_lacks() {
+        let (a, mut b) = (parameters(310.0, "contact"), parameters(310.0, "contact"));
+        b.add(Table::new("network")).unwrap();
+        assert_eq!(difference(&a, &b), Some("a table that this peer does not have"));
+        assert_eq!(difference(&b, &a), Some("network"));
+        assert_eq!(difference(&Parameters::new(), &Parameters::new()), None);
+    }
+
+    #[test]
+    fn holds_16_tables() {
+        let mut all = Parameters::new();
+        for _ in 0..TABLES {
+            all.add(Table::new("x")).unwrap();
+        }
+        assert_eq!(all.add(Table::new("x")), Err(TooManyTables));
+        assert_eq!(all.hashes().0, 16);
+        assert_eq!(difference(&all, &all.clone()), None);
+    }
+
+    #[test]
+    fn keys_and_values_cannot_be_confused() {
+        let hash = |table: Table| table.hash.first::<8>();
+        assert_ne!(hash(Table::new("a").text("bc", "d")), hash(Table::new("a").text("b", "cd")));
+        assert_ne!(hash(Table::new("a").flag("b", true)), hash(Table::new("a").number("b", 1.0)));
+        assert_ne!(hash(Table::new("ab")), hash(Table::new("a").text("b", "")));
+    }
+}

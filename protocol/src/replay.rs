@@ -1,0 +1,103 @@
+//! Replay window: every sequence number is taken once (RFC 6479).
+//!
+//! A ring of bits, one for each of the newest sequence numbers; when a newer one comes, the words it enters are cleared
+//! instead of shifting anything. One word of the ring is always being filled, so that [`Window::REACH`] =
+//! 256 − 32 = 224 numbers behind the newest are told apart, in whatever order they come; older ones are refused.
+//!
+//! **Invariant**: [`Window::check`] changes nothing, and [`Window::take`] is called only after the tag was found right,
+//! so that nobody without the key can move the window. **Limit**: numbers from [`SEQUENCE_LIMIT`] on are refused.
+
+use core::fmt;
+
+/// The first sequence number that is never used: far below the wrap, further than a peer can count.
+pub const SEQUENCE_LIMIT: u64 = u64::MAX - (1 << 14) + 1;
+
+/// Which sequence numbers have been taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Window {
+    /// One more than the newest number taken, 0 before the first.
+    next: u64,
+    bits: [u32; Self::WORDS],
+}
+
+/// Why a sequence number is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// The number has been taken before.
+    Replayed,
+    /// The number is older than the window remembers.
+    TooOld,
+    /// The number is beyond the last one allowed.
+    Exhausted,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Replayed => "this datagram was taken before",
+            Self::TooOld => "this datagram is older than the replay window",
+            Self::Exhausted => "the sequence number is beyond the last one allowed",
+        })
+    }
+}
+
+impl core::error::Error for Error {}
+
+impl Window {
+    const WORD_BITS: u64 = u32::BITS as u64;
+    const WORDS: usize = 8;
+    /// Bits of the ring.
+    pub const BITS: u64 = Self::WORDS as u64 * Self::WORD_BITS;
+    /// How far behind the newest number any number is still told apart.
+    pub const REACH: u64 = Self::BITS - Self::WORD_BITS;
+
+    fn place(sequence: u64) -> (usize, u32) {
+        let word = sequence / Self::WORD_BITS % Self::WORDS as u64;
+        (word as usize, 1 << (sequence % Self::WORD_BITS))
+    }
+
+    /// Whether `sequence` could be taken; changes nothing.
+    pub fn check(&self, sequence: u64) -> Result<(), Error> {
+        if sequence >= SEQUENCE_LIMIT {
+            return Err(Error::Exhausted);
+        }
+        if sequence >= self.next {
+            return Ok(());
+        }
+        if self.next - sequence > Self::REACH + 1 {
+            return Err(Error::TooOld);
+        }
+        let (word, bit) = Self::place(sequence);
+        match self.bits.get(word) {
+            Some(bits) if bits & bit == 0 => Ok(()),
+            _ => Err(Error::Replayed),
+        }
+    }
+
+    /// Takes `sequence`, whose datagram has been found authentic.
+    pub fn take(&mut self, sequence: u64) -> Result<(), Error> {
+        self.check(sequence)?;
+        if sequence >= self.next {
+            // Words from the one after the newest number's up to this number's hold numbers of an earlier turn.
+            let newest_word = self.next.saturating_sub(1) / Self::WORD_BITS;
+            let entered = (sequence / Self::WORD_BITS).saturating_sub(newest_word).min(Self::WORDS as u64);
+            for step in 1..=entered {
+                let (word, _) = Self::place((newest_word + step) * Self::WORD_BITS);
+                if let Some(bits) = self.bits.get_mut(word) {
+                    *bits = 0;
+                }
+            }
+            self.next = sequence + 1;
+        }
+        let (word, bit) = Self::place(sequence);
+        if let Some(bits) = self.bits.get_mut(word) {
+            *bits |= bit;
+        }
+        Ok(())
+    }
+
+    /// The newest number taken.
+    pub fn newest(&self) -> Option<u64> {
+        self.next.checked_sub(1)
+    }
+}

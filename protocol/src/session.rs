@@ -1,0 +1,153 @@
+//! One session: the keys that two challenges give, in both directions, and what has been taken under them.
+//!
+//! Both challenges are fresh, so both ends contribute to every key: one that forgot everything (a reboot) or whose
+//! randomness failed still gets keys that were never used. Parameters and incarnations enter too, so that peers which
+//! disagree about anything cannot read each other.
+//!
+//! **Invariant**: the replay window belongs to the keys; there is never a window without them or a second one for them.
+
+use core::fmt;
+
+use crate::ends::Ends;
+use crate::key::Key;
+use crate::replay::{self, Window};
+use crate::seal::{self, Counter, Direction};
+use crate::wire::{Challenge, Greeting, Header, Message, TABLES, VERSION};
+
+/// What one end puts into a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Offer {
+    /// Its challenge.
+    pub challenge: Challenge,
+    /// Its incarnation.
+    pub incarnation: u64,
+}
+
+/// What both ends of a session were told, as a greeting carries it.
+pub type Agreed = (u8, [u64; TABLES]);
+
+/// Keys and window of one session.
+pub struct Session {
+    ends: Ends,
+    /// What this end put in.
+    pub local: Offer,
+    /// What the other end put in.
+    pub remote: Offer,
+    number: u32,
+    outward: Direction,
+    inward: Direction,
+    window: Window,
+    first: u64,
+    taken: u32,
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Session({:08x}, {} taken)", self.number, self.taken)
+    }
+}
+
+/// Why a sealed datagram is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// It belongs to another session: an earlier one, or none that this peer knows.
+    OtherSession,
+    /// Its sequence number.
+    Replay(replay::Error),
+    /// Its seal.
+    Seal(seal::Error),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OtherSession => f.write_str("this datagram belongs to another session"),
+            Self::Replay(error) => error.fmt(f),
+            Self::Seal(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+impl Session {
+    /// The session that two offers make under the shared key.
+    pub fn new(shared: &Key, ends: Ends, local: Offer, remote: Offer, (count, tables): &Agreed) -> Self {
+        let local_is_low = ends.local < ends.remote;
+        let (low, high) = if local_is_low { (ends.local, ends.remote) } else { (ends.remote, ends.local) };
+        let (of_low, of_high) = if local_is_low { (local, remote) } else { (remote, local) };
+        let mut derivation = shared
+            .derive("session")
+            .with(&[VERSION, low.0, high.0])
+            .with(&of_low.challenge)
+            .with(&of_high.challenge)
+            .with(&of_low.incarnation.to_le_bytes())
+            .with(&of_high.incarnation.to_le_bytes())
+            .with(&[*count]);
+        for table in tables {
+            derivation = derivation.with(&table.to_le_bytes());
+        }
+        let secret = derivation.end();
+        Self {
+            ends,
+            local,
+            remote,
+            number: u32::from_le_bytes(secret.derive("number").first()),
+            outward: Direction::new(&secret, ends.local, ends.remote),
+            inward: Direction::new(&secret, ends.remote, ends.local),
+            window: Window::default(),
+            first: 0,
+            taken: 0,
+        }
+    }
+
+    /// Whether this is the session that a greeting's sender means.
+    pub fn is_with(&self, greeting: &Greeting) -> bool {
+        self.remote.challenge == greeting.challenge
+    }
+
+    /// The other end has been heard under these keys: it is there, now, and has them.
+    pub fn is_confirmed(&self) -> bool {
+        self.taken > 0
+    }
+
+    /// Seals `message` into the front of `out` and gives the datagram's length.
+    pub fn seal(&mut self, counter: &mut Counter, message: &Message, out: &mut [u8]) -> Result<usize, seal::Error> {
+        let Ends { local: from, remote: to } = self.ends;
+        let header = Header { from, to, session: self.number, sequence: counter.draw()? };
+        self.outward.seal(&header, message, out)
+    }
+
+    /// Opens, in place, what [`Header::parse`] took apart; the message as bytes.
+    pub fn open<'a>(
+        &mut self,
+        header: &Header,
+        head: &[u8; Header::LEN],
+        sealed: &'a mut [u8],
+    ) -> Result<&'a [u8], Error> {
+        if header.session != self.number {
+            return Err(Error::OtherSession);
+        }
+        self.window.check(header.sequence).map_err(Error::Replay)?;
+        let message = self.inward.open(header, head, sealed).map_err(Error::Seal)?;
+        self.window.take(header.sequence).map_err(Error::Replay)?;
+        if self.taken == 0 {
+            self.first = header.sequence;
+        }
+        self.first = self.first.min(header.sequence);
+        self.taken = self.taken.saturating_add(1);
+        Ok(message)
+    }
+
+    /// Sealed datagrams taken so far.
+    pub fn taken(&self) -> u32 {
+        self.taken
+    }
+
+    /// Sealed datagrams of the other end that have not come, so far.
+    pub fn missing(&self) -> u32 {
+        let Some(newest) = self.window.newest() else { return 0 };
+        let sent = newest.saturating_sub(self.first).saturating_add(1);
+        u32::try_from(sent.saturating_sub(u64::from(self.taken))).unwrap_or(u32::MAX)
+    }
+}

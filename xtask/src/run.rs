@@ -1,0 +1,85 @@
+//! How chores call other programs, and how they fail.
+//!
+//! Everything runs in the workspace root, so that chores work from any directory. Progress goes to standard error;
+//! standard output holds results only.
+
+use std::fmt;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// Why a chore stopped: what failed and what to do about it, in one line.
+#[derive(Debug)]
+pub(crate) struct Failure(String);
+
+impl Failure {
+    /// Says what failed and what to do.
+    pub(crate) fn new(what: impl Into<String>) -> Self {
+        Self(what.into())
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The workspace root.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// A program with its arguments, to be run in the workspace root.
+pub(crate) fn command(program: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// Cargo, as the toolchain file chooses it.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    command("cargo", arguments)
+}
+
+/// A command as one would type it.
+pub(crate) fn spelled(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+}
+
+/// Runs a command, its output passing through to standard error; anything but success is a failure.
+pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
+    eprintln!("    {}", spelled(command));
+    let status = command.stdout(std::io::stderr()).status().map_err(|cause| cannot_run(command, &cause))?;
+    if status.success() { Ok(()) } else { Err(Failure::new(format!("`{}` failed ({status})", spelled(command)))) }
+}
+
+/// What a command prints on standard output; anything but success is a failure.
+pub(crate) fn output(command: &mut Command) -> Result<String, Failure> {
+    let output = command.stderr(Stdio::inherit()).output().map_err(|cause| cannot_run(command, &cause))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(Failure::new(format!("`{}` failed ({})", spelled(command), output.status)))
+    }
+}
+
+/// Whether a command runs and succeeds; its output is thrown away.
+pub(crate) fn succeeds(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
+
+fn cannot_run(command: &Command, cause: &std::io::Error) -> Failure {
+    Failure::new(format!("cannot run {}: {cause}; is it installed?", command.get_program().to_string_lossy()))
+}
+
+/// Runs one step of a chore, with a line before it and its time after it.
+pub(crate) fn step<T>(name: &str, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    let start = Instant::now();
+    eprintln!("==> {name}");
+    let outcome = work().map_err(|failure| Failure::new(format!("{name}: {failure}")));
+    let verdict = if outcome.is_ok() { "done" } else { "FAILED" };
+    eprintln!("<== {name}: {verdict} in {:.1} s", start.elapsed().as_secs_f64());
+    outcome
+}

@@ -1,0 +1,91 @@
+//! `cargo xtask test`: everything that must pass before a change is taken, cheapest first. Stops at the first failure.
+//!
+//! It takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the project: a step that would have
+//! to change it fails.
+
+use std::time::Instant;
+
+use crate::instructions;
+use crate::run::{self, Failure, cargo, run, step};
+use crate::setup::{self, THUMB_TARGET};
+
+/// Runs every step.
+pub(crate) fn test() -> Result<(), Failure> {
+    let start = Instant::now();
+    let ready = step("set-up", setup::setup)?;
+
+    step("format", || {
+        run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
+    })?;
+
+    step("lints", || run(&mut cargo(&["clippy", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"])))?;
+
+    step("core on the microcontroller", || {
+        let mut build =
+            cargo(&["build", "--locked", "--release", "--package", "haptic-core", "--target", THUMB_TARGET]);
+        if ready.fallback {
+            // Debian's compiler is older than the version the workspace promises; whether it will do, it says itself.
+            build.arg("--ignore-rust-version");
+        }
+        run(build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))
+    })?;
+
+    step("documentation", || {
+        run(cargo(&["doc", "--locked", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+    })?;
+
+    step("tests, debug", || run(&mut cargo(&["test", "--locked", "--workspace"])))?;
+
+    step("golden traces, release", || {
+        for (package, test) in golden_tests()? {
+            run(&mut cargo(&["test", "--locked", "--release", "--package", &package, "--test", &test]))?;
+        }
+        Ok(())
+    })?;
+
+    step("instructions of one tick", || match instructions::obstacle()? {
+        None => instructions::check(false),
+        Some(obstacle) => {
+            eprintln!("    NOT CHECKED: {obstacle}");
+            Ok(())
+        }
+    })?;
+
+    eprintln!("every step passed in {:.0} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Tests that must give the same bits in every build, found by their names: package and test target of every
+/// `<room>/tests/golden*.rs`.
+fn golden_tests() -> Result<Vec<(String, String)>, Failure> {
+    let unreadable = |cause| Failure::new(format!("cannot list the rooms of {}: {cause}", run::root().display()));
+    let mut found = Vec::new();
+    for room in std::fs::read_dir(run::root()).map_err(unreadable)?.flatten() {
+        let Ok(tests) = std::fs::read_dir(room.path().join("tests")) else { continue };
+        for test in tests.flatten() {
+            let name = test.file_name().to_string_lossy().into_owned();
+            if let Some(stem) = name.strip_suffix(".rs").filter(|stem| stem.starts_with("golden")) {
+                found.push((package(&room.file_name().to_string_lossy()), stem.to_owned()));
+            }
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        return Err(Failure::new(
+            "there is no golden trace: expected host-sim/tests/golden.rs; was it moved or renamed?",
+        ));
+    }
+    Ok(found)
+}
+
+/// The package in a room.
+fn package(room: &str) -> String {
+    match room {
+        "core" | "protocol" => format!("haptic-{room}"),
+        other => other.to_owned(),
+    }
+}
+
+fn advice(failure: &Failure, advice: &str) -> Failure {
+    Failure::new(format!("{failure}; {advice}"))
+}
