@@ -36,4 +36,5 @@ pub mod safety;
 pub mod scalar;
 pub mod scene;
 pub mod settings;
+pub mod sum;
 pub mod vector;

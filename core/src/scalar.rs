@@ -164,7 +164,10 @@ impl Mul for Fixed {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        Self(self.0.saturating_mul(other.0))
+        // To the nearest step: `fixed` cuts off, and a bias of half a step each product would make positions creep.
+        let wide = i128::from(self.0.to_bits()) * i128::from(other.0.to_bits()) + (1 << 31);
+        let bits = (wide >> 32).clamp(i128::from(i64::MIN), i128::from(i64::MAX));
+        Self(I32F32::from_bits(bits as i64))
     }
 }
 impl Neg for Fixed {

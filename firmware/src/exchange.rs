@@ -1,18 +1,21 @@
-//! Latest-value cells: the only memory that the 1 kHz interrupt and the tasks share.
+//! Latest-value cells and queues: the only memory that the 1 kHz interrupt and the tasks share.
 //!
-//! Design: three slots. The writer owns one, the reader owns one, the third changes hands by one atomic swap, so neither
+//! Design of [`Latest`]: three slots. The writer owns one, the reader owns one, the third changes hands by one atomic swap, so neither
 //! side ever waits, retries or sees half a value; a value nobody fetched is replaced by the next. The interrupt is one
 //! side of every cell and can preempt the other anywhere.
 //!
 //! Invariants: the three owned indices are always a permutation of 0, 1, 2; what [`Reader::get`] shows changes only in
 //! [`Reader::fetch`]. Checked under every interleaving by loom: `RUSTFLAGS="--cfg loom" cargo test -p firmware --lib`.
 //!
-//! Limits: one writer, one reader. A stream in which every value counts needs a queue (`heapless::spsc`) instead.
+//! [`Queue`] is for streams in which every value counts: a ring with one index a side; when it is full the writer is told,
+//! and goes on. (`heapless::spsc` divides by its length at run time, and can panic there.)
+//!
+//! Limits: one writer, one reader.
 
 #[cfg(not(loom))]
-use core::{cell::UnsafeCell, sync::atomic::AtomicU8};
+use core::{cell::UnsafeCell, sync::atomic::{AtomicU8, AtomicU32}};
 #[cfg(loom)]
-use loom::{cell::UnsafeCell, sync::atomic::AtomicU8};
+use loom::{cell::UnsafeCell, sync::atomic::{AtomicU8, AtomicU32}};
 
 use core::sync::atomic::Ordering;
 
@@ -130,9 +133,114 @@ impl<T> Reader<'_, T> {
     }
 }
 
+/// A ring of `N` values, `N` a power of two.
+#[derive(Debug)]
+pub struct Queue<T, const N: usize> {
+    slots: [UnsafeCell<T>; N],
+    /// Values ever put in.
+    head: AtomicU32,
+    /// Values ever taken out.
+    tail: AtomicU32,
+}
+
+// SAFETY: a slot belongs to the reader from the release of `head` to the release of `tail`, otherwise to the writer.
+unsafe impl<T: Send, const N: usize> Sync for Queue<T, N> {}
+
+impl<T: Copy + Default, const N: usize> Default for Queue<T, N> {
+    /// Empty.
+    fn default() -> Self {
+        const { assert!(N.is_power_of_two()) };
+        Self {
+            slots: core::array::from_fn(|_| UnsafeCell::new(T::default())),
+            head: AtomicU32::new(0),
+            tail: AtomicU32::new(0),
+        }
+    }
+}
+
+impl<T: Copy, const N: usize> Queue<T, N> {
+    /// The two sides.
+    pub fn split(&mut self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
+        (Producer { queue: self }, Consumer { queue: self })
+    }
+
+    #[inline]
+    fn slot(&self, at: u32) -> &UnsafeCell<T> {
+        // The mask keeps the index below N: no check is left in the program.
+        &self.slots[at as usize & (N - 1)]
+    }
+}
+
+/// The side that puts in.
+#[derive(Debug)]
+pub struct Producer<'a, T, const N: usize> {
+    queue: &'a Queue<T, N>,
+}
+
+impl<T: Copy, const N: usize> Producer<'_, T, N> {
+    /// Puts a value in; false if the queue is full.
+    #[inline]
+    pub fn put(&mut self, value: T) -> bool {
+        let head = self.queue.head.load(Ordering::Relaxed);
+        if head.wrapping_sub(self.queue.tail.load(Ordering::Acquire)) >= N as u32 {
+            return false;
+        }
+        let slot = self.queue.slot(head);
+        #[cfg(not(loom))]
+        // SAFETY: the reader gave this slot back, and sees it again only after the store below.
+        unsafe {
+            *slot.get() = value;
+        }
+        #[cfg(loom)]
+        slot.with_mut(|slot| unsafe { *slot = value });
+        self.queue.head.store(head.wrapping_add(1), Ordering::Release);
+        true
+    }
+}
+
+/// The side that takes out.
+#[derive(Debug)]
+pub struct Consumer<'a, T, const N: usize> {
+    queue: &'a Queue<T, N>,
+}
+
+impl<T: Copy, const N: usize> Consumer<'_, T, N> {
+    /// The oldest value.
+    pub fn take(&mut self) -> Option<T> {
+        let tail = self.queue.tail.load(Ordering::Relaxed);
+        if tail == self.queue.head.load(Ordering::Acquire) {
+            return None;
+        }
+        let slot = self.queue.slot(tail);
+        #[cfg(not(loom))]
+        // SAFETY: the writer handed this slot over, and writes it again only after the store below.
+        let value = unsafe { *slot.get() };
+        #[cfg(loom)]
+        let value = slot.with(|slot| unsafe { *slot });
+        self.queue.tail.store(tail.wrapping_add(1), Ordering::Release);
+        Some(value)
+    }
+}
+
 #[cfg(all(test, not(loom)))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_queue_keeps_order_and_says_when_it_is_full() {
+        let mut queue = Queue::<u32, 4>::default();
+        let (mut producer, mut consumer) = queue.split();
+        for round in 0..5 {
+            for value in 0..4 {
+                assert!(producer.put(10 * round + value));
+            }
+            assert!(!producer.put(99));
+            for value in 0..4 {
+                assert_eq!(consumer.take(), Some(10 * round + value));
+            }
+            assert_eq!(consumer.take(), None);
+        }
+    }
 
     #[test]
     fn the_newest_value_is_taken_once() {
@@ -166,6 +274,31 @@ mod tests {
     extern crate std;
     use super::*;
     use loom::thread;
+
+    /// Every interleaving of three values through a queue of two: none torn, none twice, in order, none lost but told.
+    #[test]
+    fn a_queue_loses_only_what_it_refused() {
+        loom::model(|| {
+            let queue = std::boxed::Box::leak(std::boxed::Box::new(Queue::<(u32, u32), 2>::default()));
+            let (mut producer, mut consumer) = queue.split();
+            let putting =
+                thread::spawn(move || (1..=3).filter(|&value| producer.put((value, 10 * value))).collect::<std::vec::Vec<_>>());
+            let mut taken: std::vec::Vec<u32> = std::vec::Vec::new();
+            let mut take = |consumer: &mut Consumer<'_, (u32, u32), 2>| {
+                if let Some((value, tenfold)) = consumer.take() {
+                    assert_eq!(tenfold, 10 * value);
+                    taken.push(value);
+                }
+            };
+            take(&mut consumer);
+            take(&mut consumer);
+            let put = putting.join().unwrap();
+            for _ in 0..3 {
+                take(&mut consumer);
+            }
+            assert_eq!(taken, put);
+        });
+    }
 
     /// Every interleaving of two writes with two looks: whole values only, never an older one, never the same one twice.
     #[test]

@@ -15,18 +15,17 @@ use embassy_executor::Spawner;
 use embassy_futures::select::{Either, select};
 use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_net::{IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
-use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::exchange::{Consumer, Reader, Writer};
 use firmware_parts::record::Record;
 use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_protocol::wire::Flow;
-use heapless::spsc::Consumer;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board::{Number, ethernet, pace};
 use crate::console::{self, Console};
 use crate::telemetry;
-use crate::tick::Outgoing;
+use crate::tick::{Outgoing, RECORDS};
 
 /// Port of the flow.
 const FLOW_PORT: u16 = 7701;
@@ -67,7 +66,7 @@ pub(crate) async fn start(
     number: Number,
     outgoing: Reader<'static, Outgoing>,
     incoming: Writer<'static, Packet<f32>>,
-    records: Consumer<'static, Record>,
+    records: Consumer<'static, Record, RECORDS>,
     console: Console,
 ) {
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.

@@ -12,12 +12,12 @@ use embassy_net::{IpEndpoint, Stack};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Duration, Ticker};
+use firmware_parts::exchange::Consumer;
 use firmware_parts::record::{self, Record};
-use heapless::spsc::Consumer;
 use static_cell::ConstStaticCell;
 
 use crate::net;
-use crate::tick::{RECORD_EVERY, RECORDS_LOST};
+use crate::tick::{RECORD_EVERY, RECORDS, RECORDS_LOST};
 
 /// Port that telemetry comes from.
 const PORT: u16 = 7703;
@@ -48,7 +48,7 @@ pub(crate) fn capture(endpoint: IpEndpoint, ticks: u32) {
 
 /// Sends what there is, every 4 ms.
 #[embassy_executor::task]
-pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Record>) -> ! {
+pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Record, RECORDS>) -> ! {
     static RX_META: ConstStaticCell<[PacketMetadata; 1]> = ConstStaticCell::new([PacketMetadata::EMPTY; 1]);
     static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
     static RX: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
@@ -68,7 +68,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Re
             let (header, body) = datagram.split_at_mut(HEADER);
             let mut filled = 0;
             for (slot, _) in body.chunks_exact_mut(record::BYTES).zip(0..batch) {
-                let Some(record) = records.dequeue() else { break };
+                let Some(record) = records.take() else { break };
                 slot.copy_from_slice(&record.bytes());
                 filled += 1;
             }
@@ -91,7 +91,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Re
             }
         }
         if RECORD_EVERY.load(Ordering::Relaxed) == 0 {
-            while records.dequeue().is_some() {}
+            while records.take().is_some() {}
         }
     }
 }

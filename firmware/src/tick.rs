@@ -13,7 +13,7 @@
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use firmware_parts::exchange::{Latest, Reader, Writer};
+use firmware_parts::exchange::{Consumer, Latest, Producer, Queue, Reader, Writer};
 use firmware_parts::record::{self, Record};
 use firmware_parts::status;
 use haptic_core::axis::{AXES, Reading};
@@ -22,7 +22,6 @@ use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Sensors, State};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};
-use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::board::{bridges, encoders, pace};
 
@@ -49,8 +48,8 @@ pub(crate) struct Outgoing {
     pub(crate) packet: Packet<f32>,
 }
 
-/// Records that may wait for telemetry: 63 ms at full rate.
-const RECORDS: usize = 64;
+/// Records that may wait for telemetry: 64 ms at full rate.
+pub(crate) const RECORDS: usize = 64;
 
 /// The memory that the tick and the tasks share.
 pub(crate) struct Shared {
@@ -69,7 +68,7 @@ pub(crate) struct Tasks {
     /// Packets for the other peer.
     pub(crate) outgoing: Reader<'static, Outgoing>,
     /// What the ticks did.
-    pub(crate) records: Consumer<'static, Record>,
+    pub(crate) records: Consumer<'static, Record, RECORDS>,
 }
 
 impl Shared {
@@ -79,7 +78,7 @@ impl Shared {
             plans: Latest::new(plan),
             incoming: Latest::new(Packet::default()),
             outgoing: Latest::new(Outgoing::default()),
-            records: Queue::new(),
+            records: Queue::default(),
         }
     }
 }
@@ -108,7 +107,7 @@ struct Loop {
     plans: Reader<'static, Plan>,
     incoming: Reader<'static, Packet<f32>>,
     outgoing: Writer<'static, Outgoing>,
-    records: Producer<'static, Record>,
+    records: Producer<'static, Record, RECORDS>,
     state: State<Models>,
     tick: u32,
     until_record: u32,
@@ -192,7 +191,7 @@ impl Loop {
         TICKS.store(self.tick, Ordering::Relaxed);
         if self.record_due() {
             let record = Record::new(self.tick, counts, incoming, flags, &mut self.state, &actuators);
-            if self.records.enqueue(record).is_err() {
+            if !self.records.put(record) {
                 RECORDS_LOST.store(RECORDS_LOST.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
             }
         }

@@ -46,8 +46,8 @@ The one command: sets up what is missing and passes every test. Stops at the fir
 
 Usage: cargo xtask test
 
-  set-up, cargo fmt --check, clippy without warnings, haptic-core for the microcontroller, documentation without
-  warnings, all tests in debug (documentation tests included), the golden traces in release as well, and the
+  set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
+  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, and the
   instructions of one tick against core/benches/instructions.txt (needs valgrind, which apt-get installs if it can)
 ";
 

@@ -5,29 +5,7 @@
 
 use super::Coupled;
 use crate::scalar::Scalar;
-
-/// A running sum with the part that did not fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sum<S> {
-    total: S,
-    rest: S,
-}
-
-impl<S: Scalar> Sum<S> {
-    /// Adds one term.
-    #[inline]
-    pub fn add(&mut self, term: S) {
-        let term = term - self.rest;
-        let total = self.total + term;
-        self.rest = (total - self.total) - term;
-        self.total = total;
-    }
-
-    /// The sum.
-    pub fn total(&self) -> S {
-        self.total
-    }
-}
+use crate::sum::Sum;
 
 /// Energy that crossed the network port of one peer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

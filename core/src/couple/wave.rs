@@ -16,6 +16,7 @@ use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::settings::{Choice, Settings};
+use crate::sum::Carry;
 use crate::vector::StateVector;
 
 /// How the algebraic loop of the wave decode is opened.
@@ -71,6 +72,8 @@ pub struct LineState<S> {
     wave_in: S,
     /// What would be sent now, √W.
     outgoing: Level<S>,
+    /// What x_d could not hold: rounding, no state.
+    carry: Carry<S>,
 }
 
 impl<S> StateVector<S> for LineState<S> {
@@ -109,11 +112,11 @@ impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
 
 impl<S: Scalar, D: Decimator<S>> Line<S, D> {
     #[inline]
-    fn decode(&self, state: &LineState<S>, local: Motion<S>) -> Motion<S> {
+    fn decode(&self, state: &mut LineState<S>, local: Motion<S>) -> Motion<S> {
         let before = state.desired;
         match self.decode {
             Decode::Delayed => Motion {
-                position: before.position + self.period * before.velocity,
+                position: state.carry.add(before.position, self.period * before.velocity),
                 velocity: self.root_over_impedance * state.wave_in - self.inverse_impedance * state.force,
             },
             Decode::Implicit => {
@@ -121,7 +124,7 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
                 let velocity = (self.root * state.wave_in - self.spring.stiffness * stretch
                     + self.spring.damping * local.velocity)
                     * self.inverse_loop;
-                Motion { position: before.position + self.period * velocity, velocity }
+                Motion { position: state.carry.add(before.position, self.period * velocity), velocity }
             }
         }
     }

@@ -41,7 +41,7 @@ fn response(mass_kg: f64, damping: f64, time: f64) -> (f64, f64) {
 
 impl<S: Scalar> Exact<S> {
     /// Mass in kg, damping in N·s/m, delay of the force in ticks 0…1, period in s.
-    pub fn new(mass_kg: f64, damping_n_s_per_m: f64, delay_ticks: f64, period_s: f64) -> Self {
+    fn new(mass_kg: f64, damping_n_s_per_m: f64, delay_ticks: f64, period_s: f64) -> Self {
         let whole = response(mass_kg, damping_n_s_per_m, period_s);
         let fresh = response(mass_kg, damping_n_s_per_m, (1.0 - delay_ticks) * period_s);
         Self {
@@ -49,16 +49,6 @@ impl<S: Scalar> Exact<S> {
             velocity_to_position: S::from_f64(mass_kg * whole.0),
             velocity_gain: [S::from_f64(whole.0 - fresh.0), S::from_f64(fresh.0)],
             position_gain: [S::from_f64(whole.1 - fresh.1), S::from_f64(fresh.1)],
-        }
-    }
-
-    /// The motion one period later, under the force `before` and then the force `now`, N.
-    #[inline]
-    pub fn advance(&self, motion: Motion<S>, before: S, now: S) -> Motion<S> {
-        let ([x_before, x_now], [v_before, v_now]) = (self.position_gain, self.velocity_gain);
-        Motion {
-            position: motion.position + self.velocity_to_position * motion.velocity + x_before * before + x_now * now,
-            velocity: self.velocity_kept * motion.velocity + v_before * before + v_now * now,
         }
     }
 }
@@ -74,8 +64,10 @@ impl<S: Scalar> Model<S> for Exact<S> {
 impl<S: Scalar> Integrator<S> for Exact<S> {
     #[inline]
     fn step(&self, before: &mut Before<S>, motion: Motion<S>, force: S) -> Motion<S> {
-        let next = self.advance(motion, before.0, force);
-        before.0 = force;
-        next
+        let ([x_before, x_now], [v_before, v_now]) = (self.position_gain, self.velocity_gain);
+        let step = self.velocity_to_position * motion.velocity + x_before * before.force + x_now * force;
+        let velocity = self.velocity_kept * motion.velocity + v_before * before.force + v_now * force;
+        before.force = force;
+        Motion { position: before.carry.add(motion.position, step), velocity }
     }
 }

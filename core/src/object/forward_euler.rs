@@ -23,7 +23,7 @@ impl<S: Scalar> Integrator<S> for ForwardEuler<S> {
     #[inline]
     fn step(&self, before: &mut Before<S>, motion: Motion<S>, force: S) -> Motion<S> {
         Motion {
-            position: motion.position + self.0.period * motion.velocity,
+            position: before.carry.add(motion.position, self.0.period * motion.velocity),
             velocity: self.0.velocity(before, motion.velocity, force),
         }
     }

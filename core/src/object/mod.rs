@@ -11,6 +11,7 @@ use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::settings::Settings;
+use crate::sum::Carry;
 use crate::vector::StateVector;
 
 /// Advances a mass by one tick.
@@ -29,14 +30,19 @@ list! {
     fn step(&self, [&mut] state; motion: Motion<S>, force: S) -> Motion<S>;
 }
 
-/// The force of the tick before, N.
+/// What an integrator remembers: the force of the tick before, and what its last position could not hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Before<S>(pub S);
+pub struct Before<S> {
+    /// Force of the tick before, N.
+    force: S,
+    /// Rounding, no state: nothing depends on it but the last bit.
+    carry: Carry<S>,
+}
 
 impl<S> StateVector<S> for Before<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.0);
+        each(&mut self.force);
     }
 }
 
@@ -69,8 +75,8 @@ impl<S: Scalar> Euler<S> {
     /// ẋ + (T_c/m)·(F − b·ẋ) with F = τ·F\[n−1\] + (1 − τ)·F\[n\].
     #[inline]
     fn velocity(&self, before: &mut Before<S>, velocity: S, force: S) -> S {
-        let acting = self.late * before.0 + self.prompt * force;
-        before.0 = force;
+        let acting = self.late * before.force + self.prompt * force;
+        before.force = force;
         velocity + self.gain * (acting - self.damping * velocity)
     }
 }

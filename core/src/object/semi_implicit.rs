@@ -23,6 +23,6 @@ impl<S: Scalar> Integrator<S> for SemiImplicit<S> {
     #[inline]
     fn step(&self, before: &mut Before<S>, motion: Motion<S>, force: S) -> Motion<S> {
         let velocity = self.0.velocity(before, motion.velocity, force);
-        Motion { position: motion.position + self.0.period * velocity, velocity }
+        Motion { position: before.carry.add(motion.position, self.0.period * velocity), velocity }
     }
 }

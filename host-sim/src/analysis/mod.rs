@@ -6,7 +6,8 @@
 //! | [`lifted`] | the lifted, or monodromy, matrix of one packet period, built two independent ways |
 //! | [`mod@limit`] | at which values of one key does that change? |
 //! | [`mod@map`] | and of two keys? |
-//! | [`figure4`], [`picture`] | the cooperation paper's Figure 4; regions as pictures |
+//! | [`figure4`] | the cooperation paper's Figure 4 |
+//! | [`outline`], [`picture`] | regions as pictures |
 //! | [`mod@advice`] | what to change in a scene that is unstable |
 //! | [`sweep`] | one key, its range and the scenes along it |
 //! | [`speed`] | how fast? |
@@ -23,6 +24,7 @@ pub mod lifted;
 pub mod limit;
 pub mod map;
 pub mod matrix;
+pub mod outline;
 pub mod picture;
 pub mod spectrum;
 pub mod speed;

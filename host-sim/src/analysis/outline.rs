@@ -13,8 +13,8 @@ enum Link {
     /// Nothing: the map ends there.
     #[default]
     End,
-    /// Another crossing, by its number.
-    To(usize),
+    /// Another crossing, by its number, at its left (0) or right (1).
+    To(usize, usize),
     /// The lower or upper end of the range.
     Rim(f64),
 }
@@ -36,122 +36,136 @@ enum Step {
     Match,
     /// Two neighbours of the left (0) or right (1) column are joined to each other.
     Pair(usize),
-    /// One crossing of the left (0) or right (1) column goes over the rim.
+    /// The last crossing of the left (0) or right (1) column goes over the upper rim.
     Over(usize),
 }
+
+/// How two columns are joined: total movement, and the steps with the crossings before which they stand.
+type Plan = (f64, Vec<(Step, usize, usize)>);
 
 /// Paths along the outline of a map's region, as (x, y).
 pub fn outline(map: &Map) -> Vec<Vec<(f64, f64)>> {
     let (low, high) = (map.axes[1].range.from, map.axes[1].range.to);
-    let mut nodes = Vec::new();
-    let mut columns = Vec::new();
-    for column in &map.columns {
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut columns: Vec<std::ops::Range<usize>> = Vec::new();
+    for (at, column) in map.columns.iter().enumerate() {
         let first = nodes.len();
         for (at, &y) in column.limit.crossings.iter().enumerate() {
             let leaves = column.limit.stable_at_start == (at % 2 == 0);
             nodes.push(Node { x: column.x, y, leaves, links: [Link::End; 2] });
         }
         columns.push(first..nodes.len());
-    }
-    for pair in columns.windows(2) {
-        join(&mut nodes, [pair[0].clone(), pair[1].clone()], low, high);
+        if at > 0 {
+            let turned = column.limit.stable_at_start != map.columns[at - 1].limit.stable_at_start;
+            join(&mut nodes, [columns[at - 1].clone(), columns[at].clone()], turned, [low, high]);
+        }
     }
     paths(&nodes)
 }
 
-/// Links two neighbouring columns.
-fn join(nodes: &mut [Node], columns: [std::ops::Range<usize>; 2], low: f64, high: f64) {
-    let [left, right] = columns.each_ref().map(|column| nodes[column.clone()].to_vec());
-    let (rows, across) = (left.len() + 1, right.len() + 1);
-    // best[i][j]: least movement that explains the first i crossings of the left and the first j of the right column.
-    let mut best = vec![vec![(f64::INFINITY, Step::Match); across]; rows];
-    best[0][0].0 = 0.0;
-    for i in 0..rows {
-        for j in 0..across {
-            let mut offer = |from: (usize, usize), cost: f64, step: Step| {
-                let total = best[from.0][from.1].0 + cost;
-                if total < best[i][j].0 {
-                    best[i][j] = (total, step);
-                }
-            };
-            if i > 0 && j > 0 && left[i - 1].leaves == right[j - 1].leaves {
-                offer((i - 1, j - 1), (left[i - 1].y - right[j - 1].y).abs(), Step::Match);
-            }
-            for (side, column, at) in [(0, &left, i), (1, &right, j)] {
-                let before = |steps: usize| if side == 0 { (i - steps, j) } else { (i, j - steps) };
-                if at > 1 {
-                    offer(before(2), column[at - 1].y - column[at - 2].y, Step::Pair(side));
-                }
-                // Over the lower rim only before anything else, over the upper one only after everything else.
-                if at == 1 && before(1) == (0, 0) {
-                    offer(before(1), column[0].y - low, Step::Over(side));
-                }
-                if at > 0 && i + 1 == rows && j + 1 == across {
-                    offer(before(1), high - column[at - 1].y, Step::Over(side));
-                }
-            }
-        }
+/// Links two neighbouring columns; `turned` where the lower end of the range is inside in only one of them, so that the
+/// lowest crossing of either goes over the lower rim.
+fn join(nodes: &mut [Node], columns: [std::ops::Range<usize>; 2], turned: bool, [low, high]: [f64; 2]) {
+    let [mut left, mut right] = columns;
+    if turned {
+        let over = |side: usize, from: &std::ops::Range<usize>, rest: [&std::ops::Range<usize>; 2]| {
+            let first = from.clone().next()?;
+            let trimmed = [0, 1].map(|at| if at == side { rest[at].start + 1..rest[at].end } else { rest[at].clone() });
+            let (movement, _) = plan(nodes, &trimmed, high);
+            Some((movement + nodes[first].y - low, side, first))
+        };
+        let choices = [over(0, &left, [&left, &right]), over(1, &right, [&left, &right])];
+        let Some((_, side, first)) = choices.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        nodes[first].links[1 - side] = Link::Rim(low);
+        if side == 0 { left.start += 1 } else { right.start += 1 }
     }
-    let (mut i, mut j) = (left.len(), right.len());
-    let node = |side: usize, at: usize| columns[side].start + at;
-    while (i, j) != (0, 0) && best[i][j].0.is_finite() {
-        match best[i][j].1 {
+    let columns = [left, right];
+    for (step, i, j) in plan(nodes, &columns, high).1 {
+        let last = |side: usize, back: usize| columns[side].start + [i, j][side] - back;
+        match step {
             Step::Match => {
-                (i, j) = (i - 1, j - 1);
-                nodes[node(0, i)].links[1] = Link::To(node(1, j));
-                nodes[node(1, j)].links[0] = Link::To(node(0, i));
+                let (a, b) = (last(0, 1), last(1, 1));
+                nodes[a].links[1] = Link::To(b, 0);
+                nodes[b].links[0] = Link::To(a, 1);
             }
             Step::Pair(side) => {
-                let at = if side == 0 { i } else { j };
-                let (a, b) = (node(side, at - 2), node(side, at - 1));
-                nodes[a].links[1 - side] = Link::To(b);
-                nodes[b].links[1 - side] = Link::To(a);
-                if side == 0 { i -= 2 } else { j -= 2 }
+                let (a, b) = (last(side, 2), last(side, 1));
+                nodes[a].links[1 - side] = Link::To(b, 1 - side);
+                nodes[b].links[1 - side] = Link::To(a, 1 - side);
             }
-            Step::Over(side) => {
-                let at = if side == 0 { i } else { j };
-                let first = (i, j) == if side == 0 { (1, 0) } else { (0, 1) };
-                let lower = first && (left.len() + right.len() > 1 || nodes[node(side, at - 1)].y - low < high - nodes[node(side, at - 1)].y);
-                nodes[node(side, at - 1)].links[1 - side] = Link::Rim(if lower { low } else { high });
-                if side == 0 { i -= 1 } else { j -= 1 }
+            Step::Over(side) => nodes[last(side, 1)].links[1 - side] = Link::Rim(high),
+        }
+    }
+}
+
+/// The least movement that explains one column by the next (dynamic programming over how many crossings are explained).
+fn plan(nodes: &[Node], columns: &[std::ops::Range<usize>; 2], high: f64) -> Plan {
+    let [left, right] = columns.each_ref().map(|column| &nodes[column.clone()]);
+    let (rows, across) = (left.len(), right.len());
+    let mut best = vec![vec![(f64::INFINITY, Step::Match); across + 1]; rows + 1];
+    best[0][0].0 = 0.0;
+    for i in 0..=rows {
+        for j in 0..=across {
+            let mut offers = Vec::new();
+            if i > 0 && j > 0 && left[i - 1].leaves == right[j - 1].leaves {
+                offers.push((best[i - 1][j - 1].0, (left[i - 1].y - right[j - 1].y).abs(), Step::Match));
+            }
+            for (side, column, at) in [(0, left, i), (1, right, j)] {
+                let before = |steps: usize| if side == 0 { best[i - steps][j].0 } else { best[i][j - steps].0 };
+                if at > 1 {
+                    offers.push((before(2), column[at - 1].y - column[at - 2].y, Step::Pair(side)));
+                }
+                if at > 0 && (i, j) == (rows, across) {
+                    offers.push((before(1), high - column[at - 1].y, Step::Over(side)));
+                }
+            }
+            for (so_far, movement, step) in offers {
+                if so_far + movement < best[i][j].0 {
+                    best[i][j] = (so_far + movement, step);
+                }
             }
         }
     }
+    let (mut i, mut j) = (rows, across);
+    let movement = best[i][j].0;
+    let mut steps = Vec::new();
+    while (i, j) != (0, 0) && best[i][j].0.is_finite() {
+        let step = best[i][j].1;
+        steps.push((step, i, j));
+        match step {
+            Step::Match => (i, j) = (i - 1, j - 1),
+            Step::Pair(0) => i -= 2,
+            Step::Pair(_) => j -= 2,
+            Step::Over(0) => i -= 1,
+            Step::Over(_) => j -= 1,
+        }
+    }
+    (movement, steps)
 }
 
 /// Follows the links.
 fn paths(nodes: &[Node]) -> Vec<Vec<(f64, f64)>> {
     let mut done = vec![false; nodes.len()];
     let mut paths = Vec::new();
-    let loose = |node: &Node| node.links.iter().position(|link| !matches!(link, Link::To(_)));
+    let loose = |node: &Node| node.links.iter().position(|link| !matches!(link, Link::To(..)));
     // Paths with an end first, then what is left: closed ones.
     let starts = (0..nodes.len()).filter(|at| loose(&nodes[*at]).is_some()).chain(0..nodes.len());
     for start in starts {
         if done[start] {
             continue;
         }
-        let mut side = loose(&nodes[start]).unwrap_or(0);
         let mut path = Vec::new();
-        if let Link::Rim(y) = nodes[start].links[side] {
-            path.push((nodes[start].x, y));
+        let (mut at, mut side) = (start, loose(&nodes[start]).unwrap_or(0));
+        if let Link::Rim(y) = nodes[at].links[side] {
+            path.push((nodes[at].x, y));
         }
-        let mut at = start;
         loop {
-            done[at] = true;
             path.push((nodes[at].x, nodes[at].y));
-            side = 1 - side;
-            match nodes[at].links[side] {
-                Link::To(next) => {
-                    // The side by which the next one is entered.
-                    side = usize::from(nodes[next].links[1] == Link::To(at) && nodes[next].links[0] != Link::To(at) || {
-                        nodes[next].x == nodes[at].x && nodes[next].links[side] == Link::To(at) && side == 1
-                    });
-                    at = next;
-                    if done[at] {
-                        path.push((nodes[at].x, nodes[at].y));
-                        break;
-                    }
-                }
+            if std::mem::replace(&mut done[at], true) {
+                break;
+            }
+            match nodes[at].links[1 - side] {
+                Link::To(next, entered) => (at, side) = (next, entered),
                 Link::Rim(y) => {
                     path.push((nodes[at].x, y));
                     break;

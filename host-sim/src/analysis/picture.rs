@@ -4,6 +4,7 @@ use haptic_core::settings::Key;
 
 use super::figure4::{self, Curve};
 use super::map::Map;
+use super::outline::outline;
 use crate::report::plot::{Dash, Figure, Panel, Series, ShareY};
 use crate::scene::SceneFile;
 
@@ -16,19 +17,10 @@ fn label(key: &str) -> String {
     }
 }
 
-/// Every crossing as a line from column to column: the first of each, the second of each, and so on.
-fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> Vec<Series> {
-    let most = map.columns.iter().map(|column| column.limit.crossings.len()).max().unwrap_or(0);
-    let line = |at: usize| {
-        let points = map.columns.iter().map(|column| {
-            // A column that begins unstable has no first upper edge: its crossings move up by one.
-            let shift = usize::from(!column.limit.stable_at_start);
-            let crossing = at.checked_sub(shift).and_then(|at| column.limit.crossings.get(at));
-            (column.x, crossing.copied().unwrap_or(f64::NAN))
-        });
-        Series::dashed(if at == 0 { name } else { "" }, color, dash, points.collect())
-    };
-    (0..=most).map(line).collect()
+/// The outline of a region; the first path carries the name.
+fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> impl Iterator<Item = Series> {
+    let named = move |at| if at == 0 { name.to_owned() } else { String::new() };
+    outline(map).into_iter().enumerate().map(move |(at, path)| Series::dashed(named(at), color, dash, path))
 }
 
 /// One region.
@@ -63,7 +55,8 @@ pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
             .iter()
             .enumerate()
             .flat_map(|(at, (curve, map))| {
-                lines(map, &format!("n_t = {}", curve.one_way_delay_packets), at, dashes[at % dashes.len()])
+                let name = format!("n_t = {}", curve.one_way_delay_packets);
+                lines(map, &name, at, dashes[at % dashes.len()]).collect::<Vec<_>>()
             })
             .collect(),
         ..Panel::default()
@@ -71,8 +64,9 @@ pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
     Figure {
         title: "Stability regions for two-user haptic cooperation (Rakhsha & Constantinescu 2012, Figure 4)".to_owned(),
         caption:
-            "Stable below the lowest line of a colour, and between its second and third. One-way delay n_t packets \
-                  of 8 ms; every force one tick late; parameters of the paper's section 4.3."
+            "Every line is the outline of a region, which holds the lower left corner; where a line folds back, the \
+                  region has a pocket. One-way delay n_t packets of 8 ms; every force one tick late; parameters of the \
+                  paper's section 4.3."
                 .to_owned(),
         columns: 3,
         share_y: ShareY::Rows,

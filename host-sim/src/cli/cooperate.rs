@@ -58,7 +58,7 @@ struct Report {
     true_discrepancy_mm: f64,
     decoded_discrepancy_mm: f64,
     /// True discrepancy over the mean contact force.
-    true_discrepancy_mm_per_n: f64,
+    true_discrepancy_mm_per_n: Option<f64>,
     coordination_force_n: Spread,
     peak_coordination_force_n: f64,
     apparent_object_mass_kg: Option<f64>,
@@ -139,7 +139,8 @@ impl Report {
                 .map(|(peer, fault)| format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())),
             true_discrepancy_mm: outcome.true_discrepancy_mm,
             decoded_discrepancy_mm: outcome.decoded_discrepancy_mm,
-            true_discrepancy_mm_per_n: outcome.true_discrepancy_mm / outcome.contact_force_n,
+            true_discrepancy_mm_per_n: (outcome.contact_force_n > 0.0)
+                .then(|| outcome.true_discrepancy_mm / outcome.contact_force_n),
             coordination_force_n: outcome.coordination_force_n,
             peak_coordination_force_n: outcome.peak_coordination_force_n,
             apparent_object_mass_kg: moved,
@@ -162,7 +163,9 @@ impl Report {
         }
         line("spectral radius", format!("{:.6}", self.spectral_radius));
         line("true discrepancy |x_o1 - x_o2|", format!("{:.4} mm", self.true_discrepancy_mm));
-        line("true discrepancy per newton of contact", format!("{:.4} mm/N", self.true_discrepancy_mm_per_n));
+        if let Some(per_newton) = self.true_discrepancy_mm_per_n {
+            line("true discrepancy per newton of contact", format!("{per_newton:.4} mm/N"));
+        }
         line("decoded discrepancy |x_o - x_d|, peer 2", format!("{:.4} mm", self.decoded_discrepancy_mm));
         let Spread { mean, sd } = self.coordination_force_n;
         line("coordination force, peer 2", format!("{mean:.4} N, standard deviation {sd:.4} N"));

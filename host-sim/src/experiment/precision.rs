@@ -1,9 +1,9 @@
 //! How far f32 and fixed point stray from f64 in the same scene.
 //!
-//! The three pairs run side by side, each with its own device in f64, on the same pushes. What is expected: positions are
-//! stored to half a step (ulp) of the number type at the largest position seen, the coordination spring turns a position
-//! step into a force of K_T times it, and in a wave scene the decoded position is a sum of ticks, so that its rounding
-//! walks at random and, with the two peers' independent walks, the two copies drift apart.
+//! The three pairs run side by side, each with its own device in f64, on the same pushes. What is expected: a position is
+//! stored to a step (ulp) of the number type at its size, so the coordination spring feels steps of K_T times that; this
+//! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
+//! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
 
 use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::settings::Refused;
@@ -115,8 +115,7 @@ fn explain(scene: &SceneFile, f32: &Strays, i32f32: &Strays, faulted_after_s: Op
         );
     }
     format!(
-        "rounding of x_o and x_d, summed over the ticks: {:.0} steps in f32, {:.0} in I32F32",
-        f32.steps(),
-        i32f32.steps()
+        "a step of position is {:.1e} N of spring in f32, {:.1e} N in I32F32; the rest modes integrate it",
+        f32.force_step_n, i32f32.force_step_n
     )
 }
