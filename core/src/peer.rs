@@ -266,7 +266,7 @@ fn sense<M: Models>(
     }
     let pose = match sensors.reading {
         Reading::Exact(mut axes) => {
-            for (axis, joint) in axes.iter_mut().zip(&mut state.joints) {
+            for (axis, joint) in axes.iter_mut().zip(&mut state.joints).take(scene.axes) {
                 if !axis.is_finite() {
                     return Err(Fault::NonFiniteInput);
                 }
@@ -276,7 +276,7 @@ fn sense<M: Models>(
         }
         Reading::Counts(counts) => {
             let mut joints = [Motion::REST; AXES];
-            for ((motion, joint), counts) in joints.iter_mut().zip(&mut state.joints).zip(counts) {
+            for ((motion, joint), counts) in joints.iter_mut().zip(&mut state.joints).zip(counts).take(scene.axes) {
                 let position = scene.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
                 *motion = Motion::at(position);
                 motion.velocity = scene.velocity.step(&mut joint.velocity, *motion);
@@ -288,7 +288,7 @@ fn sense<M: Models>(
             pose
         }
     };
-    for axis in &pose.axes {
+    for axis in pose.axes.iter().take(scene.axes) {
         if !axis.is_finite() {
             return Err(Fault::NonFiniteInput);
         }
@@ -307,25 +307,18 @@ fn actuate<M: Models>(
     pose: &Pose<M::Scalar>,
     contact_force: M::Scalar,
 ) -> Actuators<M::Scalar> {
-    let mut wanted = [M::Scalar::ZERO; AXES];
-    let [free, held @ ..] = &mut wanted;
-    *free = -contact_force;
-    if scene.axes > 1 {
-        let [_, held_motions @ ..] = &pose.axes;
-        for (force, motion) in held.iter_mut().zip(held_motions) {
-            *force = scene.hold.force(*motion);
-        }
+    let mut wanted = [-contact_force; AXES];
+    for (force, motion) in wanted.iter_mut().zip(&pose.axes).take(scene.axes).skip(1) {
+        *force = scene.hold.force(*motion);
     }
     let mut at_limit = false;
-    // In a local: read back from the state as a pair, forces just stored one by one would stall the processor.
     let mut forces = state.forces;
-    for (force, wanted) in forces.iter_mut().zip(wanted) {
-        at_limit |= wanted.abs() > scene.guard.max_force;
-        *force = scene.guard.limit(*force, wanted);
+    for (last, wanted) in forces.iter_mut().zip(wanted).take(scene.axes) {
+        at_limit |= scene.guard.max_force < wanted.abs();
+        *last = scene.guard.limit(*last, wanted);
     }
-    state.forces = forces;
     let mut duties = [Duty::default(); AXES];
-    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)) {
+    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)).take(scene.axes) {
         let (value, clipped) = scene.motor.duty(joint_force);
         *duty = value;
         at_limit |= clipped;
@@ -334,5 +327,6 @@ fn actuate<M: Models>(
         state.trip(Fault::ForceSaturated);
         return Actuators::default();
     }
+    state.forces = forces;
     Actuators { forces, duties, enable: true }
 }

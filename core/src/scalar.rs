@@ -39,7 +39,7 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Exact for `f64` and [`Fixed`]; `f32` rounds to 24 bits.
     fn from_i32(value: i32) -> Self;
-    /// Nearest integer, ties away from zero, saturating; NaN gives 0.
+    /// Nearest integer, saturating; NaN gives 0. Ties, and floats within one rounding of a tie, go away from zero.
     fn round_to_i32(self) -> i32;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;

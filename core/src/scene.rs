@@ -66,7 +66,8 @@ pub struct Scene<M: Models> {
     /// T_c, s.
     pub(crate) period: M::Scalar,
     pub(crate) ticks_per_packet: u32,
-    pub(crate) axes: u32,
+    /// Axes, and joints, in use.
+    pub(crate) axes: usize,
     pub(crate) encoder: Encoder<M::Scalar>,
     pub(crate) velocity: M::Velocity,
     pub(crate) kinematics: M::Kinematics,
@@ -93,7 +94,7 @@ impl<M: Models> Scene<M> {
         Ok(Self {
             period: M::Scalar::from_f64(settings.timing.control_period_s),
             ticks_per_packet: settings.timing.ticks_per_packet,
-            axes: settings.axis.count,
+            axes: settings.axis.count as usize,
             encoder: Encoder::build(settings),
             velocity: M::Velocity::build(settings),
             kinematics: M::Kinematics::build(settings),

@@ -3,7 +3,7 @@
 //! A probe and its reply give four times: t1 sent, t2 received there, t3 answered there, t4 back here. Round trip
 //! (t4 − t1) − (t3 − t2); offset ((t2 − t1) + (t3 − t4))/2, wrong by half of what the two ways differ. Round trip and
 //! jitter are smoothed (RFC 6298). Delay only ever adds, so the offset is taken from the fastest round trip of each 2 s
-//! (NTP's clock filter, RFC 5905 §10), and the drift is the slope of the least-squares line through the last 32 of those.
+//! (NTP's clock filter, RFC 5905 §10); offset and drift then follow the least-squares line through the last 32 of those.
 //!
 //! **Units**: µs and ppm. **Limits**: a lasting difference between the two ways cannot be seen by anyone; drift is known
 //! after 8 s and its error falls with the 1.5th power of time until the line is full, after 64 s (tests show how far).
@@ -118,19 +118,23 @@ impl Clock {
 
     fn close_block(&mut self, point: Point) {
         self.fastest = None;
-        self.offset = Some(point);
         self.line.rotate_left(1);
         if let Some(last) = self.line.last_mut() {
             *last = point;
         }
         self.points = (self.points + 1).min(LINE);
-        if self.points >= LEAST {
-            self.drift = self.slope(point).unwrap_or(self.drift);
+        self.offset = Some(point);
+        if self.points >= LEAST
+            && let Some((slope, above)) = self.fit(point)
+        {
+            self.drift = slope;
+            self.offset = Some(Point { offset_us: point.offset_us.saturating_add(above as i64), ..point });
         }
     }
 
-    /// Slope of the line through the points, relative to `origin` so that nothing is large.
-    fn slope(&self, origin: Point) -> Option<f64> {
+    /// The line through the points: its slope, and how far above `origin` it passes there. Relative to `origin`, so that
+    /// nothing is large; none if the slope is not one that a clock could have.
+    fn fit(&self, origin: Point) -> Option<(f64, f64)> {
         let points = || {
             self.line.iter().skip(LINE - self.points).map(|point| {
                 let before = origin.at_us.saturating_sub(point.at_us) as f64;
@@ -142,7 +146,7 @@ impl Clock {
         let (xx, xy) = points()
             .fold((0.0, 0.0), |(xx, xy), (x, y)| (xx + (x - mean_x) * (x - mean_x), xy + (x - mean_x) * (y - mean_y)));
         let slope = xy / xx;
-        (slope.is_finite() && slope * 1e6 <= MOST_PPM && slope * 1e6 >= -MOST_PPM).then_some(slope)
+        (slope * 1e6 <= MOST_PPM && slope * 1e6 >= -MOST_PPM).then_some((slope, mean_y - slope * mean_x))
     }
 
     /// Smoothed round trip, µs.
@@ -155,7 +159,7 @@ impl Clock {
         self.jitter_us as u32
     }
 
-    /// The other clock minus ours at `now`, µs: the last fastest sample carried on by the drift.
+    /// The other clock minus ours at `now`, µs, carried on from the last 2 s by the drift.
     pub fn offset_us(&self, now: u64) -> Option<i64> {
         self.offset.map(|point| {
             let since = now.saturating_sub(point.at_us) as f64;

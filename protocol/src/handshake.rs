@@ -2,8 +2,8 @@
 //!
 //! Every peer has one current **challenge**. A greeting carries its sender's challenge and echoes the receiver's. An echo
 //! of the current challenge under a right tag proves that the sender holds the key and is there now, because nobody could
-//! have known the challenge before; only that makes a session. Hello asks for an answer, welcome is one; both ends follow
-//! the same three rules ([`Standing`]), so hellos that cross need no arbiter:
+//! have known the challenge before; only that makes a session. Both ends follow the same three rules ([`Standing`]), so
+//! hellos that cross need no arbiter:
 //!
 //! ```text
 //!     A                                    B
@@ -17,7 +17,8 @@
 //!
 //! **Invariants**: a greeting from the past or from a stranger changes nothing and is given no memory. A challenge that
 //! made a confirmed session is never offered again. What a peer sent is not accepted by itself: each direction has its key.
-//! **Limit**: who holds the key and has recorded hellos can make a peer answer them, byte for byte as long.
+//! **Limit**: old hellos make a peer answer, byte for byte as long. A peer whose randomness repeats itself at every start
+//! gets fresh keys all the same from a peer that has heard it before; two such peers do not.
 
 use core::fmt;
 
@@ -59,14 +60,15 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// How an authentic greeting stands to what this peer knows.
+/// How an authentic greeting stands to what this peer knows: the first that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// Its sender is the other end of the session at hand; nothing new.
+    /// Its two challenges are those of the session at hand: nothing new, nothing to say.
     Known,
-    /// It echoes the current challenge: its sender is there now, and wants the session that follows.
+    /// It echoes the current challenge: its sender is there now, and has the session that follows from it.
     Fresh,
-    /// Neither: its sender may be new, or the greeting may be old.
+    /// Its sender may be new, or the greeting may be old. A hello is answered with the current challenge, a welcome is
+    /// dropped; neither is remembered.
     Unproven,
 }
 
@@ -109,22 +111,11 @@ impl Handshake {
         self.offer.challenge = self.entropy.derive("challenge").with(&self.drawn.to_le_bytes()).first();
     }
 
-    /// The current challenge.
-    pub fn challenge(&self) -> Challenge {
-        self.offer.challenge
-    }
-
-    /// Writes a greeting to the front of `out` and gives its length.
-    pub fn greet(
-        &self,
-        kind: GreetingKind,
-        challenge: Challenge,
-        echo: Challenge,
-        out: &mut [u8],
-    ) -> Result<usize, wire::Error> {
+    /// Writes a greeting with the current challenge to the front of `out` and gives its length.
+    pub fn greet(&self, kind: GreetingKind, echo: Challenge, out: &mut [u8]) -> Result<usize, wire::Error> {
         let (count, tables) = self.parameters.hashes();
         let Ends { local: from, remote: to } = self.ends;
-        let incarnation = self.offer.incarnation;
+        let Offer { challenge, incarnation } = self.offer;
         let length = wire::Error::Length { message: "greeting", wanted: Greeting::LEN, got: out.len() };
         let (body, rest) = out.split_at_mut_checked(Greeting::BODY).ok_or(length)?;
         let tag = rest.first_chunk_mut().ok_or(length)?;
@@ -142,7 +133,7 @@ impl Handshake {
 
     /// How an authentic greeting stands to the session at hand and to the current challenge.
     pub fn judge(&self, greeting: &Greeting, session: Option<&Session>) -> Standing {
-        if session.is_some_and(|session| session.is_with(greeting)) {
+        if session.is_some_and(|session| session.is_named_by(greeting)) {
             Standing::Known
         } else if greeting.echo == self.offer.challenge {
             Standing::Fresh

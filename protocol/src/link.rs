@@ -39,7 +39,7 @@ pub use stage::{Notice, Stage};
 /// Packet periods between hellos.
 const HELLO_EVERY: u32 = 2;
 /// Packet periods between time probes.
-const PROBE_EVERY: u32 = 32;
+const PROBE_EVERY: u32 = 8;
 /// Packet periods without anything sent before a probe keeps the session alive.
 const KEEP_ALIVE_AFTER: u32 = 2;
 /// Notices kept for a caller that does not ask; then the oldest goes.
@@ -90,8 +90,8 @@ pub struct Link {
     receiver: Receiver,
     /// Sequence number of the newest flow taken in this session.
     newest_flow: Option<u64>,
-    /// A welcome to send: own challenge, and the one to echo.
-    answer: Option<(Challenge, Challenge)>,
+    /// A welcome to send, and the challenge that it echoes.
+    answer: Option<Challenge>,
     /// A probe to answer: its time, and when it came.
     probed: Option<(u64, u64)>,
     ack_due: bool,
@@ -151,15 +151,14 @@ impl Link {
     /// is nothing to send for now.
     pub fn poll(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
-        if let Some((challenge, echo)) = self.answer.take() {
-            return self.handshake.greet(GreetingKind::Welcome, challenge, echo, out).ok();
+        if let Some(echo) = self.answer.take() {
+            return self.handshake.greet(GreetingKind::Welcome, echo, out).ok();
         }
         let confirmed = self.session.as_ref().is_some_and(Session::is_confirmed);
         if !confirmed && now >= self.next_hello_us {
             self.next_hello_us = self.after(now, HELLO_EVERY);
-            let offers = self.session.as_ref().map(|session| (session.local.challenge, session.remote.challenge));
-            let (challenge, echo) = offers.unwrap_or((self.handshake.challenge(), [0; 16]));
-            return self.handshake.greet(GreetingKind::Hello, challenge, echo, out).ok();
+            let echo = self.session.as_ref().map_or([0; 16], |session| session.remote.challenge);
+            return self.handshake.greet(GreetingKind::Hello, echo, out).ok();
         }
         let message = self.due(now, confirmed)?;
         self.seal(now, &message, out)

@@ -43,7 +43,7 @@ pub struct Session {
 
 impl fmt::Debug for Session {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Session({:08x}, {} taken)", self.number, self.taken)
+        write!(f, "Session({:08x}, {} taken, {:?})", self.number, self.taken, self.window)
     }
 }
 
@@ -101,9 +101,9 @@ impl Session {
         }
     }
 
-    /// Whether this is the session that a greeting's sender means.
-    pub fn is_with(&self, greeting: &Greeting) -> bool {
-        self.remote.challenge == greeting.challenge
+    /// Whether a greeting's challenges are the two that made this session.
+    pub fn is_named_by(&self, greeting: &Greeting) -> bool {
+        self.remote.challenge == greeting.challenge && self.local.challenge == greeting.echo
     }
 
     /// The other end has been heard under these keys: it is there, now, and has them.

@@ -35,15 +35,12 @@ impl Link {
     /// A greeting, by the three rules of [`crate::handshake`].
     fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
         let greeting = self.handshake.open(datagram).map_err(Error::Handshake)?;
-        let standing = self.handshake.judge(&greeting, self.session.as_ref());
-        let known = self.session.as_ref().filter(|_| standing == Standing::Known);
-        let challenge = known.map_or(self.handshake.challenge(), |session| session.local.challenge);
-        if greeting.kind == GreetingKind::Hello {
-            self.answer = Some((challenge, greeting.challenge));
-        }
-        match standing {
+        match self.handshake.judge(&greeting, self.session.as_ref()) {
             Standing::Known => Ok(()),
-            Standing::Unproven if greeting.kind == GreetingKind::Hello => Ok(()),
+            Standing::Unproven if greeting.kind == GreetingKind::Hello => {
+                self.answer = Some(greeting.challenge);
+                Ok(())
+            }
             Standing::Unproven => Err(Error::Handshake(handshake::Error::Stale)),
             Standing::Fresh => match self.handshake.accept(&greeting) {
                 Ok(session) => {

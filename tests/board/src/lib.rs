@@ -1,1 +1,26 @@
-//! x
+//! The test bench: the unmodified release image on a virtual NUCLEO-H743ZI2, closed around host-sim's plant.
+//!
+//! From the outside in:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`pair`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
+//! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
+//! | [`wire`] | the switch between boards and PC: delay, loss, a cable pulled out |
+//! | [`pc`] | the operator's PC: ARP, commands, telemetry |
+//! | [`node`] | one board on a thread of its own, stepped from outside |
+//! | [`image`] | the release image: built, found, its symbols |
+//! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
+//!
+//! What is emulated and what is not: instructions, interrupts, priorities, timers and their filters, flash and memory
+//! protection are; cycles, caches and bus contention are not. So bits, instruction counts and logic are evidence here, and
+//! execution times are not.
+#![forbid(unsafe_code)]
+
+pub mod image;
+pub mod node;
+pub mod pair;
+pub mod part;
+pub mod pc;
+pub mod twin;
+pub mod wire;

@@ -1,5 +1,4 @@
 //! Two links and the wire between them, impaired as a test asks, from one seed.
-#![allow(dead_code)] // Every test file takes what it needs.
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
@@ -8,13 +7,13 @@ use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId};
 
 /// The packet period of every test, µs.
-pub const PERIOD: u64 = 8_000;
+pub(crate) const PERIOD: u64 = 8_000;
 
 /// splitmix64.
-pub struct Rng(pub u64);
+pub(crate) struct Rng(pub u64);
 
 impl Rng {
-    pub fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -22,28 +21,28 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    pub fn below(&mut self, end: u64) -> u64 {
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
         self.next() % end.max(1)
     }
 
-    pub fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64 * 1.0 < probability
     }
 
-    pub fn bytes<const N: usize>(&mut self) -> [u8; N] {
+    pub(crate) fn bytes<const N: usize>(&mut self) -> [u8; N] {
         std::array::from_fn(|_| self.next() as u8)
     }
 }
 
 /// The parameters of a peer with this coordination stiffness.
-pub fn parameters(stiffness: f64) -> Parameters {
+pub(crate) fn parameters(stiffness: f64) -> Parameters {
     let mut parameters = Parameters::new();
     parameters.add(Table::new("timing").number("control_period_s", 0.001).number("ticks_per_packet", 8.0)).unwrap();
     parameters.add(Table::new("coordination").number("stiffness_n_per_m", stiffness)).unwrap();
     parameters
 }
 
-pub fn config(local: u8, remote: u8, entropy: [u8; 32]) -> Config {
+pub(crate) fn config(local: u8, remote: u8, entropy: [u8; 32]) -> Config {
     Config {
         key: Key::new([7; 32]),
         ends: Ends { local: PeerId(local), remote: PeerId(remote) },
@@ -55,16 +54,16 @@ pub fn config(local: u8, remote: u8, entropy: [u8; 32]) -> Config {
 
 /// What the network does to a datagram.
 #[derive(Clone, Copy, Debug)]
-pub struct Impairment {
-    pub loss: f64,
-    pub duplicate: f64,
+pub(crate) struct Impairment {
+    pub(crate) loss: f64,
+    pub(crate) duplicate: f64,
     /// Every datagram takes this long, µs …
-    pub delay: u64,
+    pub(crate) delay: u64,
     /// … and up to this much longer, so that they overtake each other.
-    pub jitter: u64,
+    pub(crate) jitter: u64,
 }
 
-pub const CLEAN: Impairment = Impairment { loss: 0.0, duplicate: 0.0, delay: 500, jitter: 0 };
+pub(crate) const CLEAN: Impairment = Impairment { loss: 0.0, duplicate: 0.0, delay: 500, jitter: 0 };
 
 /// A datagram on its way.
 struct InFlight {
@@ -74,31 +73,31 @@ struct InFlight {
 }
 
 /// Two peers and everything between them.
-pub struct World {
-    pub links: [Link; 2],
-    pub rng: Rng,
-    pub impairment: Impairment,
+pub(crate) struct World {
+    pub(crate) links: [Link; 2],
+    pub(crate) rng: Rng,
+    pub(crate) impairment: Impairment,
     /// µs since the beginning, on nobody's clock.
-    pub now: u64,
+    pub(crate) now: u64,
     /// What each peer's clock showed at the beginning, and how fast it runs.
-    pub clocks: [(u64, f64); 2],
+    pub(crate) clocks: [(u64, f64); 2],
     /// Peers that are switched off.
-    pub off: [bool; 2],
+    pub(crate) off: [bool; 2],
     /// Peers that send no flow.
-    pub quiet: [bool; 2],
+    pub(crate) quiet: [bool; 2],
     /// Directions that are cut: to peer 0, to peer 1.
-    pub cut: [bool; 2],
+    pub(crate) cut: [bool; 2],
     /// Every datagram that each peer ever sent, if wanted.
-    pub log: Option<[Vec<Vec<u8>>; 2]>,
-    pub flows: [Vec<Flow>; 2],
-    pub events: [Vec<Event>; 2],
-    pub notices: [Vec<Notice>; 2],
+    pub(crate) log: Option<[Vec<Vec<u8>>; 2]>,
+    pub(crate) flows: [Vec<Flow>; 2],
+    pub(crate) events: [Vec<Event>; 2],
+    pub(crate) notices: [Vec<Notice>; 2],
     in_flight: Vec<InFlight>,
     tick: u32,
 }
 
 impl World {
-    pub fn new(seed: u64, impairment: Impairment) -> Self {
+    pub(crate) fn new(seed: u64, impairment: Impairment) -> Self {
         let mut rng = Rng(seed);
         let links = [Link::new(config(1, 2, rng.bytes())).unwrap(), Link::new(config(2, 1, rng.bytes())).unwrap()];
         Self {
@@ -120,7 +119,7 @@ impl World {
     }
 
     /// Two peers that have run long enough to be fully engaged.
-    pub fn engaged(seed: u64) -> Self {
+    pub(crate) fn engaged(seed: u64) -> Self {
         let mut world = Self::new(seed, CLEAN);
         world.run(300_000);
         assert!(world.is_engaged());
@@ -128,18 +127,18 @@ impl World {
     }
 
     /// What the clock of `peer` shows.
-    pub fn clock(&self, peer: usize) -> u64 {
+    pub(crate) fn clock(&self, peer: usize) -> u64 {
         let (start, rate) = self.clocks[peer];
         start + (self.now as f64 * rate) as u64
     }
 
     /// A peer forgets everything, as at a reset.
-    pub fn restart(&mut self, peer: usize) {
+    pub(crate) fn restart(&mut self, peer: usize) {
         let numbers = [1, 2];
         self.links[peer] = Link::new(config(numbers[peer], numbers[1 - peer], self.rng.bytes())).unwrap();
     }
 
-    pub fn send(&mut self, from: usize, bytes: &[u8]) {
+    pub(crate) fn send(&mut self, from: usize, bytes: &[u8]) {
         if let Some(log) = &mut self.log {
             log[from].push(bytes.to_vec());
         }
@@ -156,7 +155,7 @@ impl World {
         }
     }
 
-    pub fn poll(&mut self, peer: usize) {
+    pub(crate) fn poll(&mut self, peer: usize) {
         let mut out = [0; MAX_DATAGRAM];
         while let Some(len) = self.links[peer].poll(self.clock(peer), &mut out) {
             self.send(peer, &out[..len]);
@@ -164,7 +163,7 @@ impl World {
     }
 
     /// One millisecond: what is due arrives, both peers do their part.
-    pub fn step(&mut self) {
+    pub(crate) fn step(&mut self) {
         self.now += 1_000;
         let due = self.in_flight.extract_if(.., |datagram| datagram.due <= self.now).collect::<Vec<_>>();
         for mut datagram in due {
@@ -202,7 +201,7 @@ impl World {
         }
     }
 
-    pub fn run(&mut self, us: u64) {
+    pub(crate) fn run(&mut self, us: u64) {
         let end = self.now + us;
         while self.now < end {
             self.step();
@@ -210,7 +209,7 @@ impl World {
     }
 
     /// Runs until `done`; how long that took, µs.
-    pub fn run_until(&mut self, limit: u64, done: impl Fn(&Self) -> bool) -> Option<u64> {
+    pub(crate) fn run_until(&mut self, limit: u64, done: impl Fn(&Self) -> bool) -> Option<u64> {
         let start = self.now;
         while !done(self) {
             if self.now - start >= limit {
@@ -221,18 +220,18 @@ impl World {
         Some(self.now - start)
     }
 
-    pub fn stages(&self) -> [Stage; 2] {
+    pub(crate) fn stages(&self) -> [Stage; 2] {
         [self.links[0].stage(), self.links[1].stage()]
     }
 
     /// Both at full engagement.
-    pub fn is_engaged(&self) -> bool {
+    pub(crate) fn is_engaged(&self) -> bool {
         self.links.iter().all(|link| link.stage() == Stage::Running && link.engagement() == 1.0)
     }
 }
 
 /// Everything a link holds, but for the number of datagrams it refused.
-pub fn state(link: &Link) -> String {
+pub(crate) fn state(link: &Link) -> String {
     let text = format!("{link:?}");
     let at = text.rfind("refused: ").unwrap();
     text[..at].to_string()

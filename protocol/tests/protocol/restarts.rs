@@ -1,9 +1,7 @@
 //! Peers restart at any instant, 10,000 times, and always find each other again: from zero, within half a second.
 
-mod common;
-
-use common::{Impairment, World};
-use haptic_protocol::link::Stage;
+use crate::world::{CLEAN, Impairment, World};
+use haptic_protocol::link::{Notice, Stage};
 
 /// Restarts one peer or the other at random instants; the longest time to re-engage and to full engagement, ms.
 fn restarts(count: u32, seed: u64, impairment: Impairment) -> (u64, u64) {
@@ -13,25 +11,27 @@ fn restarts(count: u32, seed: u64, impairment: Impairment) -> (u64, u64) {
     for restart in 0..count {
         let wait = world.rng.below(60_000);
         world.run(wait);
+        world.notices.iter_mut().for_each(Vec::clear);
+        world.notices.iter_mut().for_each(Vec::clear);
         let peer = world.rng.below(2) as usize;
         let before = world.flows[peer].len();
         world.restart(peer);
         assert_eq!((world.links[peer].stage(), world.links[peer].engagement()), (Stage::Calling, 0.0));
         // The other one goes through 0 as well: it gets to know of the restart before anything couples again.
-        let met = world
-            .run_until(500_000, |world| {
-                world.links.iter().all(|link| link.stage() == Stage::Running && link.engagement() < 0.9)
-            })
-            .unwrap_or_else(|| panic!("restart {restart} of peer {peer}: {:?}", world.stages()));
-        assert!(world.flows[peer].len() > before);
-        let engaged = World::is_engaged;
-        // Loss may stretch the rise, never beyond what the ladder allows.
-        let full = world.run_until(500_000 - met, engaged);
+        let zero = world.run_until(500_000, |world| world.links[1 - peer].engagement() == 0.0).unwrap();
+        let met =
+            zero + world.run_until(500_000 - zero, |world| world.stages() == [Stage::Running; 2]).unwrap_or(500_000);
+        let full = world.run_until(500_000 - met, World::is_engaged);
         let full = full.unwrap_or_else(|| panic!("restart {restart} of peer {peer}: {:?}", world.stages()));
+        assert!(world.flows[peer].len() > before);
+        let told = &world.notices[1 - peer];
+        let new_peer = Notice::NewPeer { dropped: 0 };
+        for notice in [Notice::Disengaged, Notice::Lost, new_peer, Notice::Joined, Notice::Engaged] {
+            assert!(told.contains(&notice), "{notice:?} is not in {told:?}");
+        }
         slowest = slowest.max(met / 1_000);
         slowest_full = slowest_full.max((met + full) / 1_000);
         world.flows.iter_mut().for_each(Vec::clear);
-        world.notices.iter_mut().for_each(Vec::clear);
     }
     (slowest, slowest_full)
 }
@@ -70,7 +70,7 @@ fn restarts_in_the_middle_of_joining() {
 #[test]
 fn any_order_of_starting() {
     for late in [0, 1] {
-        let mut world = World::new(4, common::CLEAN);
+        let mut world = World::new(4, CLEAN);
         world.off[late] = true;
         world.run(5_000_000);
         assert_eq!(world.links[1 - late].stage(), Stage::Calling);

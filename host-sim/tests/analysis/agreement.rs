@@ -1,0 +1,79 @@
+//! The lifted matrix driven from core and the one constructed from the equations, on 10,000 random scenes.
+
+use haptic_core::axis::velocity::VelocityName;
+use host_sim::analysis::lifted::agreement::agreement;
+use host_sim::analysis::verdict::{is_symmetric, pair_matrix};
+use host_sim::analysis::{lifted, verdict};
+use host_sim::scene::SceneFile;
+use rayon::prelude::*;
+
+use super::random;
+
+const SCENES: u64 = 10_000;
+
+/// Matrices to 1e-9 of their largest entry in balanced units, spectral radii to 1e-9 of themselves.
+#[test]
+fn two_constructions_agree_on_ten_thousand_scenes() {
+    let worst = (0..SCENES)
+        .into_par_iter()
+        .map(|seed| {
+            let linear = random::scene(seed).linear();
+            let found = agreement(&linear).unwrap().expect("every random scene has a second construction");
+            assert!(found.matrix < 1e-9 && found.spectral_radius < 1e-9, "scene {seed}: {found:?}\n{linear:?}");
+            (found.matrix, found.spectral_radius)
+        })
+        .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+    println!("{SCENES} scenes: matrices differ by {:.1e} at most, spectral radii by {:.1e}", worst.0, worst.1);
+}
+
+/// Half of the random scenes are symmetric, half are not, and most are neither trivial nor all stable.
+#[test]
+fn the_random_scenes_are_of_all_kinds() {
+    let kinds: Vec<(bool, bool)> = (0..400)
+        .into_par_iter()
+        .map(|seed| {
+            let linear = random::scene(seed).linear();
+            (is_symmetric(&linear), verdict(&linear).unwrap().stable)
+        })
+        .collect();
+    for kind in [(true, true), (true, false), (false, true), (false, false)] {
+        let count = kinds.iter().filter(|found| **found == kind).count();
+        assert!(count > 40, "{kind:?}: {count} of 400");
+    }
+}
+
+/// What is driven on unit states is what any state does: superposition holds for every law, to rounding.
+#[test]
+fn the_peer_is_linear_where_it_is_analysed() {
+    for seed in 0..200 {
+        let mut linear = random::scene(seed).linear();
+        if seed % 4 == 0 {
+            // Below one encoder count the adaptive window is always the longest one.
+            linear.peer.axis.velocity = VelocityName::Adaptive;
+        }
+        let whole = pair_matrix(&linear).unwrap().matrix;
+        let mut response = lifted::driven::Response::default();
+        response.measure(&linear, 0).unwrap();
+        let mut dice = random::Dice::new(seed);
+        let local: Vec<f64> = (0..response.states()).map(|_| dice.unit() - 0.5).collect();
+        let packet: Vec<f64> = (0..response.packet()).map(|_| dice.unit() - 0.5).collect();
+        let driven = lifted::driven::Response::drive(&linear, 0, &local, &packet).unwrap();
+        let (own, heard) = (response.own.apply(&local), response.heard.apply(&packet));
+        let scale = whole.entries().iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
+        for ((driven, own), heard) in driven.iter().zip(&own).zip(&heard) {
+            let sum = own + heard;
+            assert!((driven - sum).abs() <= 1e-12 * scale || driven == &sum, "scene {seed}: {driven} {sum}");
+        }
+    }
+}
+
+/// A scene that grows beyond all bounds within a packet period is unstable, not an error.
+#[test]
+fn overflow_is_instability() {
+    let mut scene = SceneFile::default();
+    scene.peer.timing.ticks_per_packet = 1000;
+    scene.peer.contact.stiffness_n_per_m = 1e6;
+    scene.peer.object.mass_kg = 1e-4;
+    let found = verdict(&scene).unwrap();
+    assert!(found.spectral_radius.is_infinite() && !found.stable, "{found:?}");
+}

@@ -1,0 +1,9 @@
+//! The stability analysis against everything it must agree with: THEORY's numbers, an independent oracle, a second
+//! construction, the simulator, and what is claimed of the implicit decode.
+
+mod agreement;
+mod bounds;
+mod envelope;
+mod oracle;
+mod random;
+mod theory;

@@ -1,0 +1,101 @@
+//! Random linear scenes, the same ones in every run.
+
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::couple::LawName;
+use haptic_core::couple::wave::Decode;
+use haptic_core::object::IntegratorName;
+use haptic_core::settings::Choice;
+use host_sim::scene::SceneFile;
+
+/// SplitMix64 (Steele, Lea & Flood 2014).
+pub struct Dice(u64);
+
+impl Dice {
+    /// Dice number `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^ (bits >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Equal chances by ratio.
+    pub fn spread(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+
+    /// One of these.
+    pub fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[(self.bits() % of.len() as u64) as usize]
+    }
+
+    fn whole(&mut self, low: u32, high: u32) -> u32 {
+        low + (self.bits() % u64::from(high - low + 1)) as u32
+    }
+
+    /// Nothing, a whole tick, or anything between, a third each.
+    fn delay(&mut self) -> f64 {
+        let between = self.unit();
+        self.one(&[0.0, 1.0, between])
+    }
+
+    fn sometimes(&mut self, value: f64) -> f64 {
+        self.one(&[0.0, value, value])
+    }
+}
+
+/// A random linear scene: any law, decode, integrator, delay, one to sixteen ticks per packet, with and without arms.
+pub fn scene(seed: u64) -> SceneFile {
+    let mut dice = Dice::new(seed);
+    let mut scene = SceneFile::default();
+    let peer = &mut scene.peer;
+    peer.timing.control_period_s = dice.one(&[0.0005, 0.001, 0.001, 0.002]);
+    peer.timing.ticks_per_packet = dice.whole(1, 16);
+    peer.contact.stiffness_n_per_m = dice.spread(10.0, 5000.0);
+    let damping = dice.spread(0.1, 20.0);
+    peer.contact.damping_n_s_per_m = dice.sometimes(damping);
+    peer.object.mass_kg = dice.spread(0.02, 2.0);
+    let damping = dice.spread(0.1, 5.0);
+    peer.object.damping_n_s_per_m = dice.sometimes(damping);
+    peer.object.force_delay_ticks = dice.delay();
+    peer.object.integrator = dice.one(IntegratorName::ALL);
+    peer.coordination.comm = dice.one(&[LawName::Power, LawName::Wave, LawName::PassiveWave, LawName::Free]);
+    peer.coordination.decode = dice.one(Decode::ALL);
+    peer.coordination.stiffness_n_per_m = dice.spread(1.0, 1e5);
+    let damping = dice.spread(0.1, 20.0);
+    peer.coordination.damping_n_s_per_m = dice.sometimes(damping);
+    peer.coordination.wave_impedance_n_s_per_m = dice.spread(1.0, 100.0);
+    peer.coordination.cutoff_hz = dice.spread(5.0, 500.0);
+    peer.axis.velocity =
+        dice.one(&[VelocityName::Measured, VelocityName::Measured, VelocityName::Difference, VelocityName::Filtered]);
+    peer.axis.velocity_cutoff_hz = dice.spread(5.0, 240.0);
+    let world = &mut scene.world;
+    world.device.mass_kg = dice.spread(0.02, 2.0);
+    let damping = dice.spread(0.1, 10.0);
+    world.device.damping_n_s_per_m = dice.sometimes(damping);
+    world.device.force_delay_ticks = dice.delay();
+    world.network.one_way_delay_packets = dice.whole(0, 8);
+    // No arms, equal arms, two different arms, one arm.
+    let case = dice.whole(0, 4);
+    for user in 0..2 {
+        let arm = (dice.spread(1.0, 1000.0), dice.spread(0.1, 20.0), dice.spread(0.01, 2.0));
+        let to = &mut scene.users[user].settings.user;
+        if case > 1 && !(case == 4 && user == 1) {
+            (to.arm_stiffness_n_per_m, to.arm_damping_n_s_per_m, to.arm_mass_kg) = arm;
+        }
+    }
+    if case == 2 {
+        scene.users[1] = scene.users[0].clone();
+    }
+    scene
+}

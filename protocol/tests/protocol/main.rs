@@ -1,0 +1,13 @@
+//! The protocol as a peer sees it: two links, the wire between them, and everything that can go wrong there.
+
+mod clock;
+mod events;
+mod handshake;
+mod ladder;
+mod memory;
+mod parsers;
+mod replay;
+mod restarts;
+mod tamper;
+mod vectors;
+mod world;

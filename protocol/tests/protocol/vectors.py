@@ -1,0 +1,103 @@
+"""A second implementation of the format's cryptography, from FORMAT.md and the RFCs alone, to make vectors.rs's vectors.
+
+Run it (`python3 vectors.py`, nothing to install) and compare with the literals in vectors.rs.
+"""
+
+import hashlib
+import struct
+
+
+def derive(key, label, data=b""):
+    return hashlib.blake2s(label.encode().ljust(16, b"\0") + data, key=key, digest_size=32).digest()
+
+
+def chacha20_block(key, counter, nonce):
+    state = list(struct.unpack("<4I8I", b"expand 32-byte k" + key)) + [counter] + list(struct.unpack("<3I", nonce))
+    x = state[:]
+
+    def quarter(a, b, c, d):
+        for i, j, k, r in ((a, b, d, 16), (c, d, b, 12), (a, b, d, 8), (c, d, b, 7)):
+            x[i] = (x[i] + x[j]) & 0xFFFFFFFF
+            v = x[k] ^ x[i]
+            x[k] = (v << r | v >> (32 - r)) & 0xFFFFFFFF
+
+    for _ in range(10):
+        quarter(0, 4, 8, 12), quarter(1, 5, 9, 13), quarter(2, 6, 10, 14), quarter(3, 7, 11, 15)
+        quarter(0, 5, 10, 15), quarter(1, 6, 11, 12), quarter(2, 7, 8, 13), quarter(3, 4, 9, 14)
+    return struct.pack("<16I", *((a + b) & 0xFFFFFFFF for a, b in zip(x, state)))
+
+
+def poly1305(key, message):
+    r = int.from_bytes(key[:16], "little") & 0x0FFFFFFC0FFFFFFC0FFFFFFC0FFFFFFF
+    acc = 0
+    for i in range(0, len(message), 16):
+        acc = (acc + int.from_bytes(message[i : i + 16] + b"\1", "little")) * r % ((1 << 130) - 5)
+    return ((acc + int.from_bytes(key[16:], "little")) & ((1 << 128) - 1)).to_bytes(16, "little")
+
+
+def aead(key, nonce, text, data):
+    stream = b"".join(chacha20_block(key, 1 + i, nonce) for i in range(len(text) // 64 + 1))
+    sealed = bytes(a ^ b for a, b in zip(text, stream))
+    pad = lambda b: b + bytes(-len(b) % 16)
+    mac = pad(data) + pad(sealed) + struct.pack("<QQ", len(data), len(sealed))
+    return sealed + poly1305(chacha20_block(key, 0, nonce)[:32], mac)
+
+
+# RFC 8439, 2.8.2: this implementation itself is right.
+RFC = aead(
+    bytes(range(0x80, 0xA0)),
+    bytes.fromhex("070000004041424344454647"),
+    b"Ladies and Gentlemen of the class of '99: If I could offer you only one tip for the future, sunscreen would be it.",
+    bytes.fromhex("50515253c0c1c2c3c4c5c6c7"),
+)
+assert RFC[-16:].hex() == "1ae10b594f09e26a7e902ecbd0600691", RFC[-16:].hex()
+
+K = bytes([7] * 32)
+ONE, TWO = 1, 2
+C1, C2 = bytes(range(16)), bytes(range(16, 32))
+I1, I2 = 0x0102030405060708, 0x1112131415161718
+
+
+def text(s):
+    return struct.pack("<I", len(s)) + s.encode()
+
+
+def table(name, *pairs):
+    data = text(name)
+    for key, value in pairs:
+        if isinstance(value, bool):
+            data += text(key) + b"f" + bytes([value])
+        elif isinstance(value, float):
+            data += text(key) + b"n" + struct.pack("<d", value)
+        else:
+            data += text(key) + b"t" + text(value)
+    return derive(bytes(32), "table", data)[:8]
+
+
+TABLES = [
+    table("timing", ("control_period_s", 0.001), ("ticks_per_packet", 8.0)),
+    table("coordination", ("comm", "wave"), ("one_sided", True)),
+]
+tables = b"".join(TABLES) + bytes(8 * (16 - len(TABLES)))
+count = bytes([len(TABLES)])
+
+# A hello from peer 1 to peer 2.
+body = bytes([1, 1, ONE, TWO, 0, 0, 0, 0]) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+hello = body + hashlib.blake2s(body, key=derive(K, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
+print("HELLO", hello.hex())
+
+secret = derive(K, "session", bytes([1, ONE, TWO]) + C1 + C2 + struct.pack("<QQ", I1, I2) + count + tables)
+number = derive(secret, "number")[:4]
+flow = struct.pack("<BBHIfffdd", 1, 1, 0, 4711, 0.25, -0.5, 1.5, 2.0, 3.0)
+
+
+def seal(source, sink, sequence, message):
+    base = derive(secret, "direction", bytes([source, sink]))
+    key = derive(base, "epoch", struct.pack("<Q", sequence >> 20))
+    head = bytes([1, 3, source, sink]) + number + struct.pack("<Q", sequence)
+    return head + aead(key, bytes(4) + struct.pack("<Q", sequence), message, head)
+
+
+print("FLOW", seal(ONE, TWO, 0, flow).hex())
+print("LATER_FLOW", seal(ONE, TWO, (5 << 20) + 3, flow).hex())
+print("PROBE_BACK", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789)).hex())

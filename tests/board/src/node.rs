@@ -1,0 +1,177 @@
+//! One board on a thread of its own, stepped from outside: run to an instant, say what happened, take what comes in.
+//!
+//! The emulator calls back at the instant it was asked to reach; the thread then hands out what the board did and waits.
+//! So several boards run at the same time, and everything between them is decided in one place, in order: runs are
+//! reproducible to the bit.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+
+use rigless::emulator::{Driver, Hit, Host, Settled, Start, Stop, Watch, run};
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::time::VirtualNanos;
+
+use crate::image::Firmware;
+use crate::part::{Bridges, Nucleo};
+
+/// What comes in at a stop, before the board goes on.
+#[derive(Debug, Default)]
+pub struct Inputs {
+    /// Frames from the wire.
+    pub frames: Vec<Vec<u8>>,
+    /// Where the device has moved the encoders.
+    pub counts: Option<[i64; 2]>,
+    /// The emergency stop is pressed (or released).
+    pub press: Option<bool>,
+    /// The cable is in (or out).
+    pub cable: Option<bool>,
+    /// Words put into memory, as a fault would: address and value.
+    pub poke: Vec<(u64, u32)>,
+    /// Instructions to watch from now on.
+    pub watch: Vec<u64>,
+    /// Instructions to watch no more.
+    pub unwatch: Vec<u64>,
+}
+
+/// What a board did up to a stop.
+#[derive(Debug, Default)]
+pub struct Stopped {
+    /// The instant, ns.
+    pub at: u64,
+    /// Frames that left, each with its instant.
+    pub frames: Vec<(u64, Vec<u8>)>,
+    /// What the bridges are told.
+    pub bridges: Bridges,
+    /// Watched instructions that were reached.
+    pub hits: Vec<Hit>,
+    /// Resets so far.
+    pub resets: usize,
+}
+
+/// What the emulator could not do, or did although nobody modelled it: a test must not pass because of it.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// `kind what`, sorted, each once.
+    pub lines: Vec<String>,
+    /// Causes of the resets.
+    pub resets: Vec<String>,
+    /// Frames the filter left out, lost for want of buffers, and sent or received without a link.
+    pub frames: [u64; 3],
+}
+
+enum Order {
+    Run(u64, Inputs),
+    Finish,
+}
+
+/// The handle of a board's thread.
+#[derive(Debug)]
+pub struct Node {
+    orders: Sender<Order>,
+    stops: Receiver<Stopped>,
+    thread: JoinHandle<Report>,
+}
+
+struct Stepper {
+    orders: Receiver<Order>,
+    stops: Sender<Stopped>,
+    hits: Vec<Hit>,
+}
+
+impl Driver<Nucleo> for Stepper {
+    fn on_settled(&mut self, _: &mut Session<Nucleo>, _: &mut dyn Host, settled: Settled) {
+        if let Settled::Hit(hit) = settled {
+            self.hits.push(hit);
+        }
+    }
+
+    fn on_stop(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
+        let resets = session.resets().len();
+        let part = &mut session.board_mut().part;
+        let stopped = Stopped {
+            at: stop.at.0,
+            frames: std::mem::take(&mut part.dma.sent),
+            bridges: part.bridges(stop.at),
+            hits: std::mem::take(&mut self.hits),
+            resets,
+        };
+        self.stops.send(stopped).ok()?;
+        let Ok(Order::Run(until, inputs)) = self.orders.recv() else { return None };
+        if let Some(cable) = inputs.cable {
+            part.mac.plug(stop.at, cable);
+        }
+        if let Some(pressed) = inputs.press {
+            part.press_stop(stop.at, pressed);
+        }
+        if let Some(counts) = inputs.counts {
+            part.turn(stop.at, counts);
+        }
+        if !inputs.frames.is_empty() {
+            part.deliver(stop.at, inputs.frames);
+        }
+        for (address, value) in inputs.poke {
+            host.write(address, Width::W32, value.into()).expect("memory is there");
+        }
+        for address in inputs.watch {
+            host.watch(Watch::Instruction(address));
+        }
+        for address in inputs.unwatch {
+            host.unwatch(Watch::Instruction(address));
+        }
+        Some(VirtualNanos(until))
+    }
+}
+
+impl Node {
+    /// Board `number` (1 or 2) with the image, at the instant power came on.
+    pub fn new(firmware: Arc<Firmware>, number: usize) -> Self {
+        let (orders, their_orders) = channel();
+        let (their_stops, stops) = channel();
+        let thread = std::thread::spawn(move || {
+            let board = Nucleo::new(number).expect("the emulator knows this part");
+            let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
+            let stepper = Stepper { orders: their_orders, stops: their_stops, hits: Vec::new() };
+            let images = std::slice::from_ref(&firmware.image);
+            let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");
+            report(&mut finished.session)
+        });
+        let node = Self { orders, stops, thread };
+        // The first stop, 1 µs in, has nothing to tell.
+        node.wait();
+        node
+    }
+
+    /// Lets the board run until `until_ns`; [`Node::wait`] says when it is there.
+    pub fn run(&self, until_ns: u64, inputs: Inputs) {
+        self.orders.send(Order::Run(until_ns, inputs)).expect("the board runs");
+    }
+
+    /// Waits for the stop.
+    pub fn wait(&self) -> Stopped {
+        self.stops.recv().expect("the board runs")
+    }
+
+    /// Ends the run.
+    pub fn finish(self) -> Report {
+        let _ = self.orders.send(Order::Finish);
+        self.thread.join().expect("the board's thread ends well")
+    }
+}
+
+fn report(session: &mut Session<Nucleo>) -> Report {
+    let mut lines: Vec<String> = session.unmapped().iter().map(|u| format!("unmapped {:#010x}", u.address)).collect();
+    lines.extend(session.refused().keys().map(|address| format!("refused {address:#010x}")));
+    lines.extend(session.unimplemented().values().map(|u| {
+        format!("unimplemented {}.{}{}", u.instance, u.register, if u.writes > 0 { " written" } else { "" })
+    }));
+    lines.extend(session.undefined().values().map(|u| format!("undefined in {}", u.instance)));
+    lines.extend(session.unrouted().iter().map(|(instance, number)| format!("unrouted {instance} {number}")));
+    lines.extend(session.told().map(|told| format!("told {told:?}")));
+    lines.sort();
+    lines.dedup();
+    let resets = session.resets().iter().map(|reset| format!("{:?}", reset.cause)).collect();
+    let dma = &session.board().part.dma;
+    Report { lines, resets, frames: [dma.filtered, dma.overflowed, dma.unlinked] }
+}

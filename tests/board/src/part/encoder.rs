@@ -1,0 +1,132 @@
+//! A timer with a quadrature encoder on its two pins.
+//!
+//! The emulator's timer does the counting, filter included; this puts the edges on its inputs, one after the other, so
+//! that the filter sees pulses of a real length. Gray code: two channels a quarter period apart, four edges a period.
+//!
+//! Faults of an encoder: stuck (edges are swallowed), reversed (the other way round), jumped (a burst of edges).
+
+use std::collections::VecDeque;
+
+use rigless::device::{Device, DeviceContext, InterruptChange, Level, RegisterFile, RequestChange};
+use rigless::soc::RegisterSpec;
+use rigless::soc::stm32h743::peripherals::tim::{Channel, General, TIMERS, Tim};
+use rigless::time::{EventId, VirtualNanos};
+
+type Inner = Tim<General>;
+type Register = <Inner as Device>::Register;
+
+/// Time over which a move's edges are spread, ns: well within the pause between two ticks.
+const SPREAD_NS: u64 = 250_000;
+/// Two edges are never closer, ns.
+const CLOSEST_NS: u64 = 150;
+
+/// The timer and what its encoder still has to do.
+#[derive(Debug)]
+pub struct EncoderTimer {
+    timer: Inner,
+    nth: usize,
+    /// Where the encoder is, counts.
+    position: i64,
+    /// Directions of the edges to come.
+    pending: VecDeque<i64>,
+    every_ns: u64,
+    next: Option<EventId>,
+}
+
+impl EncoderTimer {
+    /// The encoder on the `nth` of [`TIMERS`], at 0.
+    pub fn new(nth: usize) -> Self {
+        Self { timer: Inner::new(TIMERS[nth]), nth, position: 0, pending: VecDeque::new(), every_ns: 0, next: None }
+    }
+
+    /// Where the encoder will be once all its edges are out, counts.
+    pub fn target(&self) -> i64 {
+        self.position + self.pending.iter().sum::<i64>()
+    }
+
+    /// Turns the encoder to `counts`, starting now.
+    pub fn turn(&mut self, counts: i64, context: &mut DeviceContext<'_>) {
+        let way = counts - self.target();
+        if way == 0 {
+            return;
+        }
+        self.pending.extend(std::iter::repeat_n(way.signum(), way.unsigned_abs() as usize));
+        self.every_ns = (SPREAD_NS / self.pending.len() as u64).max(CLOSEST_NS);
+        if self.next.is_none() {
+            self.schedule(context);
+        }
+    }
+
+    fn schedule(&mut self, context: &mut DeviceContext<'_>) {
+        self.next = Some(context.schedule(VirtualNanos(context.now().0 + self.every_ns)));
+    }
+
+    fn levels(position: i64) -> [Level; 2] {
+        let level = |high| if high { Level::High } else { Level::Low };
+        let phase = position.rem_euclid(4);
+        [level(phase == 1 || phase == 2), level(phase >= 2)]
+    }
+
+    fn edge(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
+        let Some(step) = self.pending.pop_front() else { return };
+        let before = Self::levels(self.position);
+        self.position += step;
+        for (nth, (before, now)) in (1..).zip(before.into_iter().zip(Self::levels(self.position))) {
+            if before != now {
+                let channel = Channel::new(nth).expect("timers have channels 1 and 2");
+                self.timer.drive_input(channel, now, registers, context);
+            }
+        }
+    }
+}
+
+/// All the timer's own, but for our events.
+impl Device for EncoderTimer {
+    type Register = Register;
+
+    fn layout(&self) -> &'static [RegisterSpec] {
+        Device::layout(&self.timer)
+    }
+    fn read(&mut self, r: Register, f: &mut RegisterFile, c: &mut DeviceContext<'_>) -> Option<u64> {
+        Device::read(&mut self.timer, r, f, c)
+    }
+    fn peek(&self, r: Register, f: &RegisterFile, now: VirtualNanos) -> Option<u64> {
+        Device::peek(&self.timer, r, f, now)
+    }
+    fn write(&mut self, r: Register, v: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::write(&mut self.timer, r, v, f, c);
+    }
+    fn on_event(&mut self, event: EventId, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        if self.next == Some(event) {
+            self.next = None;
+            self.edge(f, c);
+            if !self.pending.is_empty() {
+                self.schedule(c);
+            }
+        } else {
+            Device::on_event(&mut self.timer, event, f, c);
+        }
+    }
+    fn on_request(&mut self, change: RequestChange, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::on_request(&mut self.timer, change, f, c);
+    }
+    fn on_interrupt(&mut self, change: InterruptChange, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::on_interrupt(&mut self.timer, change, f, c);
+    }
+    fn on_clock_input(&mut self, input: usize, hz: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::on_clock_input(&mut self.timer, input, hz, f, c);
+    }
+    fn on_access(&mut self, token: u64, value: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::on_access(&mut self.timer, token, value, f, c);
+    }
+    fn reset(&mut self) {
+        // The chip starts anew; the encoder is where it was, and its levels are on the pins as before.
+        self.timer = Inner::new(TIMERS[self.nth]);
+        self.position = self.target();
+        self.pending.clear();
+        self.next = None;
+    }
+    fn reset_line(&mut self, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        Device::reset_line(&mut self.timer, f, c);
+    }
+}

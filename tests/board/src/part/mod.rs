@@ -1,0 +1,279 @@
+//! The chip and the board around it: rigless' STM32H743 with our models in front of four of its slots.
+//!
+//! | module | models |
+//! |---|---|
+//! | [`ethernet`] | MAC with address filter, DMA rings, MDIO and the PHY behind it |
+//! | [`encoder`] | a timer with a quadrature encoder on its pins, edges spread over time |
+//! | [`iwdg`] | the independent watchdog |
+//!
+//! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact.
+
+pub mod encoder;
+pub mod ethernet;
+pub mod iwdg;
+
+use std::num::{NonZeroU32, NonZeroU64};
+
+use rigless::cpu::armv7m;
+use rigless::device::{Device, ErasedDevice, Level, ResetCause};
+use rigless::machine::armv7m as core7;
+use rigless::machine::{Board, Target};
+use rigless::mcu::{Mcu, Operate};
+use rigless::snapshot::Store;
+use rigless::soc::stm32h743::Stm32h743;
+use rigless::soc::stm32h743::peripherals::gpio::Pin;
+use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, BreakSource, Tim};
+use rigless::soc::{Bus, Error, Width};
+use rigless::time::VirtualNanos;
+
+use encoder::EncoderTimer;
+use ethernet::{Dma, Mac};
+use iwdg::Iwdg;
+
+/// Core clock, Hz; one instruction a cycle is assumed.
+pub const CORE_HZ: u64 = 480_000_000;
+
+/// What the two bridges and their enable line are at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bridges {
+    /// Compare values of the two bridges.
+    pub compare: [u16; 2],
+    /// Period of the timer.
+    pub period: u16,
+    /// The timer runs, its outputs are enabled.
+    pub outputs: bool,
+    /// The enable line is high.
+    pub enable: bool,
+}
+
+impl Bridges {
+    /// Whether current can flow at all.
+    pub fn on(&self) -> bool {
+        self.outputs && self.enable
+    }
+}
+
+/// The chip with our models in it.
+#[derive(Debug)]
+pub struct Part {
+    /// Everything we do not model ourselves.
+    pub chip: Stm32h743,
+    /// Station management and filter.
+    pub mac: Mac,
+    /// Descriptor rings.
+    pub dma: Dma,
+    /// Watchdog.
+    pub iwdg: Iwdg,
+    /// TIM3 and TIM4 with an encoder each.
+    pub encoders: [EncoderTimer; 2],
+    slots: Slots,
+    stop_released: bool,
+    strap_to_ground: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slots {
+    mac: usize,
+    dma: usize,
+    iwdg: usize,
+    encoders: [usize; 2],
+    gpio_e: usize,
+    gpio_g: usize,
+    tim1: usize,
+}
+
+const fn pin(index: u8) -> Pin {
+    Pin::new(index).expect("ports have 16 pins")
+}
+
+impl Part {
+    fn new(strap_to_ground: bool) -> Result<Self, Error> {
+        let chip = Stm32h743::new()?;
+        let slot = |name| chip.bus().slot(name);
+        let slots = Slots {
+            mac: slot("Ethernet_MAC")?,
+            dma: slot("Ethernet_DMA")?,
+            iwdg: slot("IWDG")?,
+            encoders: [slot("TIM3")?, slot("TIM4")?],
+            gpio_e: slot("GPIOE")?,
+            gpio_g: slot("GPIOG")?,
+            tim1: slot("TIM1")?,
+        };
+        let (mac, dma) = ethernet::pair();
+        let encoders = [EncoderTimer::new(1), EncoderTimer::new(2)];
+        let mut part = Self {
+            chip,
+            mac,
+            dma,
+            iwdg: Iwdg::default(),
+            encoders,
+            slots,
+            stop_released: true,
+            strap_to_ground,
+        };
+        part.check()?;
+        part.wire(VirtualNanos(0));
+        Ok(part)
+    }
+
+    /// Puts on the pins what the wiring holds there.
+    fn wire(&mut self, at: VirtualNanos) {
+        let Slots { gpio_e, gpio_g, tim1, .. } = self.slots;
+        // An open strap is pulled up by the chip; ground is ground.
+        let strap = self.strap_to_ground.then_some(Level::Low);
+        let mut port = core::mem::take(&mut self.chip.gpio[6]);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_g);
+        port.drive(pin(12), strap, registers, &mut context);
+        self.chip.gpio[6] = port;
+        // The contact of the emergency stop connects to 3.3 V while it is not pressed.
+        let stop = if self.stop_released { Level::High } else { Level::Low };
+        let mut port = core::mem::take(&mut self.chip.gpio[4]);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_e);
+        port.drive(pin(15), Some(stop), registers, &mut context);
+        self.chip.gpio[4] = port;
+        // There is no wiring from a pin to a timer's break input in the emulator: this is it.
+        let mut timer = core::mem::replace(&mut self.chip.advanced[0], Tim::new(ADVANCED_TIMERS[0]));
+        let (registers, mut context) = self.chip.bus_mut().drive(at, tim1);
+        timer.drive_break_source(BreakInput::First, BreakSource::Pin, stop, registers, &mut context);
+        self.chip.advanced[0] = timer;
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn press_stop(&mut self, at: VirtualNanos, pressed: bool) {
+        self.stop_released = !pressed;
+        self.wire(at);
+    }
+
+    /// Moves the encoders to these counts, edge by edge, from `at` on.
+    pub fn turn(&mut self, at: VirtualNanos, counts: [i64; 2]) {
+        for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
+            let (_, mut context) = self.chip.bus_mut().drive(at, slot);
+            encoder.turn(counts, &mut context);
+        }
+    }
+
+    /// Frames from the wire.
+    pub fn deliver(&mut self, at: VirtualNanos, frames: impl IntoIterator<Item = Vec<u8>>) {
+        self.dma.inbox.extend(frames);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.dma);
+        Device::poll(&mut self.dma, registers, &mut context);
+    }
+
+    /// What the bridges are told now.
+    pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
+        let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
+        let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
+        Bridges {
+            compare: [peek(0x4001_0034) as u16, peek(0x4001_0038) as u16],
+            period: peek(0x4001_002C) as u16,
+            outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
+            enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
+        }
+    }
+}
+
+impl Mcu for Part {
+    fn bus(&self) -> &Bus {
+        self.chip.bus()
+    }
+    fn bus_mut(&mut self) -> &mut Bus {
+        self.chip.bus_mut()
+    }
+    fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
+        self.chip.reset(at, cause);
+        Device::reset(&mut self.mac);
+        Device::reset(&mut self.dma);
+        Device::reset(&mut self.iwdg);
+        for encoder in &mut self.encoders {
+            Device::reset(encoder);
+        }
+        self.wire(at);
+    }
+    fn poll(&mut self, now: VirtualNanos) {
+        // Of the models only the wire's has something outside of its own accesses and events.
+        let (registers, mut context) = self.chip.bus_mut().drive(now, self.slots.dma);
+        Device::poll(&mut self.dma, registers, &mut context);
+    }
+    fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
+        let [one, two] = &mut self.encoders;
+        let model: &mut dyn ErasedDevice = match slot {
+            s if s == self.slots.mac => &mut self.mac,
+            s if s == self.slots.dma => &mut self.dma,
+            s if s == self.slots.iwdg => &mut self.iwdg,
+            s if s == self.slots.encoders[0] => one,
+            s if s == self.slots.encoders[1] => two,
+            _ => return self.chip.split(slot),
+        };
+        (self.chip.bus_mut(), Some(model))
+    }
+}
+
+/// The board around the chip.
+#[derive(Debug)]
+pub struct Nucleo {
+    /// The chip.
+    pub part: Part,
+}
+
+impl Nucleo {
+    /// Board 1 (strap open) or 2 (strap to ground), as it is when power comes on.
+    ///
+    /// # Errors
+    /// What the emulator refuses.
+    pub fn new(number: usize) -> Result<Self, Error> {
+        let mut part = Part::new(number == 2)?;
+        part.chip.rcc.attach_crystals(8_000_000, 32_768);
+        part.chip.set_supply(3300);
+        part.chip.set_analog_supply(3300);
+        Ok(Self { part })
+    }
+}
+
+impl Store for Nucleo {}
+
+const fn register(offset: u64, reset: u32, writable: u32) -> core7::ImplementationRegister {
+    core7::ImplementationRegister { offset, reset, writable }
+}
+
+impl Board for Nucleo {
+    fn name(&self) -> &'static str {
+        "nucleo-h743zi2"
+    }
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32h743"]
+    }
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.part)
+    }
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let hz = NonZeroU64::new(CORE_HZ).expect("a clock");
+        let core = core7::Core {
+            variant: core7::Variant::M7,
+            clock_hz: hz,
+            interrupt_lines: NonZeroU32::new(u32::from(self.part.cpu().interrupt_lines)).expect("lines"),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).expect("a divider"),
+            instructions_per_second: hz,
+            boot: "flash",
+        };
+        let mut config = core7::Config::new(core, &armv7m::windows(self.part.bus()));
+        config.fpu = core7::Fpu::FpV5Dp;
+        config.mpu_regions = core7::MpuRegions::Sixteen;
+        // Cortex-M7 r1p1 (RM0433 §60.4), 16 kB of each cache.
+        config.cpuid = 0x411F_C271;
+        config.caches =
+            Some(core7::Caches { clidr: 0x0900_0003, ctr: 0x8303_C003, ccsidr: &[0xF00F_E019, 0xF01F_E009] });
+        config.branch_prediction = core7::BranchPrediction::Always;
+        // The processor's own control registers for TCM, AHB slave, error banks and cache (ARM DDI 0489).
+        config.implementation_registers = vec![
+            register(0xF90, 7 << 3, 7),
+            register(0xF94, 8 << 3, 7),
+            register(0xF98, 0, 1),
+            register(0xF9C, 0, 7),
+            register(0xFA0, 1 << 11, 0x7FF | 0x1F << 11),
+            register(0xFA8, 0, 0),
+        ];
+        config.vector_table = Some(0x0800_0000);
+        vec![Target::new("stm32h743", &mut self.part, config.spec())]
+    }
+}
