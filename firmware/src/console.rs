@@ -83,7 +83,12 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
 
 impl Console {
     /// Does what a line asks for, and answers.
-    async fn answer(&mut self, request: Request<'_>, from: embassy_net::IpEndpoint, to: &mut Answer) -> core::fmt::Result {
+    async fn answer(
+        &mut self,
+        request: Request<'_>,
+        from: embassy_net::IpEndpoint,
+        to: &mut Answer,
+    ) -> core::fmt::Result {
         match request {
             Request::Status => self.status(to),
             Request::Command(command) => self.command(command, to).await,

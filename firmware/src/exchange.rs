@@ -13,9 +13,15 @@
 //! Limits: one writer, one reader.
 
 #[cfg(not(loom))]
-use core::{cell::UnsafeCell, sync::atomic::{AtomicU8, AtomicU32}};
+use core::{
+    cell::UnsafeCell,
+    sync::atomic::{AtomicU8, AtomicU32},
+};
 #[cfg(loom)]
-use loom::{cell::UnsafeCell, sync::atomic::{AtomicU8, AtomicU32}};
+use loom::{
+    cell::UnsafeCell,
+    sync::atomic::{AtomicU8, AtomicU32},
+};
 
 use core::sync::atomic::Ordering;
 
@@ -281,8 +287,9 @@ mod tests {
         loom::model(|| {
             let queue = std::boxed::Box::leak(std::boxed::Box::new(Queue::<(u32, u32), 2>::default()));
             let (mut producer, mut consumer) = queue.split();
-            let putting =
-                thread::spawn(move || (1..=3).filter(|&value| producer.put((value, 10 * value))).collect::<std::vec::Vec<_>>());
+            let putting = thread::spawn(move || {
+                (1..=3).filter(|&value| producer.put((value, 10 * value))).collect::<std::vec::Vec<_>>()
+            });
             let mut taken: std::vec::Vec<u32> = std::vec::Vec::new();
             let mut take = |consumer: &mut Consumer<'_, (u32, u32), 2>| {
                 if let Some((value, tenfold)) = consumer.take() {

@@ -89,9 +89,11 @@ mod image {
 
         interrupt::UART4.set_priority(Priority::P2);
         interrupt::UART5.set_priority(Priority::P5);
-        SUPERVISOR
-            .start(interrupt::UART4)
-            .spawn(defmt::unwrap!(supervisor::run(board.watchdog, board.alive, board.armed)));
+        SUPERVISOR.start(interrupt::UART4).spawn(defmt::unwrap!(supervisor::run(
+            board.watchdog,
+            board.alive,
+            board.armed
+        )));
 
         let console = Console {
             number: board.number,

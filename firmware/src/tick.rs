@@ -125,17 +125,8 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
     let (records, records_out) = shared.records.split();
     let plan = plans.get();
     let state = State::new(&plan.scene, plan.home);
-    let this = Loop {
-        plans,
-        incoming,
-        outgoing,
-        records,
-        state,
-        tick: 0,
-        until_record: 0,
-        driving: false,
-        overrun: false,
-    };
+    let this =
+        Loop { plans, incoming, outgoing, records, state, tick: 0, until_record: 0, driving: false, overrun: false };
     // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
     unsafe { (*(&raw mut LOOP)).write(this) };
     Tasks { plans: plans_in, incoming: incoming_in, outgoing: outgoing_out, records: records_out }

@@ -6,12 +6,14 @@
 //! | [`test`] | everything that must pass before a change is taken |
 //! | [`bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
+//! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
 //! Exit status: 0 when the chore succeeded, 1 when it failed, 2 when the command line is wrong.
 
 mod bench;
 mod instructions;
+mod readme;
 mod run;
 mod setup;
 mod test;
@@ -27,6 +29,7 @@ Usage: cargo xtask COMMAND [--help]
   test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
+  readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
 const SETUP_HELP: &str = "\
@@ -69,6 +72,14 @@ Usage: cargo xtask bench-check [--bless]
   --bless   write what was counted to the file, for review
 ";
 
+const README_HELP: &str = "\
+Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
+
+Usage: cargo xtask readme [--check]
+
+  --check   change nothing; fail if the text would change
+";
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -78,6 +89,9 @@ fn main() -> ExitCode {
         ["test", "--help" | "-h"] => print(TEST_HELP),
         ["bench", "--help" | "-h"] => print(BENCH_HELP),
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
+        ["readme", "--help" | "-h"] => print(README_HELP),
+        ["readme"] => readme::readme(false),
+        ["readme", "--check"] => readme::readme(true),
         ["setup"] => setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
         ["test"] => test::test(),
         ["bench"] => bench::bench(false),

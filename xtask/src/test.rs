@@ -1,5 +1,6 @@
 //! `cargo xtask test`: everything that must pass before a change is taken, cheapest first. Stops at the first failure.
 //!
+//! Steps that name no package run on the workspace's default members: everything that builds on a PC.
 //! It takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the project: a step that would have
 //! to change it fails.
 
@@ -21,7 +22,7 @@ pub(crate) fn test() -> Result<(), Failure> {
         run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
     })?;
 
-    step("lints", || run(&mut cargo(&["clippy", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"])))?;
+    step("lints", || run(&mut cargo(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"])))?;
 
     step("rooms of the microcontroller", || {
         let mut build = cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
@@ -37,11 +38,9 @@ pub(crate) fn test() -> Result<(), Failure> {
         run(build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))
     })?;
 
-    step("documentation", || {
-        run(cargo(&["doc", "--locked", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
-    })?;
+    step("documentation", || run(cargo(&["doc", "--locked", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")))?;
 
-    step("tests, debug", || run(&mut cargo(&["test", "--locked", "--workspace"])))?;
+    step("tests, debug", || run(&mut cargo(&["test", "--locked"])))?;
 
     step("golden traces, release", || {
         for (package, test) in golden_tests()? {
@@ -49,6 +48,8 @@ pub(crate) fn test() -> Result<(), Failure> {
         }
         Ok(())
     })?;
+
+    step("README", || crate::readme::readme(true))?;
 
     step("instructions of one tick", || match instructions::obstacle()? {
         None => instructions::check(false),

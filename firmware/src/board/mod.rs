@@ -70,12 +70,10 @@ pub(crate) fn init() -> Board {
     // Nothing placed in ITCM has been called yet: main does this first.
     memory::load_itcm();
     let p = embassy_stm32::init(clocks::config());
-    bridges::init(p.TIM1, bridges::Pins {
-        bridge_1: (p.PE9, p.PE8),
-        bridge_2: (p.PE11, p.PE10),
-        enable: p.PF3,
-        stop: p.PE15,
-    });
+    bridges::init(
+        p.TIM1,
+        bridges::Pins { bridge_1: (p.PE9, p.PE8), bridge_2: (p.PE11, p.PE10), enable: p.PF3, stop: p.PE15 },
+    );
     memory::protect();
     encoders::init(p.TIM3, (p.PC6, p.PC7), p.TIM4, (p.PD12, p.PD13));
     // All interrupts come out of reset at priority 0, the tick's own.

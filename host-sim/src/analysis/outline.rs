@@ -189,7 +189,12 @@ mod tests {
         let axis = |to: f64, count: usize| Axis { range: Range { key: "k".to_owned(), from: 0.0, to }, count };
         let column = |(at, (stable_at_start, crossings)): (usize, &(bool, &[f64]))| Column {
             x: at as f64,
-            limit: Limit { stable_at_start: *stable_at_start, crossings: crossings.to_vec(), evaluations: 0, step: 0.0 },
+            limit: Limit {
+                stable_at_start: *stable_at_start,
+                crossings: crossings.to_vec(),
+                evaluations: 0,
+                step: 0.0,
+            },
         };
         Map {
             axes: [axis(columns.len() as f64 - 1.0, columns.len()), axis(10.0, 2)],

@@ -107,7 +107,12 @@ fn a_key_of_whole_numbers_crosses_between_two() {
 /// Rest modes and sizes of THEORY §3.
 #[test]
 fn rest_modes_are_counted() {
-    let table = [(LawName::Power, 1, 0, 1), (LawName::Wave, 2, 0, 1), (LawName::PassiveWave, 2, 0, 1), (LawName::Free, 2, 0, 1)];
+    let table = [
+        (LawName::Power, 1, 0, 1),
+        (LawName::Wave, 2, 0, 1),
+        (LawName::PassiveWave, 2, 0, 1),
+        (LawName::Free, 2, 0, 1),
+    ];
     for (comm, free, both_held, one_held) in table {
         let mut scene = SceneFile::default();
         scene.peer.coordination.comm = comm;

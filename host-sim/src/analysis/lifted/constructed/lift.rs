@@ -2,7 +2,9 @@
 //!
 //! With z_k = Aᵏ·z₀ + Σ_{l<k} A^(k−1−l)·B·u_l, the stacked outputs are Y = C·z₀ + D·U (paper (12)) and the stacked inputs
 //! U = F·Y + G·U + H·s. Solved for U: (1 − G − F·D)·U = F·C·z₀ + H·s, put into z_M = Aᴹ·z₀ + [A^(M−1)·B … B]·U: this is
-//! A_g = A_D + B_D·(1 − F_D·D_D)⁻¹·F_D·C_D of paper (24). The system is solved as a whole, not tick by tick.
+//! A_g = A_D + B_D·(1 − F_D·D_D)⁻¹·F_D·C_D of paper (24). No force acts before it is computed, so the system is block
+//! triangular and solved from its first block row to its last: elimination with row exchange would lose the digits of
+//! an unstable scene, whose inputs grow by ten orders of magnitude within a packet.
 
 use super::super::super::matrix::Matrix;
 use super::peer::Peer;
@@ -27,28 +29,28 @@ pub fn close(peer: &Peer, ticks: usize) -> Period {
     let steered: Vec<Matrix> = powers[..ticks].iter().map(|power| power.times(&peer.b)).collect();
     let looped: Vec<Matrix> = steered.iter().map(|steered| peer.f.times(steered)).collect();
 
-    let mut loop_matrix = Matrix::identity(u * ticks);
-    let mut inputs = Matrix::zeros(u * ticks, z + s);
+    let mut algebraic = Matrix::identity(u);
+    algebraic.add_block(0, 0, &peer.g, -1.0);
+    let mut inputs: Vec<Matrix> = Vec::with_capacity(ticks);
     for k in 0..ticks {
-        loop_matrix.add_block(u * k, u * k, &peer.g, -1.0);
-        for l in 0..k {
-            loop_matrix.add_block(u * k, u * l, &looped[k - 1 - l], -1.0);
+        let mut right = Matrix::zeros(u, z + s);
+        right.add_block(0, 0, &peer.f.times(&powers[k]), 1.0);
+        right.add_block(0, z, &peer.h, 1.0);
+        for (l, earlier) in inputs.iter().enumerate() {
+            right.add_block(0, 0, &looped[k - 1 - l].times(earlier), 1.0);
         }
-        inputs.add_block(u * k, 0, &peer.f.times(&powers[k]), 1.0);
-        inputs.add_block(u * k, z, &peer.h, 1.0);
+        algebraic.clone().solve_into(&mut right);
+        inputs.push(right);
     }
-    loop_matrix.solve_into(&mut inputs);
 
-    let mut reach = Matrix::zeros(z, u * ticks);
-    for k in 0..ticks {
-        reach.add_block(0, u * k, &steered[ticks - 1 - k], 1.0);
+    let mut after = Matrix::zeros(z, z + s);
+    after.add_block(0, 0, &powers[ticks], 1.0);
+    for (k, inputs) in inputs.iter().enumerate() {
+        after.add_block(0, 0, &steered[ticks - 1 - k].times(inputs), 1.0);
     }
-    let after = reach.times(&inputs);
-    let mut period = Period { state: powers[ticks].clone(), held: Matrix::zeros(z, s) };
+    let mut period = Period { state: Matrix::zeros(z, z), held: Matrix::zeros(z, s) };
     for j in 0..z {
-        for i in 0..z {
-            period.state[(i, j)] += after[(i, j)];
-        }
+        period.state.column_mut(j).copy_from_slice(after.column(j));
     }
     for j in 0..s {
         period.held.column_mut(j).copy_from_slice(after.column(z + j));

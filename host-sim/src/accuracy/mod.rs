@@ -1,0 +1,164 @@
+//! Speed against error: every numerical choice, measured against a reference that does not share its way of computing.
+//!
+//! | module | chooses among | reference |
+//! |---|---|---|
+//! | [`numbers`] | f32, f64, I32F32 | continuous control (matrix exponential); the same peer in double-double |
+//! | [`whole_peer`] | integrator × decode × control rate | continuous control (matrix exponential) |
+//! | [`integrators`] | forward Euler, semi-implicit, exact | closed forms of a contact and of a push |
+//! | [`decodes`] | delayed, implicit | closed form of the line's end |
+//! | [`filters`] | exact, forward Euler, bilinear | the continuous filter |
+//! | [`mechanisms`] | micromath, libm; f32, f64, I32F32 | loop closure by Newton's method in double-double |
+//! | [`estimators`] | measured, difference, filtered, adaptive | the motion itself |
+//!
+//! | module | serves |
+//! |---|---|
+//! | [`counts`] | instructions, counted under callgrind and reviewed |
+//! | [`pareto`] | which choices nobody beats |
+//! | [`cost`] | what each model adds to a scene's tick |
+//! | [`continuous`], [`pair`], [`double_double`] | references |
+//! | [`picture`] | error against instructions, drawn |
+//!
+//! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
+//! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
+
+pub mod continuous;
+pub mod cost;
+pub mod counts;
+pub mod decodes;
+pub mod double_double;
+pub mod estimators;
+pub mod filters;
+pub mod integrators;
+pub mod mechanisms;
+pub mod numbers;
+pub mod pair;
+pub mod pareto;
+pub mod picture;
+pub mod whole_peer;
+
+use haptic_core::settings::Refused;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// One choice, measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// What is chosen.
+    pub choice: String,
+    /// How wrong it is, in the comparison's unit.
+    pub error: f64,
+    /// What it costs, in the family's unit.
+    pub instructions: u64,
+    /// No other choice of the comparison is as good in one and better in the other.
+    pub on_front: bool,
+}
+
+/// Choices that can be compared with each other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Under which circumstances.
+    pub title: String,
+    /// Which error.
+    pub error: String,
+    /// Its unit; `1` for a pure number.
+    pub unit: &'static str,
+    /// The choices.
+    pub points: Vec<Point>,
+}
+
+impl Comparison {
+    /// Compares (choice, error, instructions).
+    pub fn new(
+        title: impl Into<String>,
+        error: impl Into<String>,
+        unit: &'static str,
+        measured: Vec<(String, f64, u64)>,
+    ) -> Self {
+        let front = pareto::front(&measured.iter().map(|(_, error, count)| (*error, *count as f64)).collect::<Vec<_>>());
+        let points = measured
+            .into_iter()
+            .zip(front)
+            .map(|((choice, error, instructions), on_front)| Point { choice, error, instructions, on_front })
+            .collect();
+        Self { title: title.into(), error: error.into(), unit, points }
+    }
+
+    /// The error of the choice with this name; NaN where there is none.
+    pub fn error_of(&self, choice: &str) -> f64 {
+        self.points.iter().find(|point| point.choice == choice).map_or(f64::NAN, |point| point.error)
+    }
+
+    /// The instructions of the choice with this name; 0 where there is none.
+    pub fn instructions_of(&self, choice: &str) -> u64 {
+        self.points.iter().find(|point| point.choice == choice).map_or(0, |point| point.instructions)
+    }
+}
+
+/// One numerical choice that a user has.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Family {
+    /// Short name.
+    pub name: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// What is done to measure it.
+    pub motion: String,
+    /// What it is measured against.
+    pub reference: &'static str,
+    /// What instructions are counted for.
+    pub instructions_per: &'static str,
+    /// What was found.
+    pub comparisons: Vec<Comparison>,
+    /// What a user should take from it.
+    pub insight: String,
+}
+
+/// Why a family could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum AccuracyError {
+    /// A scene that does not build.
+    #[error("{0}")]
+    Scene(String),
+    /// A choice whose instructions were never counted.
+    #[error(transparent)]
+    Uncounted(#[from] counts::Uncounted),
+}
+
+impl From<Refused<'_>> for AccuracyError {
+    fn from(refused: Refused<'_>) -> Self {
+        Self::Scene(refused.to_string())
+    }
+}
+
+/// Measures one family.
+type Measure = fn() -> Result<Family, AccuracyError>;
+
+/// Every family, in the order of reports.
+const FAMILIES: [Measure; 7] = [
+    numbers::measure,
+    whole_peer::measure,
+    integrators::measure,
+    decodes::measure,
+    filters::measure,
+    mechanisms::measure,
+    estimators::measure,
+];
+
+/// Measures every family.
+///
+/// # Errors
+/// A choice that was not counted.
+pub fn families() -> Result<Vec<Family>, AccuracyError> {
+    FAMILIES.par_iter().map(|measure| measure()).collect()
+}
+
+/// Root of the mean square.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / count as f64).sqrt()
+}
+
+/// The largest magnitude; NaN if there is one.
+pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |largest, value| if value.abs() > largest || value.is_nan() { value.abs() } else { largest })
+}

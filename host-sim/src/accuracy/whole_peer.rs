@@ -1,0 +1,96 @@
+//! The whole peer: integrator, decode and control rate together.
+//!
+//! What a user pays for is a millisecond of control, so a peer that ticks twice as often costs twice as much: this is
+//! where a better scheme and a faster one can be weighed against each other. Run in f32, against continuous control
+//! ([`super::continuous`]). Unit: m, N; instructions per millisecond of one peer.
+
+use haptic_core::couple::wave::Decode;
+use haptic_core::object::IntegratorName;
+use haptic_core::settings::Choice;
+use rayon::prelude::*;
+
+use super::counts::count;
+use super::pair::{self, Apart, apart};
+use super::{AccuracyError, Comparison, Family, continuous};
+use crate::report::text::significant;
+
+/// Control rates of the pair that is otherwise as it should be, ticks each millisecond.
+pub const RATES: [u32; 4] = [1, 2, 4, 8];
+
+/// One of the choices.
+#[derive(Clone, Copy, Debug)]
+struct Scheme {
+    integrator: IntegratorName,
+    decode: Decode,
+    ticks_per_ms: u32,
+}
+
+impl Scheme {
+    fn name(self) -> String {
+        format!("{}, {}, {} kHz", self.integrator.name(), self.decode.name(), self.ticks_per_ms)
+    }
+
+    /// The case whose ticks are counted: [`super::cost`].
+    fn case(self) -> String {
+        format!("tick/{}-{}", self.decode.name(), self.integrator.name())
+    }
+}
+
+/// Every integrator with every decode at 1 kHz, and the semi-implicit one with the implicit decode at higher rates.
+fn schemes() -> Vec<Scheme> {
+    let at_1_khz = IntegratorName::ALL.iter().flat_map(|&integrator| {
+        Decode::ALL.iter().map(move |&decode| Scheme { integrator, decode, ticks_per_ms: 1 })
+    });
+    let faster = RATES.iter().skip(1).map(|&ticks_per_ms| Scheme {
+        integrator: IntegratorName::SemiImplicit,
+        decode: Decode::Implicit,
+        ticks_per_ms,
+    });
+    at_1_khz.chain(faster).collect()
+}
+
+/// Measures.
+///
+/// # Errors
+/// A choice that was not counted.
+pub fn measure() -> Result<Family, AccuracyError> {
+    let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
+    let measured = schemes()
+        .into_par_iter()
+        .map(|scheme| {
+            let scene = pair::scene(scheme.integrator, scheme.decode, scheme.ticks_per_ms);
+            let run = pair::run::<f32>(&scene, pair::DURATION_S)?;
+            let per_ms = count(&scheme.case(), "f32")? * u64::from(scheme.ticks_per_ms);
+            Ok((scheme.name(), apart(&run, &exact), per_ms))
+        })
+        .collect::<Result<Vec<_>, AccuracyError>>()?;
+    let compare = |title: &str, error: &str, unit, pick: fn(&Apart) -> f64| {
+        let points = measured.iter().map(|(name, apart, count)| (name.clone(), pick(apart), *count)).collect();
+        Comparison::new(title, error, unit, points)
+    };
+    let comparisons = vec![
+        compare("position of the copies", "RMS error of x_o", "m", |apart| apart.position_rms_m),
+        compare("coordination force", "RMS error of F_T", "N", |apart| apart.force_rms_n),
+    ];
+    let force = &comparisons[1];
+    let insight = format!(
+        "The paper's scheme (forward Euler, delayed decode) at 1 kHz errs by {} N in force; semi-implicit with implicit \
+         decode by {} N for {:+} instructions a millisecond, and at 8 kHz by {} N for {} times the instructions: first \
+         take the better scheme, then the faster tick.",
+        significant(force.error_of("forward-euler, delayed, 1 kHz"), 2),
+        significant(force.error_of("semi-implicit, implicit, 1 kHz"), 2),
+        force.instructions_of("semi-implicit, implicit, 1 kHz") as i64
+            - force.instructions_of("forward-euler, delayed, 1 kHz") as i64,
+        significant(force.error_of("semi-implicit, implicit, 8 kHz"), 2),
+        8,
+    );
+    Ok(Family {
+        name: "whole-peer",
+        title: "Integrator, decode and control rate",
+        motion: format!("{}; f32", pair::MOTION),
+        reference: "continuous control: matrix exponential in f64",
+        instructions_per: "millisecond of a whole peer",
+        comparisons,
+        insight,
+    })
+}

@@ -1,0 +1,287 @@
+//! Two boards, their devices and a PC on one wire, running a scene.
+//!
+//! Time goes in steps of 1 ms that end in the middle between two ticks. At every stop, in this order: frames that left go
+//! onto the wire and those that arrived come off it; each device (host-sim's plant) moves by one period under what its
+//! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
+//! host-sim's harness, and what is compared is the board.
+//!
+//! Settings go to the boards as a person's would: lines of text over UDP, then `apply`, then `arm`.
+
+use std::sync::Arc;
+
+use firmware_parts::record::Record;
+use haptic_core::axis::encoder::Counts;
+use haptic_core::axis::motor::Duty;
+use haptic_core::axis::{AXES, Reading};
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::peer::Actuators;
+use haptic_core::settings::{Settings, Value};
+use host_sim::plant::Plant;
+use host_sim::scene::SceneFile;
+
+use crate::image::Firmware;
+use crate::node::{Inputs, Node, Report, Stopped};
+use crate::part::Bridges;
+use crate::pc::Pc;
+use crate::wire::{Line, PC, Wire};
+
+/// A control period, ns.
+pub const PERIOD_NS: u64 = 1_000_000;
+/// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
+pub const PWM_STEPS: u32 = 3000;
+
+/// The scene as boards can run it: encoders for sensors, duties for motors, PWM in the board's steps.
+pub fn for_boards(scene: &SceneFile) -> SceneFile {
+    let mut scene = scene.clone();
+    scene.world.plant.encoder = true;
+    scene.world.plant.motor = true;
+    scene.world.plant.pwm_steps = PWM_STEPS;
+    if scene.peer.axis.velocity == VelocityName::Measured {
+        scene.peer.axis.velocity = VelocityName::Filtered;
+    }
+    scene
+}
+
+/// The lines that bring a board from whatever it has to `settings`.
+fn lines(settings: &Settings) -> Vec<String> {
+    let defaults = Settings::default();
+    let mut lines = vec!["defaults".to_owned()];
+    for key in Settings::KEYS {
+        let (wanted, default) = (settings.get(key.name), defaults.get(key.name));
+        // The board's own default differs from the scene's in this one.
+        if key.name == "contact.side" || wanted == default && key.name != "axis.velocity" {
+            continue;
+        }
+        lines.push(match wanted.expect("a listed key has a value") {
+            Value::Number(number) => format!("set {} {number:?}", key.name),
+            Value::Flag(flag) => format!("set {} {flag}", key.name),
+            Value::Text(text) => format!("set {} {text}", key.name),
+        });
+    }
+    lines.push("apply".to_owned());
+    lines
+}
+
+/// A device on a board.
+struct Device {
+    plant: Plant,
+    started: bool,
+    counts: [i64; AXES],
+}
+
+impl Device {
+    /// Where the encoders are now: the plant's 16-bit counts, unwrapped.
+    fn turn(&mut self) -> [i64; AXES] {
+        let Reading::Counts(counts) = self.plant.sensors::<f32>().reading else {
+            panic!("a device on a board has encoders: see for_boards");
+        };
+        for (whole, Counts(wrapped)) in self.counts.iter_mut().zip(counts) {
+            *whole += i64::from(wrapped.wrapping_sub(*whole as u16).cast_signed());
+        }
+        self.counts
+    }
+}
+
+/// The bench.
+pub struct Bench {
+    nodes: Vec<Node>,
+    /// Between them.
+    pub wire: Wire,
+    /// Who talks to them.
+    pub pc: Pc,
+    devices: Vec<Option<Device>>,
+    inputs: Vec<Inputs>,
+    /// What each board did at the last stop.
+    pub stopped: Vec<Stopped>,
+    now_ns: u64,
+    period_s: f64,
+    /// Ticks that the devices have moved since arming.
+    pub ticks: u64,
+}
+
+impl Bench {
+    /// `boards` (1 or 2) boards at power-on, run until their network is up.
+    ///
+    /// # Panics
+    /// The tick does not start, or not at the same time on both.
+    pub fn start(firmware: &Arc<Firmware>, boards: usize, line: Line) -> Self {
+        let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
+        let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
+        let mut bench = Self {
+            devices: nodes.iter().map(|_| None).collect(),
+            stopped: nodes.iter().map(|_| Stopped::default()).collect(),
+            inputs: each(),
+            nodes,
+            wire: Wire::new(line),
+            pc: Pc::default(),
+            now_ns: 1000,
+            period_s: 1e-3,
+            ticks: 0,
+        };
+        let entry = firmware.address("TIM6_DAC");
+        bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
+        bench.run_to(60_000_000);
+        let phases: Vec<u64> = (bench.stopped.iter())
+            .map(|stopped| stopped.hits.last().expect("the tick runs 60 ms after power-on").at.0 % PERIOD_NS)
+            .collect();
+        let spread = phases.iter().max().expect("a board") - phases.iter().min().expect("a board");
+        assert!(spread < 100_000, "the boards' ticks are {spread} ns apart");
+        bench.inputs.iter_mut().for_each(|inputs| inputs.unwatch.push(entry));
+        // From here on every stop is in the middle between two ticks.
+        let middle = (phases[0] + PERIOD_NS / 2) % PERIOD_NS;
+        bench.run_to(61_000_000 + middle);
+        // The PHY is asked for its link every 500 ms.
+        bench.run_for_ms(1000);
+        bench
+    }
+
+    /// Now, ns.
+    pub fn now_ns(&self) -> u64 {
+        self.now_ns
+    }
+
+    /// What goes in to a board (1 or 2) at the next stop.
+    pub fn input(&mut self, number: usize) -> &mut Inputs {
+        &mut self.inputs[number - 1]
+    }
+
+    fn run_to(&mut self, until_ns: u64) {
+        for (node, inputs) in self.nodes.iter().zip(&mut self.inputs) {
+            node.run(until_ns, std::mem::take(inputs));
+        }
+        self.stopped = self.nodes.iter().map(Node::wait).collect();
+        self.now_ns = until_ns;
+        for (port, stopped) in self.stopped.iter().enumerate() {
+            for (at, frame) in &stopped.frames {
+                self.wire.send(port, *at, frame);
+            }
+        }
+        for frame in self.wire.receive(PC, until_ns) {
+            if let Some(answer) = self.pc.hear(&frame) {
+                self.wire.send(PC, until_ns, &answer);
+            }
+        }
+        for (port, inputs) in self.inputs.iter_mut().enumerate() {
+            inputs.frames.extend(self.wire.receive(port, until_ns));
+        }
+    }
+
+    /// One period of boards and devices.
+    pub fn step(&mut self) {
+        self.run_to(self.now_ns + PERIOD_NS);
+        let time_s = self.ticks as f64 * self.period_s;
+        let armed = self.devices.iter().flatten().all(|device| device.started)
+            || self.stopped.iter().zip(&self.devices).all(|(s, d)| d.is_none() || s.bridges.on());
+        if !armed {
+            return;
+        }
+        let mut moved = false;
+        for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+            let Some(device) = device else { continue };
+            device.started = true;
+            moved = true;
+            let actuators: Actuators<f32> = Actuators {
+                duties: duties(&stopped.bridges),
+                enable: stopped.bridges.on(),
+                ..Actuators::default()
+            };
+            device.plant.step(time_s, &actuators);
+            inputs.counts = Some(device.turn());
+        }
+        self.ticks += u64::from(moved);
+    }
+
+    /// So many periods.
+    pub fn run_for_ms(&mut self, periods: u64) {
+        (0..periods).for_each(|_| self.step());
+    }
+
+    /// Says a line to a board (1 or 2) and gives its answer.
+    ///
+    /// # Panics
+    /// It does not answer within 100 ms.
+    pub fn ask(&mut self, number: usize, line: &str) -> String {
+        let before = self.pc.answers[number - 1].len();
+        self.wire.send(PC, self.now_ns, &Pc::say(number, line));
+        self.collect(number - 1);
+        for _ in 0..100 {
+            self.step();
+            if let Some(answer) = self.pc.answers[number - 1].get(before) {
+                return answer.clone();
+            }
+        }
+        panic!("board {number} does not answer {line:?}");
+    }
+
+    /// What the PC sent goes in at the stop it was sent at.
+    fn collect(&mut self, _: usize) {
+        for (port, inputs) in self.inputs.iter_mut().enumerate() {
+            inputs.frames.extend(self.wire.receive(port, self.now_ns));
+        }
+    }
+
+    /// Brings every board to the scene and puts a device on it; disarmed still.
+    ///
+    /// # Panics
+    /// A board refuses a setting.
+    pub fn set_up(&mut self, scene: &SceneFile) {
+        self.period_s = scene.peer.timing.control_period_s;
+        self.devices = (0..self.nodes.len())
+            .map(|index| Some(Device { plant: Plant::new(scene, index), started: false, counts: [0; AXES] }))
+            .collect();
+        for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
+            inputs.counts = Some(device.turn());
+        }
+        for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
+            for line in lines(settings) {
+                let answer = self.ask(index + 1, &line);
+                assert!(answer.starts_with("ok"), "board {}: {line}: {answer}", index + 1);
+            }
+        }
+        // The scene is taken at the next packet boundary.
+        self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+    }
+
+    /// Asks every board for every tick, and arms them all within one packet period.
+    ///
+    /// # Panics
+    /// A board does not arm.
+    pub fn arm(&mut self) {
+        for number in 1..=self.nodes.len() {
+            assert!(self.ask(number, "stream 1").starts_with("ok"));
+        }
+        let before: Vec<usize> = self.pc.answers.iter().map(Vec::len).collect();
+        for number in 1..=self.nodes.len() {
+            self.wire.send(PC, self.now_ns, &Pc::say(number, "arm"));
+        }
+        self.collect(0);
+        self.run_for_ms(24);
+        for (index, before) in before.into_iter().enumerate().take(self.nodes.len()) {
+            let answer = self.pc.answers[index].get(before).map(String::as_str);
+            assert_eq!(answer, Some("ok armed"), "board {}", index + 1);
+        }
+        assert!(self.ticks > 0, "the boards armed in different packet periods");
+    }
+
+    /// The ticks of a board (1 or 2) from the one that armed it.
+    pub fn armed_ticks(&self, number: usize) -> &[Record] {
+        let records = &self.pc.records[number - 1];
+        let first = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
+        &records[first..]
+    }
+
+    /// Ends the run.
+    pub fn finish(self) -> Vec<Report> {
+        self.nodes.into_iter().map(Node::finish).collect()
+    }
+}
+
+/// The duties that give what the bridges are told, to half a step.
+pub fn duties(bridges: &Bridges) -> [Duty; AXES] {
+    bridges.compare.map(|compare| {
+        let steps = i32::from(compare) - i32::from(bridges.period / 2);
+        let full = f64::from(Duty::FULL_SCALE);
+        let duty = (f64::from(steps) * full / f64::from(PWM_STEPS)).round();
+        if bridges.on() { Duty(duty as i16) } else { Duty::OFF }
+    })
+}
