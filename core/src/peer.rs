@@ -185,10 +185,13 @@ impl<M: Models> StateVector<M::Scalar> for State<M> {
 
 /// What [`exchange`] would send now. Only a network without delay needs to ask beforehand.
 pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scalar> {
-    match state.mode {
-        Mode::Armed => scene.law.send(&state.law, state.object),
+    let packet =
+        Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
+    if state.mode == Mode::Armed && packet.is_finite() {
+        packet
+    } else {
         // At rest where it stands: a wave line ends in its own impedance and takes everything in.
-        _ => Packet { motion: Motion::at(state.object.position), ..Packet::default() },
+        Packet { motion: Motion::at(state.object.position), ..Packet::default() }
     }
 }
 
@@ -247,7 +250,7 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     state.object = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
-    if !(state.object.is_finite() && coupled.force.is_finite()) {
+    if !(state.object.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
         state.trip(Fault::Diverged);
         return Actuators::default();
     }

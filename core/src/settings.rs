@@ -8,9 +8,10 @@ use core::fmt;
 
 use crate::axis::kinematics::{KinematicsName, Maths};
 use crate::axis::velocity::VelocityName;
-use crate::couple::LawName;
+use crate::couple::{AnyLaw, LawName};
 use crate::couple::wave::Decode;
-use crate::object::IntegratorName;
+use crate::list::Model;
+use crate::object::{AnyIntegrator, IntegratorName};
 use crate::render::Side;
 
 /// A setting that is one of a fixed list of names.
@@ -74,6 +75,8 @@ pub enum Allowed {
     Names(&'static [&'static str]),
     /// Text of any kind, such as a file name.
     Text,
+    /// What the other keys leave, in words.
+    Only(&'static str),
 }
 
 impl fmt::Display for Allowed {
@@ -83,6 +86,7 @@ impl fmt::Display for Allowed {
             Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
             Self::Flag => write!(f, "true or false"),
             Self::Text => write!(f, "text"),
+            Self::Only(words) => write!(f, "{words}"),
             Self::Names(names) => {
                 write!(f, "one of")?;
                 for (at, name) in names.iter().enumerate() {
@@ -337,6 +341,10 @@ settings! {
         wave_impedance_n_s_per_m: f64 = 10.0, number(1e-3, 1e4), "N·s/m";
         #[doc = "Cutoff of the anti-aliasing filter, Ω_c/2π."]
         cutoff_hz: f64 = 60.0, number(0.01, 1e5), "Hz";
+        #[doc = "Never emit more wave energy than the other peer is known to have absorbed: passive on any network."]
+        ledger: bool = false, Allowed::Flag, "";
+        #[doc = "Make good what losses took from the wave integral, paid from the ledger; with comm \"passive-mean\"."]
+        drift_correction: bool = false, Allowed::Flag, "";
     }
 
     /// How positions and velocities are sensed.
@@ -414,6 +422,8 @@ impl Settings {
     /// Every value within its range, and every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;
-        crate::axis::check(self)
+        crate::axis::check(self)?;
+        AnyIntegrator::<f64>::check(self)?;
+        AnyLaw::<f64>::check(self)
     }
 }

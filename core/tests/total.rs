@@ -61,7 +61,7 @@ fn settings(draws: &[f64]) -> Settings {
             Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
             Allowed::Flag => Value::Flag(draw > 0.5),
             Allowed::Names(names) => Value::Text(names[((draw * names.len() as f64) as usize).min(names.len() - 1)]),
-            Allowed::Text => continue,
+            Allowed::Text | Allowed::Only(_) => continue,
         };
         settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
     }
@@ -75,7 +75,8 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
     for now in course {
         let [a, b, c, d, e, f, g] = now.numbers.map(S::from_f64);
         if state.packet_due() {
-            let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g };
+            let [.., energy_j, wave_integral] = now.numbers;
+            let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g, energy_j, wave_integral };
             let sent = peer::exchange(&scene, &mut state, now.packet.then_some(packet));
             prop_assert!(sent.is_finite(), "sent {sent:?}");
         }

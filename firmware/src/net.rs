@@ -160,10 +160,17 @@ fn flow_of(out: &Outgoing) -> Flow {
         position: packet.motion.position,
         velocity: packet.motion.velocity,
         wave: packet.wave,
+        wave_integral: packet.wave_integral,
+        energy_sent: packet.energy_j,
         ..Flow::default()
     }
 }
 
 fn packet_of(flow: &Flow) -> Packet<f32> {
-    Packet { motion: Motion { position: flow.position, velocity: flow.velocity }, wave: flow.wave }
+    Packet {
+        motion: Motion { position: flow.position, velocity: flow.velocity },
+        wave: flow.wave,
+        energy_j: flow.energy_sent,
+        wave_integral: flow.wave_integral,
+    }
 }

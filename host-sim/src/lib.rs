@@ -10,10 +10,12 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
+//! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
+pub mod accuracy;
 pub mod analysis;
 pub mod cli;
 pub mod experiment;

@@ -291,6 +291,8 @@ impl SceneFile {
         let mut linear = self.clone();
         linear.peer.contact.one_sided = false;
         linear.peer.contact.gap_m = 0.0;
+        linear.peer.coordination.ledger = false;
+        linear.peer.coordination.drift_correction = false;
         linear.peer.axis.count = 1;
         linear.peer.kinematics.model = KinematicsName::Direct;
         linear.world.plant = PlantSettings::default();
@@ -305,11 +307,12 @@ impl SceneFile {
         linear
     }
 
-    /// Whether the run itself is linear: permanent contact, no imperfections, no window that adapts.
+    /// Whether the run itself is linear: permanent contact, no imperfections, no window that adapts, no ledger that cuts.
     pub fn is_linear(&self) -> bool {
         let (contact, plant) = (&self.peer.contact, &self.world.plant);
         !contact.one_sided
             && contact.gap_m == 0.0
+            && !self.peer.coordination.ledger
             && *plant == PlantSettings::default()
             && self.peer.axis.velocity != VelocityName::Adaptive
     }

@@ -1,10 +1,11 @@
 //! No coordination: the scene has one peer, or two that do not feel each other. Also the least a law can be.
 
+use super::credit;
 use super::{Coupled, Law, Packet};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// The law that does nothing.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,10 @@ pub struct Free;
 
 impl<S: Scalar> Model<S> for Free {
     type State = ();
+
+    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+        credit::refuse(settings)
+    }
     fn build(_: &Settings) -> Self {
         Self
     }

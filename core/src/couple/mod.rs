@@ -7,6 +7,7 @@
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
 
+pub mod credit;
 pub mod filter;
 pub mod free;
 pub mod ledger;
@@ -26,9 +27,13 @@ pub struct Packet<S> {
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain).
     pub wave: S,
+    /// Wave energy that the sender absorbed since it was armed, up to its last tick, J. Filled in by the peer.
+    pub energy_j: f64,
+    /// Integral of the sender's outgoing wave over the same time, √W·s.
+    pub wave_integral: f64,
 }
 
-/// Every number that a peer may send, in the order of declaration.
+/// The signals that a peer may send, in the order of declaration; the counters beside them are no state of a linear line.
 impl<S> StateVector<S> for Packet<S> {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.motion.visit(each);
@@ -40,7 +45,10 @@ impl<S: Scalar> Packet<S> {
     /// Every field finite.
     #[inline]
     pub fn is_finite(self) -> bool {
-        self.motion.is_finite() && self.wave.is_finite()
+        self.motion.is_finite()
+            && self.wave.is_finite()
+            && self.energy_j.is_finite()
+            && self.wave_integral.is_finite()
     }
 }
 
@@ -75,6 +83,7 @@ list! {
         "power" => Power(power::Power<S>),
         "wave" => Wave(wave::Wave<S>),
         "passive-wave" => PassiveWave(wave::PassiveWave<S>),
+        "passive-mean" => PassiveMean(wave::PassiveMean<S>),
         "none" => Free(free::Free),
     }
     fn start(&self, [&mut] state; local: Motion<S>);

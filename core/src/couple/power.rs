@@ -3,11 +3,12 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
+use super::credit;
 use super::{Coupled, Law, Packet, Spring};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// Virtual coupling to the last received motion.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,10 @@ pub struct Power<S> {
 impl<S: Scalar> Model<S> for Power<S> {
     /// The remote copy's motion as last received: x_d, ẋ_d.
     type State = Motion<S>;
+
+    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+        credit::refuse(settings)
+    }
 
     fn build(settings: &Settings) -> Self {
         Self { spring: Spring::build(settings) }

@@ -4,19 +4,21 @@
 //! delay, the line stores energy and makes none (cooperation paper §2; symmetric form, THEORY §2).
 //!
 //! [`Line`] is the one implementation; what it does before the rate drop is its parameter: [`Wave`] sends the newest
-//! sample, [`PassiveWave`] sends it through the paper's one-pole filter.
+//! sample, [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. What comes in may
+//! have to be paid for ([`super::credit`]), which makes the line passive on any network.
 //!
 //! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
 //! x_d): no limit on K_T was found. Square roots are taken once, in `build()`.
 
-use super::filter::{Decimator, Level, Newest, OnePole};
-use super::{Coupled, Law, Packet, Spring};
+use super::credit::{Account, Credit};
+use super::filter::{Decimator, Mean, Newest, OnePole};
+use super::{Coupled, Law, LawName, Packet, Spring};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::settings::{Choice, Settings};
-use crate::sum::Carry;
+use crate::settings::{Allowed, Choice, Refused, Settings, Value};
+use crate::sum::{Carry, Sum};
 use crate::vector::StateVector;
 
 /// How the algebraic loop of the wave decode is opened.
@@ -39,12 +41,16 @@ pub type Wave<S> = Line<S, Newest>;
 /// Passive multirate wave communications: the filtered wave is sent.
 pub type PassiveWave<S> = Line<S, OnePole<S>>;
 
+/// Exactly passive multirate wave communications: the mean of a packet's waves is sent.
+pub type PassiveMean<S> = Line<S, Mean<S>>;
+
 /// One end of a wave line.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<S, D> {
     spring: Spring<S>,
     decimator: D,
     decode: Decode,
+    credit: Option<Credit<S>>,
     period: S,
     /// √(2b)/b, to decode with the force of the tick before.
     root_over_impedance: S,
@@ -63,20 +69,24 @@ pub struct Line<S, D> {
 
 /// State of one end of a wave line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LineState<S> {
+pub struct LineState<S, D> {
     /// x_d, ẋ_d.
     desired: Motion<S>,
     /// F_T of the last tick, N.
     force: S,
     /// u_in as last received, √W, held between packets.
     wave_in: S,
-    /// What would be sent now, √W.
-    outgoing: Level<S>,
+    /// The filter before the rate drop.
+    outgoing: D,
+    /// What u_in is paid from.
+    account: Account<S>,
+    /// ∫u_out dt, √W·s.
+    integral: Sum<S>,
     /// What x_d could not hold: rounding, no state.
     carry: Carry<S>,
 }
 
-impl<S> StateVector<S> for LineState<S> {
+impl<S, D: StateVector<S>> StateVector<S> for LineState<S, D> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.desired.visit(each);
@@ -87,7 +97,22 @@ impl<S> StateVector<S> for LineState<S> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
-    type State = LineState<S>;
+    type State = LineState<S, D::State>;
+
+    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+        let coordination = &settings.coordination;
+        let exact = coordination.ledger && coordination.comm == LawName::PassiveMean;
+        if coordination.drift_correction && !exact {
+            // Only the mean carries its integral exactly, and only the ledger pays for what is added.
+            return Err(Refused {
+                key: "coordination.drift_correction",
+                value: Value::Flag(true),
+                allowed: Allowed::Only("false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true"),
+                unit: "",
+            });
+        }
+        Ok(())
+    }
 
     fn build(settings: &Settings) -> Self {
         let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
@@ -98,6 +123,7 @@ impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
             spring: Spring::build(settings),
             decimator: D::build(settings),
             decode: coordination.decode,
+            credit: Credit::build(settings),
             period: S::from_f64(period),
             root_over_impedance: S::from_f64(root / impedance),
             inverse_impedance: S::from_f64(1.0 / impedance),
@@ -112,16 +138,16 @@ impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
 
 impl<S: Scalar, D: Decimator<S>> Line<S, D> {
     #[inline]
-    fn decode(&self, state: &mut LineState<S>, local: Motion<S>) -> Motion<S> {
+    fn decode(&self, state: &mut LineState<S, D::State>, wave_in: S, local: Motion<S>) -> Motion<S> {
         let before = state.desired;
         match self.decode {
             Decode::Delayed => Motion {
                 position: state.carry.add(before.position, self.period * before.velocity),
-                velocity: self.root_over_impedance * state.wave_in - self.inverse_impedance * state.force,
+                velocity: self.root_over_impedance * wave_in - self.inverse_impedance * state.force,
             },
             Decode::Implicit => {
                 let stretch = before.position - local.position;
-                let velocity = (self.root * state.wave_in - self.spring.stiffness * stretch
+                let velocity = (self.root * wave_in - self.spring.stiffness * stretch
                     + self.spring.damping * local.velocity)
                     * self.inverse_loop;
                 Motion { position: state.carry.add(before.position, self.period * velocity), velocity }
@@ -131,29 +157,43 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
-    fn start(&self, state: &mut LineState<S>, local: Motion<S>) {
+    fn start(&self, state: &mut LineState<S, D::State>, local: Motion<S>) {
         *state = LineState { desired: Motion::at(local.position), ..LineState::default() };
     }
 
-    fn receive(&self, state: &mut LineState<S>, packet: Packet<S>) {
+    fn receive(&self, state: &mut LineState<S, D::State>, packet: Packet<S>) {
         state.wave_in = packet.wave;
+        if let Some(credit) = &self.credit {
+            credit.receive(&mut state.account, &packet);
+        }
     }
 
     #[inline]
-    fn couple(&self, state: &mut LineState<S>, local: Motion<S>) -> Coupled<S> {
-        state.desired = self.decode(state, local);
+    fn couple(&self, state: &mut LineState<S, D::State>, local: Motion<S>) -> Coupled<S> {
+        let wave_in = match &self.credit {
+            Some(credit) => credit.spend(&mut state.account, state.wave_in),
+            None => state.wave_in,
+        };
+        state.desired = self.decode(state, wave_in, local);
         state.force = self.spring.force(state.desired, local);
         let wave_out = self.velocity_to_wave * state.desired.velocity - self.force_to_wave * state.force;
         self.decimator.push(&mut state.outgoing, wave_out);
+        if self.credit.is_some() {
+            state.integral.add(self.period * wave_out);
+        }
         Coupled {
             desired: state.desired,
             force: state.force,
-            power_in: self.half * state.wave_in * state.wave_in,
+            power_in: self.half * wave_in * wave_in,
             power_out: self.half * wave_out * wave_out,
         }
     }
 
-    fn send(&self, state: &LineState<S>, _: Motion<S>) -> Packet<S> {
-        Packet { wave: state.outgoing.0, ..Packet::default() }
+    fn send(&self, state: &LineState<S, D::State>, _: Motion<S>) -> Packet<S> {
+        Packet {
+            wave: self.decimator.level(&state.outgoing),
+            wave_integral: state.integral.total().to_f64(),
+            ..Packet::default()
+        }
     }
 }

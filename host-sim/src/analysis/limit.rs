@@ -67,19 +67,35 @@ type Point = (f64, f64);
 /// # Errors
 /// A value that the scene refuses; eigenvalues that do not converge.
 pub fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
-    let radius = |analyser: &mut Analyser, value: f64| Ok((value, sweep.verdict(analyser, value)?.spectral_radius));
-    let points = sweep.points(effort.steps);
+    let radius = |analyser: &mut Analyser, value: f64| Ok(sweep.verdict(analyser, value)?.spectral_radius);
+    crossings(&sweep.points(effort.steps), sweep.is_whole(), effort.tolerance, Analyser::default, radius)
+}
+
+/// Finds all crossings of any spectral radius, given as a function of one number: scanned at `points` (ascending), found to
+/// `tolerance` (relative). `memory` makes what the function may keep from one call to the next; `whole` where only whole
+/// numbers may be asked for.
+///
+/// # Errors
+/// Those of the function.
+pub fn crossings<A>(
+    points: &[f64],
+    whole: bool,
+    tolerance: f64,
+    memory: impl Fn() -> A + Send + Sync,
+    radius: impl Fn(&mut A, f64) -> Result<f64, AnalysisError> + Send + Sync,
+) -> Result<Limit, AnalysisError> {
+    let radius = |memory: &mut A, value: f64| Ok((value, radius(memory, value)?));
     let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     let scanned: Vec<Point> = points
         .par_iter()
-        .map_init(Analyser::default, |analyser, value| radius(analyser, *value))
+        .map_init(&memory, |memory, value| radius(memory, *value))
         .collect::<Result<_, AnalysisError>>()?;
     let mut evaluations = scanned.len();
 
     let extremes: Vec<Vec<Point>> = scanned
         .par_windows(3)
-        .filter(|three| !sweep.is_whole() && is_bulge(three))
-        .map_init(Analyser::default, |analyser, three| climb(three, |value| radius(analyser, value)))
+        .filter(|three| !whole && is_bulge(three))
+        .map_init(&memory, |memory, three| climb(three, |value| radius(memory, value)))
         .collect::<Result<_, AnalysisError>>()?;
     evaluations += extremes.iter().map(Vec::len).sum::<usize>();
     let mut all: Vec<Point> = scanned.into_iter().chain(extremes.into_iter().flatten()).collect();
@@ -88,8 +104,8 @@ pub fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
     let found: Vec<(f64, usize)> = all
         .par_windows(2)
         .filter(|pair| stable(pair[0]) != stable(pair[1]))
-        .map_init(Analyser::default, |analyser, pair| {
-            close_in(pair[0], pair[1], sweep.is_whole(), effort.tolerance, |value| radius(analyser, value))
+        .map_init(&memory, |memory, pair| {
+            close_in(pair[0], pair[1], whole, tolerance, |value| radius(memory, value))
         })
         .collect::<Result<_, AnalysisError>>()?;
     evaluations += found.iter().map(|(_, spent)| spent).sum::<usize>();

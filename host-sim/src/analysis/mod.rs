@@ -9,6 +9,8 @@
 //! | [`figure4`] | the cooperation paper's Figure 4 |
 //! | [`outline`], [`picture`] | regions as pictures |
 //! | [`mod@advice`] | what to change in a scene that is unstable |
+//! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
+//! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
 //! | [`sweep`] | one key, its range and the scenes along it |
 //! | [`speed`] | how fast? |
 //! | [`spectrum`] | the largest eigenvalue of a matrix |
@@ -26,9 +28,11 @@ pub mod map;
 pub mod matrix;
 pub mod outline;
 pub mod picture;
+pub mod rendering;
 pub mod spectrum;
 pub mod speed;
 pub mod sweep;
+pub mod tune;
 pub mod verdict;
 
 pub use advice::advice;
@@ -65,7 +69,29 @@ pub enum AnalysisError {
         /// Last value.
         to: f64,
     },
+    /// A number outside what an analysis can take.
+    #[error("{key} = {value} is not allowed: it must be a number from {min} to {max} {unit}")]
+    OutOfRange {
+        /// What it is called.
+        key: String,
+        /// What was offered.
+        value: f64,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
     /// The eigenvalue iteration gave up.
     #[error("the eigenvalues of this scene's lifted matrix did not converge")]
     NoConvergence,
+}
+
+impl AnalysisError {
+    /// Refuses a number that does not lie within `[min, max]`.
+    fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &'static str) -> Result<(), Self> {
+        let inside = value >= min && value <= max;
+        if inside { Ok(()) } else { Err(Self::OutOfRange { key: key.to_owned(), value, min, max, unit }) }
+    }
 }

@@ -4,11 +4,14 @@
 //! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
 //! change.
 
+mod accuracy;
 mod cooperate;
 mod keys;
 mod paper;
 mod precision;
+mod rendering;
 mod stability;
+mod tune;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,6 +44,8 @@ enum Command {
     Stability(stability::Stability),
     /// How far f32 and fixed point stray from f64, scene by scene.
     Precision(precision::Precision),
+    /// Speed against error: every numerical choice, and what each model adds to a tick.
+    Accuracy(accuracy::Accuracy),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -93,6 +98,7 @@ pub fn main() -> ExitCode {
         Command::Paper(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),
+        Command::Accuracy(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

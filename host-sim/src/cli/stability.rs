@@ -35,6 +35,10 @@ enum Question {
     Map(Map),
     /// Figure 4 of the cooperation paper: three ways to communicate, four delays.
     Paper(Paper),
+    /// Figure 4 of the architectures paper: one device, one object, largest stiffness against delay and sampling period.
+    Rendering(super::rendering::Rendering),
+    /// The stiffest contact and coordination that leave a margin, for this device, network and loop.
+    Tune(super::tune::Tune),
     /// Spectral radii per second.
     Bench(Bench),
 }
@@ -50,6 +54,8 @@ impl Stability {
             Question::Limit(limit) => limit.run(),
             Question::Map(map) => map.run(),
             Question::Paper(paper) => paper.run(),
+            Question::Rendering(rendering) => rendering.run(),
+            Question::Tune(tune) => tune.run(),
             Question::Bench(bench) => bench.run(),
         }
     }
@@ -319,7 +325,7 @@ impl Bench {
 }
 
 /// Where files go: the folder asked for, or a usual one when the result is for a person.
-fn folder(out: Option<&Path>, json: bool, usual: &str) -> Option<PathBuf> {
+pub(super) fn folder(out: Option<&Path>, json: bool, usual: &str) -> Option<PathBuf> {
     match (out, json) {
         (None, true) => None,
         (out, _) => Some(out.map_or_else(|| PathBuf::from(usual), Path::to_path_buf)),
@@ -327,7 +333,7 @@ fn folder(out: Option<&Path>, json: bool, usual: &str) -> Option<PathBuf> {
 }
 
 /// Writes the table beside the picture and names all files.
-fn write(
+pub(super) fn write(
     base: &Path,
     table: &Table,
     draw: impl FnOnce() -> Result<Vec<PathBuf>, ReportError>,
@@ -339,7 +345,7 @@ fn write(
     Ok(written)
 }
 
-fn tell(files: &[PathBuf]) {
+pub(super) fn tell(files: &[PathBuf]) {
     for file in files {
         println!("wrote {}", file.display());
     }

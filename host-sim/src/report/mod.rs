@@ -14,6 +14,8 @@
 mod error;
 pub mod files;
 pub mod plot;
+#[cfg(test)]
+mod scratch;
 pub mod table;
 pub mod text;
 

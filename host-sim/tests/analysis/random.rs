@@ -8,11 +8,11 @@ use haptic_core::settings::Choice;
 use host_sim::scene::SceneFile;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
-pub struct Dice(u64);
+pub(crate) struct Dice(u64);
 
 impl Dice {
     /// Dice number `seed`.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
 
@@ -25,17 +25,17 @@ impl Dice {
     }
 
     /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// Equal chances by ratio.
-    pub fn spread(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn spread(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
     }
 
     /// One of these.
-    pub fn one<T: Copy>(&mut self, of: &[T]) -> T {
+    pub(crate) fn one<T: Copy>(&mut self, of: &[T]) -> T {
         of[(self.bits() % of.len() as u64) as usize]
     }
 
@@ -55,7 +55,7 @@ impl Dice {
 }
 
 /// A random linear scene: any law, decode, integrator, delay, one to sixteen ticks per packet, with and without arms.
-pub fn scene(seed: u64) -> SceneFile {
+pub(crate) fn scene(seed: u64) -> SceneFile {
     let mut dice = Dice::new(seed);
     let mut scene = SceneFile::default();
     let peer = &mut scene.peer;

@@ -82,5 +82,6 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
 
 fn incoming(record: &Record) -> Packet<f32> {
     let [position, velocity, wave] = [record.0[4], record.0[5], record.0[6]].map(f32::from_bits);
-    Packet { motion: Motion { position, velocity }, wave }
+    // The counters matter to a ledger only, and the record does not carry them.
+    Packet { motion: Motion { position, velocity }, wave, ..Packet::default() }
 }

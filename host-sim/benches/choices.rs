@@ -1,0 +1,268 @@
+//! Instructions of every numerical choice, exactly: each is replayed under valgrind's callgrind, which counts nothing but
+//! the call.
+//!
+//! `cargo bench --package host-sim --bench choices` prints the table that `src/accuracy/instructions.txt` holds;
+//! `-- --check` compares with it (each count within 2 %, as `cargo xtask bench-check` does for the ticks of core) and
+//! `-- --bless` rewrites it. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
+//! after each case [`case_done`] makes callgrind write what it counted. The same binary gives the same counts on every run.
+//!
+//! Counted: `measured_call` with everything it calls, so loading parameters, storing state and the call itself are in it;
+//! `cases::measured_tick` of core's benches for whole ticks. Mean over the calls of a case. What is called and on which
+//! data, `host_sim::accuracy` says: the cases are the ones whose errors it measures.
+
+#[path = "../../core/benches/cases/mod.rs"]
+#[allow(dead_code, reason = "shared with core's bench, which uses the rest")]
+mod cases;
+
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths};
+use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
+use haptic_core::couple::wave::Decode;
+use haptic_core::couple::{AnyLaw, Law};
+use haptic_core::list::Model;
+use haptic_core::motion::Motion;
+use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
+use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::scene::Any;
+use haptic_core::settings::{Choice, Settings};
+use host_sim::accuracy::counts::{ARCHITECTURE, REVIEWED, SCALARS, parse};
+use host_sim::accuracy::filters::{Bilinear, Exact, Filter, ForwardEuler};
+use host_sim::accuracy::integrators::{self, Test};
+use host_sim::accuracy::{cost, decodes, estimators, mechanisms};
+
+/// Where the reviewed counts are.
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/accuracy/instructions.txt");
+/// Largest accepted change, either way, as a fraction.
+const TOLERANCE: f64 = 0.02;
+
+/// What callgrind counts: `body`, in a function that it can find by its name.
+#[inline(never)]
+fn measured_call<I, O>(body: &mut impl FnMut(I) -> O, input: I) -> O {
+    body(input)
+}
+
+/// Where callgrind writes what it counted since the last time.
+#[inline(never)]
+fn case_done(case: &str) {
+    black_box(case);
+}
+
+/// Something whose instructions are counted.
+struct Case {
+    name: String,
+    calls: usize,
+    replay: Box<dyn Fn()>,
+}
+
+/// A case that calls a body, made anew by `prepare`, once for every input.
+fn case<I: Copy + 'static, O, B: FnMut(I) -> O>(
+    name: String,
+    inputs: Vec<I>,
+    prepare: impl Fn() -> B + 'static,
+) -> Case {
+    let calls = inputs.len();
+    let replay = move || {
+        let mut body = prepare();
+        for input in &inputs {
+            black_box(measured_call(&mut body, *input));
+        }
+    };
+    Case { name, calls, replay: Box::new(replay) }
+}
+
+/// Every case in one number type, in the order of the table.
+fn cases_in<S: Scalar>() -> Vec<Case> {
+    let ticks = cost::SCENES.iter().map(|scene| Case {
+        name: format!("tick/{}", scene.name),
+        calls: cases::TICKS,
+        replay: Box::new(|| {
+            black_box(cases::Recording::<Any<S>>::new(&scene.settings()).replay());
+        }),
+    });
+    let filters = [filter::<S, Exact<S>>(), filter::<S, ForwardEuler<S>>(), filter::<S, Bilinear<S>>()];
+    ticks
+        .chain(IntegratorName::ALL.iter().map(|&name| integrator::<S>(name)))
+        .chain(Decode::ALL.iter().map(|&decode| self::decode::<S>(decode)))
+        .chain(filters)
+        .chain(mechanisms::CHOICES.iter().map(|&(model, maths)| mechanism::<S>(model, maths)))
+        .chain(estimators::RESOLUTIONS.iter().flat_map(|&counts_per_m| {
+            VelocityName::ALL.iter().map(move |&name| estimator::<S>(name, counts_per_m))
+        }))
+        .collect()
+}
+
+fn integrator<S: Scalar>(name: IntegratorName) -> Case {
+    let settings = integrators::settings(Test::Contact, name, 1e-3);
+    let stiffness = S::from_f64(-settings.contact.stiffness_n_per_m);
+    let motions = integrators::run::<S>(Test::Contact, &settings);
+    let inputs = motions.into_iter().map(|motion| (motion, stiffness * motion.position)).collect();
+    case(format!("integrator/{}", name.name()), inputs, move || {
+        let integrator = black_box(AnyIntegrator::<S>::build(&settings));
+        let mut state = black_box(integrator.initial());
+        move |(motion, force)| integrator.step(&mut state, motion, force)
+    })
+}
+
+fn decode<S: Scalar>(decode: Decode) -> Case {
+    let settings = decodes::settings(decode, Settings::default().coordination.stiffness_n_per_m);
+    let inputs = (0..decodes::TICKS).map(|tick| decodes::input::<S>(&settings, tick).0).collect();
+    case(format!("decode/{}", decode.name()), inputs, move || {
+        let law = black_box(AnyLaw::<S>::build(&settings));
+        let mut state = black_box(law.initial());
+        move |local| law.couple(&mut state, local)
+    })
+}
+
+fn filter<S: Scalar, F: Filter<S>>() -> Case {
+    let inputs = (0..1000).map(|tick| S::from_f64(0.01 * f64::from(tick % 100))).collect();
+    case(format!("filter/{}", F::NAME), inputs, || {
+        let mut filter = black_box(F::build(&Settings::default()));
+        move |wave| filter.push(wave)
+    })
+}
+
+fn mechanism<S: Scalar>(model: KinematicsName, maths: Maths) -> Case {
+    let settings = mechanisms::settings(model, maths);
+    let joint = |at: f64| Motion { position: S::from_f64(at), velocity: S::from_f64(at) };
+    let inputs = mechanisms::joints(model).into_iter().map(|joints| joints.map(joint)).collect();
+    case(mechanisms::case(model, maths), inputs, move || {
+        let kinematics = black_box(AnyKinematics::<S>::build(&settings));
+        move |joints| kinematics.forward(joints)
+    })
+}
+
+fn estimator<S: Scalar>(name: VelocityName, counts_per_m: f64) -> Case {
+    let settings = estimators::settings(name, counts_per_m);
+    let inputs = estimators::readings::<S>(&settings).into_iter().map(|(reading, _)| reading).collect();
+    case(estimators::case(name, counts_per_m), inputs, move || {
+        let estimator = black_box(AnyVelocity::<S>::build(&settings));
+        let mut state = black_box(estimator.initial());
+        move |reading| estimator.step(&mut state, reading)
+    })
+}
+
+/// The cases of the number type called `scalar`.
+fn cases_of(scalar: &str) -> Vec<Case> {
+    match scalar {
+        "f32" => cases_in::<f32>(),
+        "f64" => cases_in::<f64>(),
+        _ => cases_in::<Fixed>(),
+    }
+}
+
+/// Instructions per call of every case in one number type, counted in a process of its own.
+fn count(scalar: &str) -> Result<Vec<(String, u64)>, String> {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("choices-{}", std::process::id()));
+    let failed = |what: &str, cause: &dyn std::fmt::Display| format!("{what} {}: {cause}", folder.display());
+    std::fs::create_dir_all(&folder).map_err(|cause| failed("cannot make", &cause))?;
+    let program = std::env::current_exe().map_err(|cause| failed("cannot find this program for", &cause))?;
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--toggle-collect=*::measured_*", "--dump-after=*::case_done*"])
+        .arg(format!("--callgrind-out-file={}", folder.join("part").display()))
+        .arg(program)
+        .args(["--replay", scalar])
+        .output()
+        .map_err(|cause| format!("cannot run valgrind: {cause}; install it, for example with apt-get"))?;
+    if !output.status.success() {
+        return Err(format!("the replay of {scalar} failed:\n{}", String::from_utf8_lossy(&output.stderr)));
+    }
+    let counts = cases_of(scalar).into_iter().enumerate().map(|(at, case)| {
+        let total = total(&folder.join(format!("part.{}", at + 1)))?;
+        let calls = case.calls as u64;
+        Ok((case.name, (total + calls / 2) / calls))
+    });
+    let counts = counts.collect::<Result<Vec<_>, String>>()?;
+    std::fs::remove_dir_all(&folder).map_err(|cause| failed("cannot remove", &cause))?;
+    Ok(counts)
+}
+
+/// The total of one of callgrind's files.
+fn total(file: &Path) -> Result<u64, String> {
+    let text = std::fs::read_to_string(file).map_err(|cause| format!("cannot read {}: {cause}", file.display()))?;
+    let total = text.lines().find_map(|line| line.strip_prefix("totals: "));
+    match total.and_then(|total| total.trim().parse().ok()) {
+        Some(total) if total > 0 => Ok(total),
+        _ => Err(format!("{} has no count: was `measured_call` inlined?", file.display())),
+    }
+}
+
+/// The table as it is reviewed.
+fn table() -> Result<String, String> {
+    let mut rows: Vec<(String, Vec<u64>)> = Vec::new();
+    for scalar in SCALARS {
+        for (at, (name, count)) in count(scalar)?.into_iter().enumerate() {
+            match rows.get_mut(at) {
+                Some((_, counts)) => counts.push(count),
+                None => rows.push((name, vec![count])),
+            }
+        }
+    }
+    let mut text = format!(
+        "# Instructions per call, {ARCHITECTURE}, release build; tick/… per tick of a whole peer.\n\
+         # Counted by `cargo bench --package host-sim --bench choices`; `-- --check` compares, `-- --bless` rewrites.\n\
+         # {:<32} {:>7} {:>7} {:>7}\n",
+        "case", SCALARS[0], SCALARS[1], SCALARS[2]
+    );
+    for (name, counts) in rows {
+        text += &format!("{name:<34}");
+        counts.iter().for_each(|count| text += &format!(" {count:>7}"));
+        text += "\n";
+    }
+    Ok(text)
+}
+
+/// Every case in both tables, every count within the tolerance.
+fn compare(now: &str) -> Result<(), String> {
+    let (reviewed, now) = (parse(REVIEWED), parse(now));
+    let names: BTreeMap<_, _> = reviewed.iter().chain(&now).collect();
+    let mut differences = String::new();
+    for name in names.keys() {
+        match (reviewed.get(*name), now.get(*name)) {
+            (Some(before), Some(after)) => {
+                for ((scalar, before), after) in SCALARS.iter().zip(before).zip(after) {
+                    if (*after as f64 / *before as f64 - 1.0).abs() > TOLERANCE {
+                        differences += &format!("{name} in {scalar}: {after}, was {before}\n");
+                    }
+                }
+            }
+            _ => differences += &format!("{name} is in one of them only\n"),
+        }
+    }
+    if differences.is_empty() {
+        return Ok(());
+    }
+    Err(format!("the counts are not those of {FILE}:\n{differences}undo what changed them, or accept them with --bless"))
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        ["--replay", scalar] => {
+            for case in cases_of(scalar) {
+                (case.replay)();
+                case_done(&case.name);
+            }
+            Ok(())
+        }
+        [] => table().map(|text| print!("{text}")),
+        ["--check"] => table().and_then(|text| compare(&text)),
+        ["--bless"] => table().and_then(|text| {
+            std::fs::write(FILE, text).map_err(|cause| format!("cannot write {FILE}: {cause}"))?;
+            eprintln!("{FILE} rewritten: look at its difference");
+            Ok(())
+        }),
+        _ => Err(format!("there is no option {}: use --check or --bless", words.join(" "))),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The two decodes of the wave, each against the closed form of the line's end.
+//!
+//! The copy moves by x_o = 5 mm·sin(2π·2 Hz·t), whatever is decoded; u_in is a sine of the same frequency, 1 rad ahead,
+//! held for each packet of 8 ticks. Between packets (b + B_T)·ṡ + K_T·s = √(2b)·u_in − b·ẋ_o for s = x_d − x_o, of which
+//! the solution is an exponential of time constant (b + B_T)/K_T and a sine. The largest error of F_T comes at new packets,
+//! so the mean square is what is compared. Two stiffnesses of the paper; b and B_T of its §5; f32; unit N and m.
+//!
+//! Alone like this the delayed decode is stable up to K_T = (b + B_T)/T_c, 12 000 N/m here, and rings below it.
+
+use haptic_core::couple::wave::Decode;
+use haptic_core::couple::{AnyLaw, Law, Packet};
+use haptic_core::list::Model;
+use haptic_core::motion::Motion;
+use haptic_core::scalar::Scalar;
+use haptic_core::settings::{Choice, Settings};
+
+use super::counts::count;
+use super::{AccuracyError, Comparison, Family, rms};
+use crate::report::text::significant;
+
+/// Coordination stiffnesses, N/m: those the paper found for the two wave communications.
+const STIFFNESSES: [f64; 2] = [1590.0, 10_620.0];
+/// Motion of the copy, m and rad/s.
+const AMPLITUDE_M: f64 = 0.005;
+const ANGULAR_RAD_PER_S: f64 = std::f64::consts::TAU * 2.0;
+/// Height of the incoming wave, √W.
+const WAVE: f64 = 0.3;
+/// Ticks of the test: 4 s at the default period.
+pub const TICKS: usize = 4000;
+
+/// What the line is told.
+pub fn settings(decode: Decode, stiffness_n_per_m: f64) -> Settings {
+    let mut settings = Settings::default();
+    settings.coordination.decode = decode;
+    settings.coordination.stiffness_n_per_m = stiffness_n_per_m;
+    settings
+}
+
+/// The copy's motion at `time_s`.
+fn local(time_s: f64) -> Motion<f64> {
+    let (sine, cosine) = (ANGULAR_RAD_PER_S * time_s).sin_cos();
+    Motion { position: AMPLITUDE_M * sine, velocity: AMPLITUDE_M * ANGULAR_RAD_PER_S * cosine }
+}
+
+/// u_in of the packet that arrives at `time_s`, √W.
+fn wave(time_s: f64) -> f64 {
+    WAVE * (ANGULAR_RAD_PER_S * time_s + 1.0).sin()
+}
+
+/// What the law is given at a tick: the copy's motion and, when one is due, a packet.
+pub fn input<S: Scalar>(settings: &Settings, tick: usize) -> (Motion<S>, Option<Packet<S>>) {
+    let time_s = tick as f64 * settings.timing.control_period_s;
+    let local = local(time_s);
+    let packet = Packet { wave: S::from_f64(wave(time_s)), ..Packet::default() };
+    let due = tick % settings.timing.ticks_per_packet as usize == 0;
+    (Motion { position: S::from_f64(local.position), velocity: S::from_f64(local.velocity) }, due.then_some(packet))
+}
+
+/// s = x_d − x_o (m) and F_T (N) at every tick, in closed form.
+pub fn closed_form(settings: &Settings, ticks: usize) -> Vec<(f64, f64)> {
+    let line = &settings.coordination;
+    let (stiffness, damping, b) = (line.stiffness_n_per_m, line.damping_n_s_per_m, line.wave_impedance_n_s_per_m);
+    let (root, lag) = ((2.0 * b).sqrt(), (b + damping) / stiffness);
+    let turn = ANGULAR_RAD_PER_S * lag;
+    // Answer to −b·ẋ_o alone: a sine that lags.
+    let forced = |time_s: f64| {
+        let (sine, cosine) = (ANGULAR_RAD_PER_S * time_s).sin_cos();
+        -b * AMPLITUDE_M * ANGULAR_RAD_PER_S / stiffness * (cosine + turn * sine) / (1.0 + turn * turn)
+    };
+    let (mut stretch, mut held) = (0.0, 0.0);
+    let period_s = settings.timing.control_period_s;
+    let at = |tick: usize| {
+        let time_s = tick as f64 * period_s;
+        if tick % settings.timing.ticks_per_packet as usize == 0 {
+            held = wave(time_s);
+        }
+        let change = (root * held - stiffness * stretch - b * local(time_s).velocity) / (b + damping);
+        let now = (stretch, stiffness * stretch + damping * change);
+        let steady = root * held / stiffness;
+        stretch = steady
+            + forced(time_s + period_s)
+            + (stretch - steady - forced(time_s)) * (-period_s / lag).exp();
+        now
+    };
+    (0..ticks).map(at).collect()
+}
+
+/// RMS errors of x_d (m) and of F_T (N).
+pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
+    let law = AnyLaw::<S>::build(settings);
+    let mut state = law.initial();
+    law.start(&mut state, Motion::REST);
+    let reference = closed_form(settings, TICKS);
+    let differences: Vec<(f64, f64)> = reference
+        .iter()
+        .enumerate()
+        .map(|(tick, (stretch, force))| {
+            let (local, packet) = input::<S>(settings, tick);
+            if let Some(packet) = packet {
+                law.receive(&mut state, packet);
+            }
+            let coupled = law.couple(&mut state, local);
+            let position = coupled.desired.position.to_f64() - local.position.to_f64() - stretch;
+            (position, coupled.force.to_f64() - force)
+        })
+        .collect();
+    (rms(differences.iter().map(|error| error.0)), rms(differences.iter().map(|error| error.1)))
+}
+
+/// Measures.
+///
+/// # Errors
+/// A choice that was not counted.
+pub fn measure() -> Result<Family, AccuracyError> {
+    let mut comparisons = Vec::new();
+    for stiffness in STIFFNESSES {
+        let measured = Decode::ALL
+            .iter()
+            .map(|&decode| {
+                let count = count(&format!("decode/{}", decode.name()), "f32")?;
+                Ok((decode.name().to_owned(), errors::<f32>(&settings(decode, stiffness)), count))
+            })
+            .collect::<Result<Vec<_>, AccuracyError>>()?;
+        let title = format!("K_T {stiffness} N/m");
+        let pick = |pick: fn((f64, f64)) -> f64| {
+            measured.iter().map(|(name, errors, count)| (name.clone(), pick(*errors), *count)).collect()
+        };
+        comparisons.push(Comparison::new(&title, "RMS error of F_T", "N", pick(|errors| errors.1)));
+        comparisons.push(Comparison::new(&title, "RMS error of x_d", "m", pick(|errors| errors.0)));
+    }
+    let (soft, stiff) = (&comparisons[0], &comparisons[2]);
+    let insight = format!(
+        "At 1590 N/m the decodes err alike ({} and {} N), at 10620 N/m the delayed one by {} N, the implicit one by {} N, \
+         for {:+} instructions: the implicit decode keeps its error where stiffness grows.",
+        significant(soft.error_of("delayed"), 2),
+        significant(soft.error_of("implicit"), 2),
+        significant(stiff.error_of("delayed"), 2),
+        significant(stiff.error_of("implicit"), 2),
+        stiff.instructions_of("implicit") as i64 - stiff.instructions_of("delayed") as i64,
+    );
+    Ok(Family {
+        name: "decode",
+        title: "Decode of the incoming wave",
+        motion: "Copy moved 5 mm at 2 Hz, a sine of 0.3 √W arriving in packets of 8 ms, 4 s, f32".to_owned(),
+        reference: "closed form of (b + B_T)·ẋ_d = √(2b)·u_in − K_T·(x_d − x_o) + B_T·ẋ_o",
+        instructions_per: "call of couple(): decode, force, outgoing wave, filter",
+        comparisons,
+        insight,
+    })
+}

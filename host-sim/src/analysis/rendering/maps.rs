@@ -1,0 +1,161 @@
+//! Largest stable stiffness against communication delay, one curve for each place, and against the sampling period.
+//!
+//! Stiffness is scanned from 1/64 to 8 times its closed form ([`super::closed`]) in steps of 14 %, pockets are followed,
+//! and every crossing is closed in by bisection; the largest stable stiffness is the first crossing. Beyond that range
+//! nothing is looked at.
+//!
+//! While a delay is swept the sampling period is either given or, to show the delay alone, a fiftieth of the delay: what
+//! sampling adds is then 2 %, on every point alike.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::super::AnalysisError;
+use super::super::limit::{Limit, crossings};
+use super::closed::largest_stiffness;
+use super::{Place, Renderer, Rendering};
+use crate::report::ReportError;
+use crate::report::table::Table;
+
+/// Samples in a delay, where the sampling shall not matter.
+pub const SAMPLES_PER_DELAY: f64 = 50.0;
+
+/// Delays and periods of the maps, s: from the stiffness of a rigid object to the end of the paper's axes.
+pub const RANGE_S: [f64; 2] = [1e-3, 80e-3];
+
+/// Points of a curve.
+pub const POINTS: usize = 32;
+
+/// Stiffness to 0.1 %.
+const TOLERANCE: f64 = 1e-3;
+
+/// One point of a curve.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Delay or sampling period, s.
+    pub time_s: f64,
+    /// The first crossing, N/m; absent where every stiffness looked at is stable, 0 where none is.
+    pub largest_stiffness_n_per_m: Option<f64>,
+    /// The same in closed form.
+    pub closed_form_n_per_m: f64,
+    /// All crossings, N/m.
+    pub crossings: Vec<f64>,
+}
+
+/// What a curve is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sweep {
+    /// Delay at one place.
+    Delay(Place),
+    /// Sampling period, no delay.
+    Period,
+}
+
+/// One curve of a map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// What is swept.
+    pub sweep: Sweep,
+    /// The object is a wall.
+    pub wall: bool,
+    /// Ascending in time.
+    pub points: Vec<Point>,
+}
+
+/// Every crossing of the contact stiffness, N/m.
+///
+/// # Errors
+/// A number that [`Rendering::check`] refuses; no damping anywhere; eigenvalues that do not converge.
+pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
+    rendering.check()?;
+    let near = largest_stiffness(rendering);
+    AnalysisError::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
+    // Ratios of 2^(1/5) from 2^-6 to 2^3.
+    let points: Vec<f64> =
+        std::iter::once(0.0).chain((0..=45).map(|at| near * (f64::from(at) / 5.0 - 6.0).exp2())).collect();
+    crossings(&points, false, TOLERANCE, Renderer::default, |renderer, stiffness| renderer.radius(rendering, stiffness))
+}
+
+/// The first crossing, N/m; see [`Point::largest_stiffness_n_per_m`].
+pub fn first(limit: &Limit) -> Option<f64> {
+    if limit.stable_at_start { limit.crossings.first().copied() } else { Some(0.0) }
+}
+
+/// The scene of one point of a curve; `sampling_s` is the sampling period while a delay is swept, if it is given.
+pub fn at(base: &Rendering, sweep: Sweep, time_s: f64, sampling_s: Option<f64>) -> Rendering {
+    let mut rendering = *base;
+    match sweep {
+        Sweep::Period => rendering.period_s = time_s,
+        Sweep::Delay(place) => {
+            rendering.period_s = sampling_s.unwrap_or(time_s / SAMPLES_PER_DELAY);
+            rendering = rendering.delayed(place, time_s);
+        }
+    }
+    rendering
+}
+
+/// One curve; `done` is called once for every point, from any thread.
+///
+/// # Errors
+/// As [`stiffness_limit`].
+pub fn curve(
+    base: &Rendering,
+    sweep: Sweep,
+    sampling_s: Option<f64>,
+    done: impl Fn() + Sync,
+) -> Result<Curve, AnalysisError> {
+    let [from, to] = RANGE_S;
+    let point = |at_point: usize| {
+        let time_s = from * (to / from).powf(at_point as f64 / (POINTS - 1) as f64);
+        let rendering = at(base, sweep, time_s, sampling_s);
+        let limit = stiffness_limit(&rendering)?;
+        done();
+        Ok(Point {
+            time_s,
+            largest_stiffness_n_per_m: first(&limit),
+            closed_form_n_per_m: largest_stiffness(&rendering),
+            crossings: limit.crossings,
+        })
+    };
+    let points = (0..POINTS).into_par_iter().map(point).collect::<Result<_, AnalysisError>>()?;
+    Ok(Curve { sweep, wall: base.object.is_none(), points })
+}
+
+/// The curves of both maps: delay at each of the four places against the object, at the first against a wall, and the
+/// sampling period against both. With a wall for an object, only what a wall can feel.
+pub fn sweeps(base: &Rendering) -> Vec<(Rendering, Sweep)> {
+    let wall = Rendering { object: None, ..*base };
+    let mut sweeps = Vec::new();
+    if base.object.is_some() {
+        sweeps.extend(Place::ALL.map(|place| (*base, Sweep::Delay(place))));
+        sweeps.push((*base, Sweep::Period));
+    }
+    sweeps.extend([Place::DeviceToCollision, Place::CollisionToDevice].map(|place| (wall, Sweep::Delay(place))));
+    sweeps.push((wall, Sweep::Period));
+    sweeps
+}
+
+/// One row for every crossing: place (1…4, 0 for the sampling period), wall, delay or period, stiffness, whether it is the
+/// first, and the closed form.
+///
+/// # Errors
+/// None: the columns are named apart.
+pub fn table(curves: &[Curve]) -> Result<Table, ReportError> {
+    let names = ["place", "wall", "time_s", "stiffness_n_per_m", "first", "closed_form_n_per_m"];
+    let mut table = Table::with_names(&names)?;
+    for Curve { sweep, wall, points } in curves {
+        let place = match sweep {
+            Sweep::Delay(place) => *place as usize as f64 + 1.0,
+            Sweep::Period => 0.0,
+        };
+        let flag = |yes: bool| f64::from(u8::from(yes));
+        for point in points {
+            for (at, crossing) in point.crossings.iter().enumerate() {
+                let row = [place, flag(*wall), point.time_s, *crossing, flag(at == 0), point.closed_form_n_per_m];
+                table.push_row(&row)?;
+            }
+        }
+    }
+    Ok(table)
+}

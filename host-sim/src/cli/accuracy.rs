@@ -1,0 +1,104 @@
+//! `host-sim accuracy`: speed against error, for every numerical choice; and what each model adds to a scene.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::{Failure, print_json, progress_bar};
+use crate::accuracy::{self, Family, cost, counts, picture};
+use crate::report::text::{TextTable, significant};
+
+/// Arguments of `accuracy`.
+#[derive(Debug, Args)]
+pub(super) struct Accuracy {
+    /// Print JSON; pictures are drawn only with --out.
+    #[arg(long)]
+    json: bool,
+    /// Folder for the pictures.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Document {
+    /// What instructions are instructions of.
+    architecture: &'static str,
+    families: Vec<Family>,
+    /// Number types of the columns of `cost_per_scene`.
+    scalars: [&'static str; 3],
+    cost_per_scene: Vec<cost::Cost>,
+    pictures: Vec<PathBuf>,
+}
+
+impl Accuracy {
+    /// Measures, prints and draws.
+    ///
+    /// # Errors
+    /// A picture that cannot be written; a choice whose instructions were not counted.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let bar = progress_bar(2, "errors, pictures");
+        let families = accuracy::families()?;
+        bar.inc(1);
+        let folder = match (&self.out, self.json) {
+            (None, false) => Some(PathBuf::from("out/accuracy")),
+            (out, _) => out.clone(),
+        };
+        let pictures = folder.map_or(Ok(Vec::new()), |folder| picture::write(&families, &folder))?;
+        bar.finish_and_clear();
+        let document = Document {
+            architecture: counts::ARCHITECTURE,
+            families,
+            scalars: counts::SCALARS,
+            cost_per_scene: cost::table()?,
+            pictures,
+        };
+        if self.json {
+            return print_json(&document);
+        }
+        document.print();
+        Ok(())
+    }
+}
+
+impl Document {
+    fn print(&self) {
+        println!("Speed against error; instructions of {}, counted under callgrind\n", self.architecture);
+        for family in &self.families {
+            print_family(family);
+        }
+        println!("Cost per scene: instructions of one tick, and what the scene adds to the one it is compared with\n");
+        let mut table = TextTable::new(["scene", "adds", "to", "f32", "f64", "i32f32", "+f32", "+f64", "+i32f32"]);
+        for row in &self.cost_per_scene {
+            let mut cells = vec![row.scene.to_owned(), row.adds.to_owned(), row.over.unwrap_or("-").to_owned()];
+            cells.extend(row.instructions.map(|count| count.to_string()));
+            cells.extend(row.added.map(|count| format!("{count:+}")));
+            table.push(cells);
+        }
+        println!("{table}");
+        println!("Pictures (SVG, and PNG beside each):");
+        for picture in self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")) {
+            println!("  {}", picture.display());
+        }
+    }
+}
+
+fn print_family(family: &Family) {
+    println!("{}\n\n  {}\n  Against {}.\n", family.title, family.motion, family.reference);
+    let instructions = format!("instructions per {}", family.instructions_per.split(':').next().unwrap_or_default());
+    let mut table = TextTable::new(["", "choice", "error", "unit", &instructions, "on Pareto front"]);
+    for comparison in &family.comparisons {
+        for (at, point) in comparison.points.iter().enumerate() {
+            let title = format!("{}: {}", comparison.title, comparison.error);
+            table.push([
+                if at == 0 { title } else { String::new() },
+                point.choice.clone(),
+                significant(point.error, 3),
+                comparison.unit.to_owned(),
+                point.instructions.to_string(),
+                if point.on_front { "yes" } else { "no" }.to_owned(),
+            ]);
+        }
+    }
+    println!("{table}\n{}\n", family.insight);
+}

@@ -1,0 +1,181 @@
+//! `host-sim stability rendering`: the architectures paper's Figure 4, for any device.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::stability::{folder, tell, write};
+use super::{Failure, print_json, progress_bar};
+use crate::analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
+use crate::analysis::rendering::maps::{self, Curve, POINTS, Sweep};
+use crate::analysis::rendering::{Body, Rendering as Setup, picture};
+use crate::report::plot::draw;
+use crate::report::text::{TextTable, significant};
+
+/// Masses for which the paper's device is found, kg.
+const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];
+
+/// Arguments of `stability rendering`.
+#[derive(Debug, Args)]
+pub(super) struct Rendering {
+    /// Mass of the haptic device, kg.
+    #[arg(long, default_value_t = 0.1, value_name = "KG", allow_negative_numbers = true)]
+    device_mass_kg: f64,
+    /// Its damping, N·s/m; without it, that of the device behind the paper's statement.
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    device_damping_n_s_per_m: Option<f64>,
+    /// Mass of the virtual object, kg; a wall is always shown beside it.
+    #[arg(long, default_value_t = 1.0, value_name = "KG", allow_negative_numbers = true)]
+    object_mass_kg: f64,
+    /// Damping of the virtual object, N·s/m.
+    #[arg(long, default_value_t = 0.0, value_name = "B", allow_negative_numbers = true)]
+    object_damping_n_s_per_m: f64,
+    /// Damping of the contact, N·s/m.
+    #[arg(long, default_value_t = 0.0, value_name = "B", allow_negative_numbers = true)]
+    contact_damping_n_s_per_m: f64,
+    /// Time from sampling to the new force, in periods; without it, that of the device behind the paper's statement.
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    computing_ticks: Option<f64>,
+    /// Sampling period while the delay is swept, s; without it, a fiftieth of the delay, so that only the delay counts.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sampling_period_s: Option<f64>,
+    /// Folder for CSV and picture.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print JSON; files are written only with --out.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    device: Body,
+    object: Body,
+    contact_damping_n_s_per_m: f64,
+    computing_ticks: f64,
+    /// What the stiffness of the paper's statement asks of this device.
+    needs_for_1000_n_per_m: Needs,
+    /// Devices for which the paper's two statements hold at once.
+    identified: Vec<Identified>,
+    curves: Vec<Curve>,
+    wall_s: f64,
+    files: Vec<PathBuf>,
+}
+
+impl Rendering {
+    /// Both maps, the paper's device, the files.
+    ///
+    /// # Errors
+    /// A number out of range; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let mut setup = Setup {
+            device: Body {
+                mass_kg: self.device_mass_kg,
+                damping_n_s_per_m: self.device_damping_n_s_per_m.unwrap_or(1.0),
+            },
+            object: Some(Body { mass_kg: self.object_mass_kg, damping_n_s_per_m: self.object_damping_n_s_per_m }),
+            contact_damping_n_s_per_m: self.contact_damping_n_s_per_m,
+            period_s: self.sampling_period_s.unwrap_or(1e-3),
+            computing_ticks: self.computing_ticks.unwrap_or(0.5),
+            delays_s: [0.0; 4],
+        };
+        setup.check()?;
+        if self.device_damping_n_s_per_m.is_none() || self.computing_ticks.is_none() {
+            let papers = identify(self.device_mass_kg)?;
+            setup.device.damping_n_s_per_m = self.device_damping_n_s_per_m.unwrap_or(papers.damping_n_s_per_m);
+            setup.computing_ticks = self.computing_ticks.unwrap_or(papers.computing_ticks);
+        }
+        let identified = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+        let sweeps = maps::sweeps(&setup);
+        let bar = progress_bar((sweeps.len() * POINTS) as u64, "maps");
+        let curves = sweeps
+            .into_iter()
+            .map(|(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, || bar.inc(1)))
+            .collect::<Result<Vec<_>, _>>()?;
+        bar.finish_and_clear();
+        let mut written = Vec::new();
+        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/stability") {
+            let base = folder.join("rendering");
+            let figure = picture::figure(&setup, &curves);
+            written = write(&base, &maps::table(&curves)?, || draw(&figure, &base))?;
+        }
+        let report = Report {
+            device: setup.device,
+            object: setup.object.unwrap_or(setup.device),
+            contact_damping_n_s_per_m: setup.contact_damping_n_s_per_m,
+            computing_ticks: setup.computing_ticks,
+            needs_for_1000_n_per_m: needs(&setup)?,
+            identified,
+            curves,
+            wall_s: start.elapsed().as_secs_f64(),
+            files: written,
+        };
+        if self.json {
+            return print_json(&report);
+        }
+        report.print();
+        tell(&report.files);
+        Ok(())
+    }
+}
+
+impl Report {
+    fn print(&self) {
+        println!(
+            "Device {} kg, {:.3} N·s/m; object {} kg, {} N·s/m; contact damping {} N·s/m; computing {:.3} of a period\n",
+            self.device.mass_kg,
+            self.device.damping_n_s_per_m,
+            self.object.mass_kg,
+            self.object.damping_n_s_per_m,
+            self.contact_damping_n_s_per_m,
+            self.computing_ticks
+        );
+        self.curve_table();
+        let Needs { sampling_hz, delay_s } = self.needs_for_1000_n_per_m;
+        let or_none = |number: Option<f64>| number.map_or_else(|| "none".to_owned(), |number| significant(number, 3));
+        println!(
+            "\nA wall of {STIFFNESS_N_PER_M} N/m needs at least {} Hz without delay, and a delay below {} ms.\n",
+            or_none(sampling_hz),
+            or_none(delay_s.map(|delay_s| 1e3 * delay_s))
+        );
+        println!("Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
+        let mut table = TextTable::new(["mass (kg)", "damping (N·s/m)", "computing (periods)", "K at 200 Hz", "K at 5 ms"]);
+        for found in &self.identified {
+            table.push([
+                found.mass_kg.to_string(),
+                format!("{:.3}", found.damping_n_s_per_m),
+                format!("{:.3}", found.computing_ticks),
+                format!("{:.1}", found.at_200_hz_n_per_m),
+                format!("{:.1}", found.at_5_ms_n_per_m),
+            ]);
+        }
+        println!("{table}\n{:.1} s", self.wall_s);
+    }
+
+    /// Every fifth point of the curves: largest stiffness, and further crossings if there are any.
+    fn curve_table(&self) {
+        let name = |curve: &Curve| {
+            let against = if curve.wall { "wall" } else { "object" };
+            match curve.sweep {
+                Sweep::Delay(place) => format!("delay {}, {against}", place.name()),
+                Sweep::Period => format!("period, {against}"),
+            }
+        };
+        println!("Largest stable stiffness (N/m), further crossings behind it, at these delays or periods (ms)\n");
+        let times = self.curves.first().map(|curve| curve.points.iter().step_by(5)).into_iter().flatten();
+        let header = times.map(|point| significant(1e3 * point.time_s, 3));
+        let mut table = TextTable::new(std::iter::once(String::new()).chain(header));
+        for curve in &self.curves {
+            let cells = curve.points.iter().step_by(5).map(|point| {
+                let crossings = point.crossings.iter().map(|crossing| significant(*crossing, 3));
+                let crossings = crossings.collect::<Vec<_>>().join(" ");
+                if point.largest_stiffness_n_per_m.is_none() { "all".to_owned() } else { crossings }
+            });
+            table.push(std::iter::once(name(curve)).chain(cells));
+        }
+        println!("{table}");
+    }
+}

@@ -1,0 +1,115 @@
+//! `host-sim stability tune`: gains for a scene, proved and tried out.
+
+use clap::Args;
+use haptic_core::scalar::Scalar;
+use serde::Serialize;
+
+use super::{Failure, SceneArgs, print_json, progress_bar};
+use crate::analysis::tune::{self, BEYOND, Proposal};
+use crate::report::text::{TextTable, significant};
+
+/// Simulated time that a proposal is tried for, s: eight of the paper's pulses.
+const TRIAL_S: f64 = 20.0;
+
+/// Arguments of `stability tune`.
+#[derive(Debug, Args)]
+pub(super) struct Tune {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// How much either gain, or both, may be raised before anything is unstable: 0.2 is 20 %.
+    #[arg(long, default_value_t = 0.2, value_name = "M", allow_negative_numbers = true)]
+    margin: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A proposal that ran.
+#[derive(Serialize)]
+struct Trial {
+    scalar: &'static str,
+    duration_s: f64,
+    bounded: bool,
+    fault: Option<String>,
+    true_discrepancy_mm: f64,
+    decoded_discrepancy_mm: f64,
+    peak_coordination_force_n: f64,
+}
+
+#[derive(Serialize)]
+struct Report {
+    /// Absent where not even the softest contact is stable.
+    proposal: Option<Proposal>,
+    /// What to add to the command line.
+    set: Option<String>,
+    trial: Option<Trial>,
+}
+
+impl Tune {
+    /// Proposes, tries out, reports.
+    ///
+    /// # Errors
+    /// A bad scene or margin.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let scene = self.scene.load()?;
+        let bar = progress_bar(tune::steps(), "contact stiffnesses");
+        let proposal = tune::tune(&scene, self.margin, || bar.inc(1))?;
+        bar.finish_and_clear();
+        // In f32: what flies.
+        let trial = proposal.map(|proposal| tune::try_out::<f32>(&scene, &proposal, TRIAL_S)).transpose()?;
+        let trial = trial.map(|outcome| Trial {
+            scalar: f32::NAME,
+            duration_s: TRIAL_S,
+            bounded: outcome.bounded,
+            fault: outcome.fault.map(|(peer, fault)| format!("peer {peer}: {}", fault.explain())),
+            true_discrepancy_mm: outcome.true_discrepancy_mm,
+            decoded_discrepancy_mm: outcome.decoded_discrepancy_mm,
+            peak_coordination_force_n: outcome.peak_coordination_force_n,
+        });
+        let set = proposal.map(|proposal| proposal.overrides().map(|set| format!("--set {set}")).join(" "));
+        let report = Report { proposal, set, trial };
+        if self.json {
+            return print_json(&report);
+        }
+        report.print(&self.scene.name());
+        Ok(())
+    }
+}
+
+impl Report {
+    fn print(&self, name: &str) {
+        let (Some(proposal), Some(set), Some(trial)) = (&self.proposal, &self.set, &self.trial) else {
+            println!("{name}: not even the softest contact is stable; try more damping or less delay");
+            return;
+        };
+        let limit = |limit: Option<f64>| limit.map_or_else(|| format!("none up to {BEYOND} times"), |k| significant(k, 4));
+        let mut table = TextTable::new(["", "proposal", "limit with the other as proposed"]);
+        for (name, gain, crossing) in [
+            ("K_LC (N/m)", proposal.contact_stiffness_n_per_m, proposal.contact_limit_n_per_m),
+            ("K_T (N/m)", proposal.coordination_stiffness_n_per_m, proposal.coordination_limit_n_per_m),
+        ] {
+            table.push([name.to_owned(), gain.to_string(), limit(crossing)]);
+        }
+        let percent = 100.0 * proposal.margin;
+        let (radius, raised) = (proposal.spectral_radius, proposal.raised_spectral_radius);
+        println!("{table}");
+        println!("Every pair of gains from 0 to {percent:.0} % above the proposal is stable.");
+        println!("Spectral radius {radius:.6}; with either gain or both raised by {percent:.0} %, {raised:.6}.");
+        let yields = significant(proposal.compliance_mm_per_n, 3);
+        println!("Through both contacts and the coordination one hand yields {yields} mm/N to the other.");
+        let outcome = match (&trial.fault, trial.bounded) {
+            (Some(fault), _) => format!("stopped, {fault}"),
+            (None, true) => "settled".to_owned(),
+            (None, false) => "grew".to_owned(),
+        };
+        println!(
+            "Tried for {} s in {}: {outcome}; discrepancy true {} mm, decoded {} mm; peak coordination force {} N.",
+            trial.duration_s,
+            trial.scalar,
+            significant(trial.true_discrepancy_mm, 3),
+            significant(trial.decoded_discrepancy_mm, 3),
+            significant(trial.peak_coordination_force_n, 3)
+        );
+        println!("\n    {set}");
+    }
+}
