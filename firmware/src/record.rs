@@ -1,4 +1,4 @@
-//! What one tick read, computed and commanded, with a digest of the state behind it: 72 bytes, little-endian.
+//! What one tick read, computed and commanded, with a digest of the state behind it: 88 bytes, little-endian.
 //!
 //! The interrupt fills one [`Record`] a tick; tasks put its bytes into telemetry. Inputs and digest are enough to run the
 //! same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
@@ -19,16 +19,18 @@
 //! | 52 | 8 | contact force, coordination force (N) |
 //! | 60 | 4 | digest of the state after the tick |
 //! | 64 | 8 | energy from and to the network (J) |
+//! | 72 | 16 | the counters of the packet that came in: energy (J), wave integral (√W·s), 2 × f64; 0 without one |
 
 use haptic_core::axis::AXES;
 use haptic_core::axis::encoder::Counts;
 use haptic_core::couple::Packet;
+use haptic_core::motion::Motion;
 use haptic_core::peer::{Actuators, State};
 use haptic_core::scene::Models;
 use haptic_core::vector::StateVector;
 
 /// Bytes of a record.
-pub const BYTES: usize = 72;
+pub const BYTES: usize = 88;
 const WORDS: usize = BYTES / 4;
 
 /// The bridges are enabled.
@@ -60,6 +62,7 @@ impl Record {
         let incoming = incoming.unwrap_or_default();
         let digest = digest(state);
         let (seen, ledger) = (state.observed(), state.ledger());
+        let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
         Self([
             tick,
             u32::from(count_a) | u32::from(count_b) << 16,
@@ -79,6 +82,10 @@ impl Record {
             digest,
             ledger.received_j().to_bits(),
             ledger.sent_j().to_bits(),
+            energy as u32,
+            (energy >> 32) as u32,
+            integral as u32,
+            (integral >> 32) as u32,
         ])
     }
 
@@ -124,6 +131,17 @@ impl Record {
     pub fn flags(&self) -> u8 {
         (self.0[3] >> 16) as u8
     }
+    /// The packet that came in before this tick.
+    pub fn incoming(&self) -> Option<Packet<f32>> {
+        let double = |low: usize| f64::from_bits(u64::from(self.0[low]) | u64::from(self.0[low + 1]) << 32);
+        let [position, velocity, wave] = [self.0[4], self.0[5], self.0[6]].map(f32::from_bits);
+        (self.flags() & RECEIVED != 0).then(|| Packet {
+            motion: Motion { position, velocity },
+            wave,
+            energy_j: double(18),
+            wave_integral: double(20),
+        })
+    }
     /// Object position, m.
     pub fn object_m(&self) -> f32 {
         f32::from_bits(self.0[9])
@@ -153,7 +171,6 @@ pub fn digest<M: Models<Scalar = f32>>(state: &mut State<M>) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use haptic_core::motion::Motion;
     use haptic_core::scene::{Any, Scene};
 
     #[test]

@@ -12,7 +12,8 @@ use haptic_core::scene::{Any, Models, Scene};
 use haptic_core::settings::Refused;
 use haptic_core::vector::StateVector;
 
-use crate::network::DelayLine;
+use crate::network::Way;
+use crate::network::fate::Direction;
 use crate::plant::Plant;
 use crate::scene::SceneFile;
 
@@ -25,7 +26,8 @@ pub struct Side<M: Models> {
     pub state: State<M>,
     /// Its device and user.
     pub plant: Plant,
-    incoming: DelayLine<Packet<M::Scalar>>,
+    /// The network from the other peer to this one.
+    pub incoming: Way<Packet<M::Scalar>>,
 }
 
 /// Two peers on one network.
@@ -35,6 +37,7 @@ pub struct Harness<M: Models> {
     pub sides: [Side<M>; 2],
     period_s: f64,
     tick: u64,
+    packet: u64,
 }
 
 /// The pair with models chosen by the scene, computing in `S`.
@@ -56,10 +59,10 @@ impl<M: Models> Harness<M> {
             });
             let mut state = State::new(&scene, device);
             state.command(&scene, Command::Arm);
-            let incoming = DelayLine::new(file.world.network.one_way_delay_packets);
+            let incoming = Way::new(file, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo });
             Ok(Side { scene, state, plant, incoming })
         };
-        Ok(Self { sides: [side(0, &left)?, side(1, &right)?], period_s: file.peer.timing.control_period_s, tick: 0 })
+        Ok(Self { sides: [side(0, &left)?, side(1, &right)?], period_s: file.peer.timing.control_period_s, tick: 0, packet: 0 })
     }
 
     /// Ticks done so far, n.
@@ -81,7 +84,8 @@ impl<M: Models> Harness<M> {
             // Both packets are made before either is taken in: a network without delay delivers within the tick.
             let to_right = peer::outgoing(&left.scene, &left.state);
             let to_left = peer::outgoing(&right.scene, &right.state);
-            let (to_left, to_right) = (left.incoming.pass(to_left), right.incoming.pass(to_right));
+            let (to_left, to_right) = (left.incoming.pass(self.packet, to_left), right.incoming.pass(self.packet, to_right));
+            self.packet += 1;
             peer::exchange(&left.scene, &mut left.state, to_left);
             peer::exchange(&right.scene, &mut right.state, to_right);
         }

@@ -6,12 +6,14 @@
 //! and what is allowed, and where it stood.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use haptic_core::axis::kinematics::KinematicsName;
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::render::Side;
-use haptic_core::settings::{Allowed, Key, SetError, Settings, Value};
+use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value};
 
+use crate::network::fate::{Jitter, NetworkTrace};
 use crate::user::{Trace, User, UserSettings};
 
 const fn number(min: f64, max: f64) -> Allowed {
@@ -48,6 +50,36 @@ haptic_core::settings! {
     network: Network {
         #[doc = "One-way delay n_t in packet periods."]
         one_way_delay_packets: u32 = 1, Allowed::Whole { min: 0, max: 1000 }, "packets";
+        #[doc = "Constant time on top of the delay, both ways."]
+        extra_delay_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "Constant time on top of the delay, from peer 2 to peer 1 only."]
+        asymmetry_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "From network.delay_step_at_s on, the delay is longer (or shorter) by this."]
+        delay_step_s: f64 = 0.0, number(-2.0, 2.0), "s";
+        #[doc = "When the delay steps."]
+        delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s";
+        #[doc = "How the delay varies from packet to packet."]
+        jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "";
+        #[doc = "Uniform jitter: the most; gamma jitter: the mean."]
+        jitter_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "Fraction of the packets that are lost."]
+        loss: f64 = 0.0, number(0.0, 0.95), "";
+        #[doc = "Mean length of a run of losses (Gilbert-Elliott); 1 is independent losses."]
+        loss_burst_packets: f64 = 1.0, number(1.0, 1e4), "packets";
+        #[doc = "Fraction of the packets that are held back and overtaken."]
+        reorder: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "How far a packet is held back at the most."]
+        reorder_depth_packets: u32 = 4, Allowed::Whole { min: 1, max: 1000 }, "packets";
+        #[doc = "Fraction of the packets that arrive twice."]
+        duplicate: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "Fraction of the packets that arrive broken."]
+        corrupt: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "How much slower peer 2's clock runs."]
+        clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm";
+        #[doc = "Rate of the line; 0 is unlimited."]
+        bandwidth_bit_per_s: f64 = 0.0, number(0.0, 1e12), "bit/s";
+        #[doc = "Play-out buffer: packets wait until they are this late, so that the delay is constant; later ones are lost."]
+        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 1000 }, "packets";
         #[doc = "Seed of everything random in a run."]
         seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "";
     }
@@ -62,6 +94,8 @@ pub struct SceneFile {
     pub world: World,
     /// The two users.
     pub users: [User; 2],
+    /// A recording of what the network did (`network.trace`), instead of what its table would draw.
+    pub network_trace: Option<Arc<NetworkTrace>>,
 }
 
 /// What is wrong with a scene, in one line.
@@ -213,6 +247,17 @@ impl SceneFile {
                 return Err(SceneError::Refused { place, refused });
             }
         };
+        if key == "network.trace" {
+            let Value::Text(file) = plain else {
+                let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
+                return Err(SceneError::Refused { place, refused });
+            };
+            let path = folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
+            let trace = NetworkTrace::read(&path)
+                .map_err(|message| SceneError::Trace { place: format!("{place}: {key}"), message })?;
+            self.network_trace = Some(Arc::new(trace));
+            return Ok(());
+        }
         let outcome = match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
             Some((user @ ("1" | "2"), "trace")) => {
                 let Value::Text(file) = plain else {
@@ -297,6 +342,16 @@ impl SceneFile {
         linear.peer.kinematics.model = KinematicsName::Direct;
         linear.world.plant = PlantSettings::default();
         linear.users = Default::default();
+        // Constant delay: what the analysis of one packet period can hold. A play-out buffer takes in whatever is added.
+        let network = &self.world.network;
+        let added = if network.playout_packets > 0 { [0.0; 2] } else { [network.extra_delay_s, network.asymmetry_s] };
+        linear.network_trace = None;
+        linear.world.network = Network {
+            one_way_delay_packets: network.one_way_delay_packets + network.playout_packets,
+            extra_delay_s: added[0],
+            asymmetry_s: added[1],
+            ..Network::default()
+        };
         for (user, own) in linear.users.iter_mut().zip(&self.users) {
             // The arm is part of the plant; what the user wants to do is not.
             let (to, from) = (&mut user.settings.user, &own.settings.user);

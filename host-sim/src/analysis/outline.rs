@@ -228,8 +228,8 @@ mod tests {
     #[test]
     fn a_region_that_ends_goes_down_to_the_rim() {
         let paths = outline(&map(&[(true, &[2.0]), (true, &[1.0]), (false, &[])]));
-        assert_eq!(paths, [[(1.0, 0.0), (1.0, 1.0), (0.0, 2.0)]]);
+        assert_eq!(paths, [[(0.0, 2.0), (1.0, 1.0), (1.0, 0.0)]]);
         let paths = outline(&map(&[(true, &[8.0]), (true, &[9.0]), (true, &[])]));
-        assert_eq!(paths, [[(1.0, 10.0), (1.0, 9.0), (0.0, 8.0)]]);
+        assert_eq!(paths, [[(0.0, 8.0), (1.0, 9.0), (1.0, 10.0)]]);
     }
 }

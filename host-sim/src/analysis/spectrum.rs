@@ -97,7 +97,7 @@ pub fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
             if row == 0.0 || column == 0.0 {
                 continue;
             }
-            let factor = (0.5 * (row / column).log2()).round().exp2();
+            let factor = root_power(row / column);
             if column * factor + row / factor < 0.8 * (column + row) {
                 settled = false;
                 scaled(at, factor);
@@ -113,6 +113,13 @@ pub fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
             break;
         }
     }
+}
+
+/// A power of two near the square root of a positive number, from its exponent; held within 2^±500.
+fn root_power(value: f64) -> f64 {
+    let exponent = (value.to_bits() >> 52) as i64 - 1023;
+    let half = exponent.div_euclid(2).clamp(-500, 500);
+    f64::from_bits(((1023 + half) as u64) << 52)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! One number of a scene, swept: which key, between which values, at which points first.
 //!
-//! Values are set on the linear scene behind the scene and the result is made linear again, so that a sweep of a key that
-//! the linear scene has no use for (a gap, a push) is flat rather than wrong.
+//! Values are set on the scene as it is and the result is made linear, so that a sweep of a key that the linear scene has no
+//! use for (a gap, a push) is flat rather than wrong.
 
 use haptic_core::settings::{Allowed, Value};
 
@@ -23,6 +23,7 @@ pub struct Range {
 /// A scene in which one key changes.
 #[derive(Clone, Debug)]
 pub struct Sweep {
+    /// As the user wrote it, but for recordings.
     scene: SceneFile,
     range: Range,
     whole: bool,
@@ -34,7 +35,10 @@ impl Sweep {
     /// # Errors
     /// Which of the two it is not, and what would be.
     pub fn new(scene: &SceneFile, range: Range) -> Result<Self, AnalysisError> {
-        let scene = scene.linear();
+        let mut scene = scene.clone();
+        // Recordings are no part of the linear scene, and long.
+        scene.network_trace = None;
+        scene.users.iter_mut().for_each(|user| user.trace = None);
         let keys = SceneFile::keys();
         let allowed = keys.iter().find(|(name, _)| *name == range.key).map(|(_, key)| key.allowed);
         let whole = match (scene.get(&range.key), allowed) {

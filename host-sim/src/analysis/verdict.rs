@@ -18,7 +18,9 @@ pub const ROUNDING: f64 = 1e-9;
 /// What the eigenvalues of one packet period say about a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Verdict {
-    /// Largest |eigenvalue| of the lifted matrix, rest modes left out; infinite where one period overflows.
+    /// Largest |eigenvalue| of the lifted matrix, rest modes left out; infinite where one period overflows (in JSON, which
+    /// has no infinity: the largest number).
+    #[serde(serialize_with = "finite")]
     pub spectral_radius: f64,
     /// No eigenvalue outside the unit circle (by more than [`ROUNDING`]).
     pub stable: bool,
@@ -28,6 +30,11 @@ pub struct Verdict {
     pub rest_modes: usize,
     /// The pair was taken apart into sum and difference.
     pub symmetric: bool,
+}
+
+/// JSON has no infinity.
+fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(value.min(f64::MAX))
 }
 
 impl Verdict {
@@ -49,6 +56,7 @@ pub fn verdict(scene: &SceneFile) -> Result<Verdict, AnalysisError> {
 pub struct Analyser {
     responses: [Response; 2],
     whole: Lifted,
+    pruner: prune::Pruner,
     kept: Lifted,
     spectrum: Spectrum,
 }
@@ -85,12 +93,13 @@ impl Analyser {
 
     /// Radius, states and rest modes of the lifted matrix in `whole`.
     fn part(&mut self, devices: &[usize]) -> Result<(f64, usize, usize), AnalysisError> {
-        let kept = prune::kept(&self.whole.matrix, devices);
-        prune::copy(&self.whole, &kept, &mut self.kept);
+        let kept = self.pruner.kept(&self.whole.matrix, devices);
+        let states = kept.len();
+        prune::copy(&self.whole, kept, &mut self.kept);
         rest::idle(&mut self.kept);
         let rest_modes = rest::divide_out(&mut self.kept);
         let radius = self.spectrum.radius(&mut self.kept.matrix).ok_or(AnalysisError::NoConvergence)?;
-        Ok((radius, kept.len(), rest_modes))
+        Ok((radius, states, rest_modes))
     }
 }
 
@@ -100,12 +109,19 @@ pub fn is_symmetric(linear: &SceneFile) -> bool {
         let user = &linear.users[user].settings.user;
         (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg)
     };
-    arm(0) == arm(1)
+    let [to_first, to_second] = delays_packets(linear);
+    arm(0) == arm(1) && to_first == to_second
 }
 
-/// Packet periods that a packet is on its way to peer 1 and to peer 2.
+/// Packet periods that a packet is on its way to peer 1 and to peer 2: peers look once a period, so that time on top of
+/// whole periods counts as one more.
 pub fn delays_packets(linear: &SceneFile) -> [usize; 2] {
-    [linear.world.network.one_way_delay_packets as usize; 2]
+    let (network, timing) = (&linear.world.network, &linear.peer.timing);
+    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+    // A boundary reached to within rounding is reached, as in `crate::network`.
+    let periods = |added_s: f64| (added_s / packet_s - 1e-9).ceil().max(0.0) as usize;
+    let to = |added_s: f64| network.one_way_delay_packets as usize + periods(added_s);
+    [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
 }
 
 /// The lifted matrices a scene falls apart into: sum and difference, or the pair as it is.

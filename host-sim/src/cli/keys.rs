@@ -48,6 +48,13 @@ impl Keys {
                 allowed: "name of a CSV file with columns time_s,force_n".to_owned(),
                 meaning: "Recorded force, added to the others.",
             }))
+            .chain([Row {
+                key: "network.trace".to_owned(),
+                default: String::new(),
+                unit: "",
+                allowed: "name of a CSV file with columns direction,packet,delay_s,fate".to_owned(),
+                meaning: "Recorded network, instead of what its table would draw.",
+            }])
             .collect();
         if self.json {
             return print_json(&rows);

@@ -27,7 +27,7 @@ pub(super) struct Rendering {
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     device_damping_n_s_per_m: Option<f64>,
     /// Mass of the virtual object, kg; a wall is always shown beside it.
-    #[arg(long, default_value_t = 1.0, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.3, value_name = "KG", allow_negative_numbers = true)]
     object_mass_kg: f64,
     /// Damping of the virtual object, N·s/m.
     #[arg(long, default_value_t = 0.0, value_name = "B", allow_negative_numbers = true)]
@@ -38,7 +38,7 @@ pub(super) struct Rendering {
     /// Time from sampling to the new force, in periods; without it, that of the device behind the paper's statement.
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     computing_ticks: Option<f64>,
-    /// Sampling period while the delay is swept, s; without it, a fiftieth of the delay, so that only the delay counts.
+    /// Sampling period while the delay is swept, s; without it, a fortieth of the delay, so that only the delay counts.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sampling_period_s: Option<f64>,
     /// Folder for CSV and picture.

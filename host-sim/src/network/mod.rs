@@ -1,23 +1,203 @@
 //! Packets on their way between two peers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`fate`] | what becomes of each packet: seeded from the scene, or read from a trace |
+//! | this | the way itself: packets in flight, and which one a peer gets |
+//!
+//! A peer asks once each packet period and gets the newest packet that has arrived; older ones, and second copies, are
+//! dropped, as a receiver with sequence numbers does. Corrupted packets do not pass the seal and are dropped too.
+
+pub mod fate;
 
 use std::collections::VecDeque;
 
-/// A line that delivers every packet a fixed number of packet periods after it was sent.
-#[derive(Clone, Debug)]
-pub struct DelayLine<P> {
-    in_flight: VecDeque<P>,
-    delay_packets: usize,
+use fate::{Direction, Fates};
+
+use crate::scene::SceneFile;
+
+/// What became of the packets of one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counts {
+    /// Handed to the network.
+    pub sent: u64,
+    /// Taken by the receiver.
+    pub delivered: u64,
+    /// Never arrived.
+    pub lost: u64,
+    /// Arrived broken.
+    pub corrupt: u64,
+    /// Arrived after a newer one, after their play-out time, or twice.
+    pub dropped: u64,
 }
 
-impl<P> DelayLine<P> {
-    /// An empty line.
-    pub fn new(delay_packets: u32) -> Self {
-        Self { in_flight: VecDeque::with_capacity(delay_packets as usize + 1), delay_packets: delay_packets as usize }
+/// One direction of the network.
+#[derive(Clone, Debug)]
+pub struct Way<P> {
+    delay_packets: u32,
+    playout_packets: u32,
+    packet_s: f64,
+    /// Sender's and receiver's packet period over the true one.
+    clocks: [f64; 2],
+    impaired: Option<Fates>,
+    /// Packets in flight: number, arrival in true packet periods.
+    in_flight: VecDeque<(u64, f64, P)>,
+    newest: Option<u64>,
+    counts: Counts,
+}
+
+/// A boundary reached to within this is reached, packet periods: sums of periods round.
+const SLACK: f64 = 1e-9;
+
+impl<P: Copy> Way<P> {
+    /// The direction's network as the scene describes it.
+    pub fn new(scene: &SceneFile, direction: Direction) -> Self {
+        let (network, timing) = (&scene.world.network, &scene.peer.timing);
+        let drift = 1.0 + 1e-6 * network.clock_drift_ppm;
+        Self {
+            delay_packets: network.one_way_delay_packets,
+            playout_packets: network.playout_packets,
+            packet_s: timing.control_period_s * f64::from(timing.ticks_per_packet),
+            clocks: match direction {
+                Direction::OneToTwo => [1.0, drift],
+                Direction::TwoToOne => [drift, 1.0],
+            },
+            impaired: Fates::new(scene, direction),
+            in_flight: VecDeque::new(),
+            newest: None,
+            counts: Counts::default(),
+        }
     }
 
-    /// Takes the packet of this period and gives the one that arrives in it.
-    pub fn pass(&mut self, packet: P) -> Option<P> {
-        self.in_flight.push_back(packet);
-        if self.in_flight.len() > self.delay_packets { self.in_flight.pop_front() } else { None }
+    /// Takes the sender's packet of its `period`-th packet period and gives what the receiver gets in its own.
+    pub fn pass(&mut self, period: u64, packet: P) -> Option<P> {
+        self.counts.sent += 1;
+        let [sent, now] = self.clocks.map(|clock| period as f64 * clock);
+        let due = sent + f64::from(self.delay_packets);
+        match &mut self.impaired {
+            None => self.in_flight.push_back((period, due + f64::from(self.playout_packets), packet)),
+            Some(fates) => {
+                let copies = fates.next(period, sent * self.packet_s);
+                self.counts.lost += u64::from(copies.is_empty());
+                for copy in copies {
+                    let arrival = due + copy.delay_s / self.packet_s;
+                    let played = due + f64::from(self.playout_packets);
+                    if copy.corrupt {
+                        self.counts.corrupt += 1;
+                    } else if self.playout_packets == 0 {
+                        self.in_flight.push_back((period, arrival, packet));
+                    } else if arrival <= played + SLACK {
+                        self.in_flight.push_back((period, played, packet));
+                    } else {
+                        self.counts.dropped += 1;
+                    }
+                }
+            }
+        }
+        self.take(now)
+    }
+
+    /// The newest packet that has arrived by `now` and was not overtaken.
+    fn take(&mut self, now: f64) -> Option<P> {
+        let mut taken: Option<(u64, P)> = None;
+        let (newest, counts) = (&mut self.newest, &mut self.counts);
+        self.in_flight.retain(|&(number, arrival, packet)| {
+            if arrival > now + SLACK {
+                return true;
+            }
+            if newest.is_none_or(|newest| number > newest) {
+                *newest = Some(number);
+                counts.delivered += 1;
+                // One that arrived in the same period and was older is overtaken after all.
+                if taken.replace((number, packet)).is_some() {
+                    counts.delivered -= 1;
+                    counts.dropped += 1;
+                }
+            } else {
+                counts.dropped += 1;
+            }
+            false
+        });
+        taken.map(|(_, packet)| packet)
+    }
+
+    /// What became of the packets so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn way(overrides: &[&str]) -> Way<u64> {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Way::new(&SceneFile::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
+    }
+
+    #[test]
+    fn without_impairment_every_packet_arrives_after_the_delay() {
+        for delay in [0_u64, 1, 5] {
+            let mut way = way(&[&format!("network.one_way_delay_packets={delay}")]);
+            for period in 0..50 {
+                assert_eq!(way.pass(period, period), period.checked_sub(delay));
+            }
+        }
+    }
+
+    #[test]
+    fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
+        for (loss, burst) in [(0.2, 1.0), (0.1, 5.0), (0.5, 20.0)] {
+            let mut way =
+                way(&["network.one_way_delay_packets=0", &format!("network.loss={loss}"), &format!("network.loss_burst_packets={burst}")]);
+            let got: Vec<bool> = (0..200_000).map(|period| way.pass(period, period).is_some()).collect();
+            let lost = got.iter().filter(|got| !**got).count() as f64;
+            let runs = got.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
+            assert!((lost / 200_000.0 - loss).abs() < 0.02, "{lost} lost at {loss}");
+            // Independent losses come in runs of 1/(1 − p).
+            let expected = if burst == 1.0 { 1.0 / (1.0 - loss) } else { burst };
+            assert!((lost / runs / expected - 1.0).abs() < 0.1, "runs of {} for {expected}", lost / runs);
+        }
+    }
+
+    #[test]
+    fn whatever_happens_on_the_way_numbers_only_grow() {
+        let mut way = way(&[
+            "network.jitter=gamma",
+            "network.jitter_s=0.012",
+            "network.reorder=0.3",
+            "network.reorder_depth_packets=16",
+            "network.duplicate=0.2",
+            "network.corrupt=0.1",
+            "network.loss=0.1",
+        ]);
+        let mut last = None;
+        for period in 0..20_000 {
+            if let Some(number) = way.pass(period, period) {
+                assert!(last.is_none_or(|last| number > last), "{number} after {last:?}");
+                last = Some(number);
+            }
+        }
+        let counts = way.counts();
+        assert!(counts.dropped > 1000 && counts.corrupt > 1000 && counts.lost > 1000 && counts.delivered > 5000, "{counts:?}");
+    }
+
+    #[test]
+    fn play_out_makes_the_delay_constant() {
+        let mut way = way(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
+        for period in 0..5000 {
+            // Uniform to 12 ms is never later than two packets of 8 ms.
+            assert_eq!(way.pass(period, period), u64::checked_sub(period, 3));
+        }
+    }
+
+    #[test]
+    fn clocks_that_drift_slip_by_whole_packets() {
+        let mut way = way(&["network.clock_drift_ppm=500"]);
+        let missed = (0..20_000).filter(|period| way.pass(*period, *period).is_none()).count();
+        // A receiver that is slow by 500 ppm skips one packet in 2000, and never waits after the first.
+        assert_eq!(missed, 1);
+        assert!((9..=11).contains(&way.counts().dropped), "{:?}", way.counts());
     }
 }

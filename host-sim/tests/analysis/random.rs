@@ -69,7 +69,7 @@ pub(crate) fn scene(seed: u64) -> SceneFile {
     peer.object.damping_n_s_per_m = dice.sometimes(damping);
     peer.object.force_delay_ticks = dice.delay();
     peer.object.integrator = dice.one(IntegratorName::ALL);
-    peer.coordination.comm = dice.one(&[LawName::Power, LawName::Wave, LawName::PassiveWave, LawName::Free]);
+    peer.coordination.comm = dice.one(LawName::ALL);
     peer.coordination.decode = dice.one(Decode::ALL);
     peer.coordination.stiffness_n_per_m = dice.spread(1.0, 1e5);
     let damping = dice.spread(0.1, 20.0);
@@ -85,6 +85,11 @@ pub(crate) fn scene(seed: u64) -> SceneFile {
     world.device.damping_n_s_per_m = dice.sometimes(damping);
     world.device.force_delay_ticks = dice.delay();
     world.network.one_way_delay_packets = dice.whole(0, 8);
+    // In every fourth scene the way back is longer, by whole packets and fractions.
+    let packet_s = peer.timing.control_period_s * f64::from(peer.timing.ticks_per_packet);
+    let longer = packet_s * 3.0 * dice.unit();
+    world.network.asymmetry_s = dice.one(&[0.0, 0.0, 0.0, longer]);
+    world.network.extra_delay_s = dice.one(&[0.0, 0.0, 0.0, longer]);
     // No arms, equal arms, two different arms, one arm.
     let case = dice.whole(0, 4);
     for user in 0..2 {

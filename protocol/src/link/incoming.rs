@@ -1,7 +1,9 @@
 //! Incoming: what a link does with a datagram.
 
 use super::{Error, Link, Notice};
+use crate::clock::Clock;
 use crate::handshake::{self, Standing};
+use crate::reliable::{Receiver, Sender};
 use crate::wire::{self, Event, Flow, Greeting, GreetingKind, Header, Message, Telemetry};
 
 /// What has come for the caller. Events wait in [`Link::take_event`], what the link itself needs it keeps.
@@ -84,10 +86,10 @@ impl Link {
             // What waits for the first peer ever waits on; what was meant for one that is gone does not.
             let dropped = if self.peer.is_some() { self.sender.under_way() } else { 0 };
             if self.peer.is_some() {
-                self.sender = crate::reliable::Sender::default();
+                self.sender = Sender::default();
             }
-            self.receiver = crate::reliable::Receiver::default();
-            self.clock = crate::clock::Clock::default();
+            self.receiver = Receiver::default();
+            self.clock = Clock::default();
             self.peer = Some(incarnation);
             self.notify(Notice::NewPeer { dropped: u8::try_from(dropped).unwrap_or(u8::MAX) });
         }

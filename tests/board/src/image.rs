@@ -35,8 +35,8 @@ impl Firmware {
             panic!("{}: {error}; `cargo xtask board` builds it, or HAPTIC_FIRMWARE names it", path.display())
         });
         let elf = object::File::parse(&*bytes).expect("the image is ELF");
-        let symbols = (elf.symbols().filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address() & !1, s.size())))))
-            .collect();
+        let symbols =
+            (elf.symbols().filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address() & !1, s.size()))))).collect();
         let sections = (elf.sections().filter(|s| s.size() > 0))
             .filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address(), s.size()))))
             .collect();

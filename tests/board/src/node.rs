@@ -163,9 +163,11 @@ impl Node {
 fn report(session: &mut Session<Nucleo>) -> Report {
     let mut lines: Vec<String> = session.unmapped().iter().map(|u| format!("unmapped {:#010x}", u.address)).collect();
     lines.extend(session.refused().keys().map(|address| format!("refused {address:#010x}")));
-    lines.extend(session.unimplemented().values().map(|u| {
-        format!("unimplemented {}.{}{}", u.instance, u.register, if u.writes > 0 { " written" } else { "" })
-    }));
+    lines.extend(
+        session.unimplemented().values().map(|u| {
+            format!("unimplemented {}.{}{}", u.instance, u.register, if u.writes > 0 { " written" } else { "" })
+        }),
+    );
     lines.extend(session.undefined().values().map(|u| format!("undefined in {}", u.instance)));
     lines.extend(session.unrouted().iter().map(|(instance, number)| format!("unrouted {instance} {number}")));
     lines.extend(session.told().map(|told| format!("told {told:?}")));

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use firmware_parts::record::Record;
 use haptic_core::axis::encoder::Counts;
 use haptic_core::axis::motor::Duty;
-use haptic_core::axis::{AXES, Reading};
 use haptic_core::axis::velocity::VelocityName;
+use haptic_core::axis::{AXES, Reading};
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Settings, Value};
 use host_sim::plant::Plant;
@@ -132,6 +132,10 @@ impl Bench {
         bench.run_to(61_000_000 + middle);
         // The PHY is asked for its link every 500 ms.
         bench.run_for_ms(1000);
+        for number in 1..=boards {
+            bench.wire.send(PC, bench.now_ns, &Pc::resolve(number));
+        }
+        bench.run_for_ms(5);
         bench
     }
 
@@ -180,11 +184,8 @@ impl Bench {
             let Some(device) = device else { continue };
             device.started = true;
             moved = true;
-            let actuators: Actuators<f32> = Actuators {
-                duties: duties(&stopped.bridges),
-                enable: stopped.bridges.on(),
-                ..Actuators::default()
-            };
+            let actuators: Actuators<f32> =
+                Actuators { duties: duties(&stopped.bridges), enable: stopped.bridges.on(), ..Actuators::default() };
             device.plant.step(time_s, &actuators);
             inputs.counts = Some(device.turn());
         }

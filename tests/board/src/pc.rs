@@ -63,6 +63,11 @@ impl Pc {
         udp((MAC, IP, OWN), (board_mac(number), board_ip(number), OPERATOR), line.as_bytes())
     }
 
+    /// The frame that asks a board (1 or 2) for its address; with it the board learns the PC's, as from any PC.
+    pub fn resolve(number: usize) -> Vec<u8> {
+        [&[0xFF; 6][..], &MAC, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 1], &MAC, &IP, &[0; 6], &board_ip(number)].concat()
+    }
+
     /// Takes in a frame, and gives the one that answers it, if any.
     pub fn hear(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         match frame.get(12..14)? {

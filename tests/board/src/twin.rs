@@ -7,7 +7,6 @@
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::axis::Reading;
 use haptic_core::axis::encoder::Counts;
-use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Sensors, State};
 use haptic_core::render::Contact;
@@ -67,7 +66,7 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
     compare(
         |tick| {
             let board = &records[tick as usize];
-            let incoming = (board.flags() & record::RECEIVED != 0).then(|| incoming(board));
+            let incoming = board.incoming();
             if board.flags() & record::SENT != 0 {
                 peer::exchange(&scene, &mut state, incoming);
             }
@@ -78,10 +77,4 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
         },
         records.len() as u64,
     )
-}
-
-fn incoming(record: &Record) -> Packet<f32> {
-    let [position, velocity, wave] = [record.0[4], record.0[5], record.0[6]].map(f32::from_bits);
-    // The counters matter to a ledger only, and the record does not carry them.
-    Packet { motion: Motion { position, velocity }, wave, ..Packet::default() }
 }

@@ -91,6 +91,10 @@ fn driven_order(linear: &SceneFile) -> Vec<Option<State>> {
             // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, Some(Outgoing)]
         }
+        // The sum before the mean is zero at every exchange.
+        LawName::PassiveMean => {
+            &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
+        }
         LawName::Power => &[None, None],
         _ => &[],
     };

@@ -10,6 +10,28 @@
 use super::super::matrix::Matrix;
 use super::Lifted;
 
+/// Remembers what was worth keeping: along a sweep the zeros stay where they are.
+#[derive(Clone, Debug, Default)]
+pub struct Pruner {
+    filled: Vec<bool>,
+    devices: Vec<usize>,
+    kept: Vec<usize>,
+}
+
+impl Pruner {
+    /// What [`kept`] says, found again only where an entry became or ceased to be zero.
+    pub fn kept(&mut self, matrix: &Matrix, devices: &[usize]) -> &[usize] {
+        let filled = || matrix.entries().iter().map(|entry| *entry != 0.0);
+        if self.devices != devices || !filled().eq(self.filled.iter().copied()) {
+            self.filled.clear();
+            self.filled.extend(filled());
+            self.devices = devices.to_vec();
+            self.kept = kept(matrix, devices);
+        }
+        &self.kept
+    }
+}
+
 /// The states worth keeping, ascending. `devices` are states known to matter, one for each device.
 pub fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
     let size = matrix.rows();
@@ -76,6 +98,13 @@ mod tests {
         }
         assert_eq!(kept(&matrix, &[0]), [0, 1]);
         assert_eq!(kept(&matrix, &[0, 5]), [0, 1, 5]);
+        let mut pruner = Pruner::default();
+        for devices in [&[0][..], &[0, 5], &[0, 5], &[0]] {
+            assert_eq!(pruner.kept(&matrix, devices), kept(&matrix, devices));
+        }
+        let mut other = matrix.clone();
+        other[(2, 4)] = 1.0;
+        assert_eq!(pruner.kept(&other, &[0]), [0, 1, 2, 3, 4]);
         let from = Lifted { matrix, rest_modes: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]] };
         let mut to = Lifted::default();
         copy(&from, &[0, 1], &mut to);

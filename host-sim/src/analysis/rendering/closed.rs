@@ -8,10 +8,14 @@
 //!
 //! Against a wall (μ = 1, μ_o = 0) that is b/delay, and 2b/T with no computing delay (THEORY §6, row 2.3).
 //!
+//! An undamped object has a second limit, which no softness mends: on a soft spring the device's damper b holds the
+//! device nearly still, the object swings at √(K/m_o), and the little that the device gives way damps it by K·m_o/b, while
+//! its own delay drives it by K·θ_o. Unstable for θ_o > m_o/b ([`longest_object_delay_s`]).
+//!
 //! **Limits**: first order in θ·ω: good to a few per cent where m ≥ 4·b·θ; a massless device comes to π/2 times b/delay
 //! (K·delay/b < π/2 for ẋ = −(K/b)·x(t − delay)).
 
-use super::Rendering;
+use super::{Body, Rendering};
 
 /// Largest stable stiffness to first order, N/m; infinite without any delay.
 pub fn largest_stiffness(rendering: &Rendering) -> f64 {
@@ -27,4 +31,10 @@ pub fn largest_stiffness(rendering: &Rendering) -> f64 {
     let damping =
         device.damping_n_s_per_m * share * share + object_damping * object_share * object_share + contact_damping_n_s_per_m;
     damping / (late * share + late_object * object_share)
+}
+
+/// The delay θ_o around the object, s, sampling included, beyond which an undamped object behind an undamped contact is
+/// unstable however soft the contact is.
+pub fn longest_object_delay_s(device: Body, object: Body) -> f64 {
+    object.mass_kg / device.damping_n_s_per_m
 }

@@ -1,11 +1,12 @@
 //! Largest stable stiffness against communication delay, one curve for each place, and against the sampling period.
 //!
-//! Stiffness is scanned from 1/64 to 8 times its closed form ([`super::closed`]) in steps of 14 %, pockets are followed,
-//! and every crossing is closed in by bisection; the largest stable stiffness is the first crossing. Beyond that range
-//! nothing is looked at.
+//! Stiffness is scanned from 1/16 to 8 times its closed form ([`super::closed`]) in steps of 15 %, pockets are followed,
+//! and every crossing is closed in by bisection; the largest stable stiffness is the first crossing. Where there is none,
+//! the scan goes on upwards, three times by a factor of 8: heavy objects hardly feel a delay of their own. Where even a
+//! thousandth of the closed form is unstable, the largest stiffness is 0.
 //!
-//! While a delay is swept the sampling period is either given or, to show the delay alone, a fiftieth of the delay: what
-//! sampling adds is then 2 %, on every point alike.
+//! While a delay is swept the sampling period is either given or, to show the delay alone, a fortieth of the delay: what
+//! sampling adds is then 2.5 %, on every point alike.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -18,7 +19,7 @@ use crate::report::ReportError;
 use crate::report::table::Table;
 
 /// Samples in a delay, where the sampling shall not matter.
-pub const SAMPLES_PER_DELAY: f64 = 50.0;
+pub const SAMPLES_PER_DELAY: f64 = 40.0;
 
 /// Delays and periods of the maps, s: from the stiffness of a rigid object to the end of the paper's axes.
 pub const RANGE_S: [f64; 2] = [1e-3, 80e-3];
@@ -71,9 +72,23 @@ pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
     rendering.check()?;
     let near = largest_stiffness(rendering);
     AnalysisError::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
-    // Ratios of 2^(1/5) from 2^-6 to 2^3.
-    let points: Vec<f64> =
-        std::iter::once(0.0).chain((0..=45).map(|at| near * (f64::from(at) / 5.0 - 6.0).exp2())).collect();
+    let fifths = |octaves: std::ops::RangeInclusive<i32>| {
+        (5 * octaves.start()..=5 * octaves.end()).map(|fifth| f64::from(fifth) / 5.0).collect::<Vec<_>>()
+    };
+    let mut limit = scan(rendering, near, &[vec![-10.0, -7.0], fifths(-4..=3)].concat())?;
+    for octave in [3, 6, 9] {
+        if limit.stable_at_start && limit.crossings.is_empty() {
+            let evaluations = limit.evaluations;
+            limit = scan(rendering, near, &fifths(octave..=octave + 3))?;
+            limit.evaluations += evaluations;
+        }
+    }
+    Ok(limit)
+}
+
+/// Crossings among `near` times 2 to the power of each of `octaves`.
+fn scan(rendering: &Rendering, near: f64, octaves: &[f64]) -> Result<Limit, AnalysisError> {
+    let points: Vec<f64> = octaves.iter().map(|octave| near * octave.exp2()).collect();
     crossings(&points, false, TOLERANCE, Renderer::default, |renderer, stiffness| renderer.radius(rendering, stiffness))
 }
 

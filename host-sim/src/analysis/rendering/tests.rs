@@ -1,6 +1,6 @@
 //! The sampled map against a simulation that puts every delay where it is, against closed forms, against the paper.
 
-use super::closed::largest_stiffness;
+use super::closed::{largest_stiffness, longest_object_delay_s};
 use super::identify::{self, DELAY_S, PERIOD_S, identify, needs, wall};
 use super::maps::{Sweep, at, first, stiffness_limit};
 use super::{Body, Place, Renderer, Rendering};
@@ -121,19 +121,36 @@ fn a_massless_device_comes_to_half_pi() {
     assert!((largest / (core::f64::consts::FRAC_PI_2 * 1000.0) - 1.0).abs() < 0.02, "{largest}");
 }
 
-/// All four places, sampled fast, against the closed form with its shares of the motion: within 5 %.
+/// All four places against the closed form with its shares of the motion. What it leaves out is of second order, sin(θω)/θω
+/// for 1: within 2 % and a quarter of (θω)².
 #[test]
 fn movable_objects_follow_the_closed_form() {
+    let mut orders = Vec::new();
     for (mass_kg, object_damping) in [(0.2, 0.0), (1.0, 0.0), (1.0, 5.0), (5.0, 1.0)] {
-        let object = Some(Body { mass_kg, damping_n_s_per_m: object_damping });
-        for place in Place::ALL {
-            let rendering = at(&scene(object, 1.0, 0.5, [0.0; 4]), Sweep::Delay(place), 2e-3, None);
+        let object = Body { mass_kg, damping_n_s_per_m: object_damping };
+        for (place, delay_s) in Place::ALL.into_iter().flat_map(|place| [(place, 2e-4), (place, 2e-3)]) {
+            let rendering = at(&scene(Some(object), 1.0, 0.5, [0.0; 4]), Sweep::Delay(place), delay_s, None);
             let largest = first(&stiffness_limit(&rendering).unwrap()).unwrap();
-            let closed = largest_stiffness(&rendering);
-            // The relative motion swings faster the lighter the object is.
-            let tolerance = if mass_kg < 0.5 || place as usize > 1 { 0.15 } else { 0.05 };
-            assert!((largest / closed - 1.0).abs() < tolerance, "{largest}, closed form {closed}: {rendering:?}");
+            let swings = (largest * (1.0 / DEVICE.mass_kg + 1.0 / mass_kg)).sqrt();
+            let order = (delay_s * swings).powi(2);
+            let error = largest / largest_stiffness(&rendering) - 1.0;
+            assert!(error.abs() < 0.02 + order / 4.0, "{error} at {order}: {rendering:?}");
+            orders.push(order);
         }
+    }
+    assert!(orders.iter().filter(|order| **order < 0.2).count() >= 16, "{orders:?}");
+}
+
+/// Beyond m_o/b of delay to or from the dynamics engine even the softest contact with an undamped object is unstable.
+#[test]
+fn an_undamped_object_bears_only_so_much_delay() {
+    let object = Body { mass_kg: 0.3, damping_n_s_per_m: 0.0 };
+    let longest_s = longest_object_delay_s(DEVICE, object);
+    for (factor, stable) in [(0.9, true), (1.1, false)] {
+        let wanted = Sweep::Delay(Place::DynamicsToCollision);
+        let rendering = at(&scene(Some(object), 0.0, 0.5, [0.0; 4]), wanted, factor * longest_s, None);
+        let soft = Renderer::default().radius(&rendering, 0.05).unwrap();
+        assert_eq!(soft < 1.0, stable, "{soft} at {factor}");
     }
 }
 

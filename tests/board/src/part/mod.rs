@@ -101,16 +101,8 @@ impl Part {
         };
         let (mac, dma) = ethernet::pair();
         let encoders = [EncoderTimer::new(1), EncoderTimer::new(2)];
-        let mut part = Self {
-            chip,
-            mac,
-            dma,
-            iwdg: Iwdg::default(),
-            encoders,
-            slots,
-            stop_released: true,
-            strap_to_ground,
-        };
+        let mut part =
+            Self { chip, mac, dma, iwdg: Iwdg::default(), encoders, slots, stop_released: true, strap_to_ground };
         part.check()?;
         part.wire(VirtualNanos(0));
         Ok(part)

@@ -55,5 +55,8 @@ pub fn close(peer: &Peer, ticks: usize) -> Period {
     for j in 0..s {
         period.held.column_mut(j).copy_from_slice(after.column(z + j));
     }
+    if let Some(state) = peer.restarts {
+        period.state.column_mut(peer.at(state)).fill(0.0);
+    }
     period
 }

@@ -30,7 +30,7 @@ pub enum State {
     DesiredVelocity,
     /// F_T of the tick before.
     CoordinationForce,
-    /// u_out or y of the tick before.
+    /// u_out or y of the tick before, or the mean so far.
     Outgoing,
     /// Device position of the tick before.
     LastReading,
@@ -63,6 +63,8 @@ pub struct Peer {
     pub g: Matrix,
     /// Held input → fast input.
     pub h: Matrix,
+    /// A state that starts from zero in every period, once it has been sent.
+    pub restarts: Option<State>,
     /// The peer can stand anywhere: no arm pulls it back.
     pub free: bool,
 }
@@ -79,7 +81,7 @@ impl Peer {
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
             LawName::Power => (false, vec![ObjectPosition, ObjectVelocity]),
-            LawName::Wave | LawName::PassiveWave => (true, vec![Outgoing]),
+            LawName::Wave | LawName::PassiveWave | LawName::PassiveMean => (true, vec![Outgoing]),
             LawName::Free => (false, vec![]),
             #[allow(unreachable_patterns)]
             _ => return None,
@@ -103,6 +105,7 @@ impl Peer {
             f: Matrix::zeros(u, z),
             g: Matrix::zeros(u, u),
             h: Matrix::zeros(u, s),
+            restarts: (comm == LawName::PassiveMean).then_some(Outgoing),
             free: scene.users[index].settings.user.arm_stiffness_n_per_m == 0.0,
             states,
         };
@@ -236,15 +239,19 @@ impl Peer {
         self.b[(v_d, decoded)] = 1.0;
         self.b[(force, coordination_row)] = 1.0;
 
-        // u_out = (b·ẋ_d − F_T)/√(2b), straight out or through ẋ_f = −Ω·x_f + u_out, y = Ω·x_f.
+        // u_out = (b·ẋ_d − F_T)/√(2b), straight out, through ẋ_f = −Ω·x_f + u_out, y = Ω·x_f, or as the mean of M.
         self.g[(wave, decoded)] = impedance / root;
         self.g[(wave, coordination_row)] = -1.0 / root;
-        let keep = match scene.peer.coordination.comm {
-            LawName::PassiveWave => decay(coordination.cutoff_hz, period),
-            _ => 0.0,
+        let (keep, take) = match scene.peer.coordination.comm {
+            LawName::PassiveWave => {
+                let keep = decay(coordination.cutoff_hz, period);
+                (keep, 1.0 - keep)
+            }
+            LawName::PassiveMean => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
+            _ => (0.0, 1.0),
         };
         self.a[(out, out)] = keep;
-        self.b[(out, wave)] = 1.0 - keep;
+        self.b[(out, wave)] = take;
     }
 }
 

@@ -1,0 +1,45 @@
+//! The same bits: what two boards compute, tick by tick, is what host-sim computes, and one wrong constant is seen at once.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::pair::{Bench, for_boards};
+use board_bench::twin::{self, Equal};
+use board_bench::wire::Line;
+use host_sim::scenes;
+
+fn run(scene: &host_sim::scene::SceneFile, seconds: u64) -> Bench {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 2, Line::default());
+    bench.set_up(scene);
+    bench.arm();
+    bench.run_for_ms(1000 * seconds);
+    bench
+}
+
+#[test]
+fn two_boards_equal_host_sim() {
+    let seconds = 60;
+    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").unwrap());
+    let wall = std::time::Instant::now();
+    let bench = run(&scene, seconds);
+    println!("{} s of two boards in {:.1} s", seconds, wall.elapsed().as_secs_f64());
+    let boards = [bench.armed_ticks(1), bench.armed_ticks(2)];
+    assert_eq!(bench.pc.lost, [0, 0], "telemetry lost ticks");
+    let ticks = boards[0].len().min(boards[1].len()) as u64;
+    assert!(ticks >= 1000 * seconds, "only {ticks} ticks were recorded");
+    let equal = twin::closed_loop(&scene, boards);
+    assert_eq!(equal, Equal { ticks, first_difference: None });
+    for (settings, records) in scene.peers().iter().zip(boards) {
+        let equal = twin::replay(settings, records);
+        assert_eq!(equal, Equal { ticks: records.len() as u64, first_difference: None });
+    }
+
+    // A constant that is off by one part in 10⁷ on one side.
+    let mut wrong = scene.clone();
+    wrong.peer.coordination.stiffness_n_per_m *= 1.0 + 2e-7;
+    let (closed, open) = (twin::closed_loop(&wrong, boards), twin::replay(&wrong.peers()[0], boards[0]));
+    println!("a constant off by 2e-7 shows at tick {closed:?} in closed loop, {open:?} in replay");
+    assert!(closed.first_difference.is_some_and(|tick| tick < 100));
+    assert!(open.first_difference.is_some_and(|tick| tick < 100));
+}
