@@ -98,10 +98,10 @@ fn main() -> ExitCode {
     println!(
         "# Instructions of one tick, x86-64, release build. Checked by `cargo xtask bench-check`, rewritten by its --bless."
     );
-    println!("{:<28} {:>7} {:>7} {:>7}", "scene", COLUMNS[0], COLUMNS[1], COLUMNS[2]);
+    println!("{:<36} {:>7} {:>7} {:>7}", "scene", COLUMNS[0], COLUMNS[1], COLUMNS[2]);
     for scene in count.scenes {
         let [a, b, c] = COLUMNS.map(|scalar| count.counts.get(&(scene, scalar)).copied().unwrap_or_default());
-        println!("{scene:<28} {a:>7} {b:>7} {c:>7}");
+        println!("{scene:<36} {a:>7} {b:>7} {c:>7}");
     }
     ExitCode::SUCCESS
 }

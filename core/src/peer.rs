@@ -13,8 +13,9 @@ use crate::axis::kinematics::{Kinematics, Pose};
 use crate::axis::motor::Duty;
 use crate::axis::velocity::VelocityEstimator;
 use crate::axis::{AXES, Reading};
+use crate::couple::engagement::Engagement;
 use crate::couple::ledger::Ledger;
-use crate::couple::{Law, Packet};
+use crate::couple::{Coupled, Law, Packet};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::object::Integrator;
@@ -80,8 +81,9 @@ pub struct State<M: Models> {
     forces: [M::Scalar; AXES],
     ledger: Ledger<M::Scalar>,
     saturated: Patience,
-    heard: bool,
-    silent: u32,
+    engagement: Engagement,
+    /// The packet that stands.
+    standing: Packet<M::Scalar>,
     observed: Observed<M::Scalar>,
 }
 
@@ -102,8 +104,8 @@ impl<M: Models> State<M> {
             forces: [M::Scalar::ZERO; AXES],
             ledger: Ledger::default(),
             saturated: Patience::default(),
-            heard: false,
-            silent: 0,
+            engagement: scene.ladder.engaged(),
+            standing: Packet::default(),
             observed: Observed::default(),
         };
         for (joint, at) in state.joints.iter_mut().zip(device) {
@@ -123,8 +125,8 @@ impl<M: Models> State<M> {
         self.forces = [M::Scalar::ZERO; AXES];
         self.ledger = Ledger::default();
         self.saturated = Patience::default();
-        self.heard = false;
-        self.silent = 0;
+        self.engagement = scene.ladder.engaged();
+        self.standing = Packet::default();
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
@@ -185,13 +187,13 @@ impl<M: Models> StateVector<M::Scalar> for State<M> {
 
 /// What [`exchange`] would send now. Only a network without delay needs to ask beforehand.
 pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scalar> {
-    let packet =
-        Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
-    if state.mode == Mode::Armed && packet.is_finite() {
-        packet
-    } else {
-        // At rest where it stands: a wave line ends in its own impedance and takes everything in.
-        Packet { motion: Motion::at(state.object.position), ..Packet::default() }
+    let packet = Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
+    // At rest where it stands: a wave line ends in its own impedance and takes everything in.
+    let resting = Packet { motion: Motion::at(state.object.position), wave: M::Scalar::ZERO, ..packet };
+    match (state.mode == Mode::Armed && state.engagement.is_engaged(), packet.is_finite()) {
+        (true, true) => packet,
+        (false, true) => resting,
+        (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },
     }
 }
 
@@ -204,20 +206,24 @@ pub fn exchange<M: Models>(
     incoming: Option<Packet<M::Scalar>>,
 ) -> Packet<M::Scalar> {
     let packet = outgoing(scene, state);
-    match incoming {
-        Some(incoming) if !incoming.is_finite() => state.trip(Fault::NonFiniteInput),
-        Some(incoming) => {
-            state.heard = true;
-            state.silent = 0;
-            scene.law.receive(&mut state.law, incoming);
+    if incoming.is_some_and(|incoming| !incoming.is_finite()) {
+        state.trip(Fault::NonFiniteInput);
+        return packet;
+    }
+    if state.mode == Mode::Armed {
+        if scene.ladder.step(&mut state.engagement, incoming.is_some()) {
+            scene.law.start(&mut state.law, state.object);
         }
-        None if state.heard && state.mode == Mode::Armed => {
-            state.silent = state.silent.saturating_add(1);
-            if state.silent >= scene.guard.silent_packets {
-                state.trip(Fault::PeerLost);
-            }
+        if let Some(incoming) = incoming {
+            state.standing = incoming;
         }
-        None => {}
+        if incoming.is_some() || state.engagement.is_fading() {
+            let faded = scene.ladder.faded(&state.engagement, state.standing, state.object);
+            scene.law.receive(&mut state.law, faded);
+        }
+        if state.engagement.silent() >= scene.guard.silent_packets {
+            state.trip(Fault::PeerLost);
+        }
     }
     packet
 }
@@ -245,15 +251,20 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
 
     let object = state.object;
     let contact_force = scene.contact.force(free, object);
-    let coupled = scene.law.couple(&mut state.law, object);
+    let coupled = if state.engagement.is_engaged() {
+        scene.law.couple(&mut state.law, object)
+    } else {
+        Coupled { desired: object, ..Coupled::default() }
+    };
     state.ledger.book(&coupled, scene.period);
-    state.object = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
+    let next = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
-    if !(state.object.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
+    if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
         state.trip(Fault::Diverged);
         return Actuators::default();
     }
+    state.object = next;
     actuate(scene, state, &pose, contact_force)
 }
 
@@ -280,8 +291,12 @@ fn sense<M: Models>(
         Reading::Counts(counts) => {
             let mut joints = [Motion::REST; AXES];
             for ((motion, joint), counts) in joints.iter_mut().zip(&mut state.joints).zip(counts).take(scene.axes) {
+                let first = !joint.encoder.primed;
                 let position = scene.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
                 *motion = Motion::at(position);
+                if first {
+                    scene.velocity.start(&mut joint.velocity, *motion);
+                }
                 motion.velocity = scene.velocity.step(&mut joint.velocity, *motion);
             }
             let mut pose = scene.kinematics.forward(joints);

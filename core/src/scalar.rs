@@ -164,9 +164,10 @@ impl Mul for Fixed {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        // To the nearest step: `fixed` cuts off, and a bias of half a step each product would make positions creep.
-        let wide = i128::from(self.0.to_bits()) * i128::from(other.0.to_bits()) + (1 << 31);
-        let bits = (wide >> 32).clamp(i128::from(i64::MIN), i128::from(i64::MAX));
+        // To the nearest step: `fixed` cuts off, and a bias of half a step each product would make positions creep. Ties
+        // go away from zero, so that (−x)·y is −(x·y): two peers that mirror each other do so bit for bit.
+        let wide = i128::from(self.0.to_bits()) * i128::from(other.0.to_bits());
+        let bits = ((wide + (1 << 31) + (wide >> 127)) >> 32).clamp(i128::from(i64::MIN), i128::from(i64::MAX));
         Self(I32F32::from_bits(bits as i64))
     }
 }

@@ -26,6 +26,7 @@ use crate::axis::encoder::Encoder;
 use crate::axis::kinematics::{AnyKinematics, Kinematics};
 use crate::axis::motor::Motor;
 use crate::axis::velocity::{AnyVelocity, VelocityEstimator};
+use crate::couple::engagement::Ladder;
 use crate::couple::{AnyLaw, Law};
 use crate::list::{Listed, Model};
 use crate::object::{AnyIntegrator, Integrator};
@@ -76,6 +77,7 @@ pub struct Scene<M: Models> {
     pub(crate) contact: Contact<M::Scalar>,
     pub(crate) integrator: M::Integrator,
     pub(crate) law: M::Law,
+    pub(crate) ladder: Ladder<M::Scalar>,
     pub(crate) guard: Guard<M::Scalar>,
 }
 
@@ -103,6 +105,7 @@ impl<M: Models> Scene<M> {
             contact: Contact::build(settings),
             integrator: M::Integrator::build(settings),
             law: M::Law::build(settings),
+            ladder: Ladder::build(settings),
             guard: Guard::build(settings),
         })
     }

@@ -8,8 +8,9 @@ use core::fmt;
 
 use crate::axis::kinematics::{KinematicsName, Maths};
 use crate::axis::velocity::VelocityName;
-use crate::couple::{AnyLaw, LawName};
+use crate::couple::engagement::Ladder;
 use crate::couple::wave::Decode;
+use crate::couple::{AnyLaw, LawName};
 use crate::list::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
 use crate::render::Side;
@@ -413,8 +414,12 @@ settings! {
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s";
         #[doc = "Ticks at the force limit, counted up while at it and down while off it, before the peer faults."]
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks";
-        #[doc = "Packets of silence from a peer that was heard before, before the peer faults."]
-        peer_lost_packets: u32 = 12, whole(1, 10000), "packets";
+        #[doc = "Packet periods without a packet through which the last one stands."]
+        fade_packets: u32 = 3, whole(0, 10000), "packets";
+        #[doc = "Packet periods without a packet after which the coordination has faded out and the peer renders alone."]
+        disengage_packets: u32 = 12, whole(1, 10000), "packets";
+        #[doc = "Packet periods without a packet, from a peer that was heard before, after which the peer faults."]
+        peer_lost_packets: u32 = 1250, whole(1, 100000), "packets";
     }
 }
 
@@ -423,6 +428,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;
         crate::axis::check(self)?;
+        Ladder::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;
         AnyLaw::<f64>::check(self)
     }

@@ -206,3 +206,16 @@ fn arming_starts_from_zero_force_wherever_the_device_is() {
     assert!(armed.enable);
     assert_eq!(armed.forces, [0.0; AXES]);
 }
+
+/// A device that stands away from where its encoders read zero must not seem to jump there in its first tick.
+#[test]
+fn the_first_reading_of_an_encoder_is_no_motion() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    let scene = Scene::<Any<f32>>::build(&settings).expect("a good scene");
+    let mut state = State::new(&scene, [Motion::at(-0.005), Motion::REST]);
+    state.command(&scene, Command::Arm);
+    let reading = Reading::Counts([Counts(1234), Counts(0)]);
+    peer::tick(&scene, &mut state, &Sensors { reading, overrun: false });
+    assert_eq!(state.observed().device, Motion::at(-0.005));
+}

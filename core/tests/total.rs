@@ -65,6 +65,9 @@ fn settings(draws: &[f64]) -> Settings {
         };
         settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
     }
+    // Half of all pairs would be out of order, and refused.
+    let safety = &mut settings.safety;
+    safety.disengage_packets = safety.disengage_packets.max(safety.fade_packets + 1).min(10_000);
     settings
 }
 

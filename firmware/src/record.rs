@@ -142,13 +142,33 @@ impl Record {
             wave_integral: double(20),
         })
     }
+    /// Device position, m.
+    pub fn device_m(&self) -> f32 {
+        f32::from_bits(self.0[7])
+    }
     /// Object position, m.
     pub fn object_m(&self) -> f32 {
         f32::from_bits(self.0[9])
     }
+    /// Object velocity, m/s.
+    pub fn object_m_per_s(&self) -> f32 {
+        f32::from_bits(self.0[10])
+    }
     /// Decoded remote position, m.
     pub fn desired_m(&self) -> f32 {
         f32::from_bits(self.0[11])
+    }
+    /// Contact force on the object, N.
+    pub fn contact_n(&self) -> f32 {
+        f32::from_bits(self.0[13])
+    }
+    /// Coordination force on the object, N.
+    pub fn coordination_n(&self) -> f32 {
+        f32::from_bits(self.0[14])
+    }
+    /// Energy from and to the network, J.
+    pub fn energy_j(&self) -> [f32; 2] {
+        [f32::from_bits(self.0[16]), f32::from_bits(self.0[17])]
     }
     /// Digest of the state after the tick.
     pub fn digest(&self) -> u32 {

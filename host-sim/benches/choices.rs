@@ -89,9 +89,11 @@ fn cases_in<S: Scalar>() -> Vec<Case> {
         .chain(Decode::ALL.iter().map(|&decode| self::decode::<S>(decode)))
         .chain(filters)
         .chain(mechanisms::CHOICES.iter().map(|&(model, maths)| mechanism::<S>(model, maths)))
-        .chain(estimators::RESOLUTIONS.iter().flat_map(|&counts_per_m| {
-            VelocityName::ALL.iter().map(move |&name| estimator::<S>(name, counts_per_m))
-        }))
+        .chain(
+            estimators::RESOLUTIONS.iter().flat_map(|&counts_per_m| {
+                VelocityName::ALL.iter().map(move |&name| estimator::<S>(name, counts_per_m))
+            }),
+        )
         .collect()
 }
 
@@ -235,7 +237,9 @@ fn compare(now: &str) -> Result<(), String> {
     if differences.is_empty() {
         return Ok(());
     }
-    Err(format!("the counts are not those of {FILE}:\n{differences}undo what changed them, or accept them with --bless"))
+    Err(format!(
+        "the counts are not those of {FILE}:\n{differences}undo what changed them, or accept them with --bless"
+    ))
 }
 
 fn main() -> ExitCode {

@@ -62,7 +62,12 @@ impl<M: Models> Harness<M> {
             let incoming = Way::new(file, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo });
             Ok(Side { scene, state, plant, incoming })
         };
-        Ok(Self { sides: [side(0, &left)?, side(1, &right)?], period_s: file.peer.timing.control_period_s, tick: 0, packet: 0 })
+        Ok(Self {
+            sides: [side(0, &left)?, side(1, &right)?],
+            period_s: file.peer.timing.control_period_s,
+            tick: 0,
+            packet: 0,
+        })
     }
 
     /// Ticks done so far, n.
@@ -84,7 +89,8 @@ impl<M: Models> Harness<M> {
             // Both packets are made before either is taken in: a network without delay delivers within the tick.
             let to_right = peer::outgoing(&left.scene, &left.state);
             let to_left = peer::outgoing(&right.scene, &right.state);
-            let (to_left, to_right) = (left.incoming.pass(self.packet, to_left), right.incoming.pass(self.packet, to_right));
+            let (to_left, to_right) =
+                (left.incoming.pass(self.packet, to_left), right.incoming.pass(self.packet, to_right));
             self.packet += 1;
             peer::exchange(&left.scene, &mut left.state, to_left);
             peer::exchange(&right.scene, &mut right.state, to_right);

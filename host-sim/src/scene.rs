@@ -307,6 +307,9 @@ impl SceneFile {
         for user in &self.users {
             user.settings.check_ranges().map_err(refused)?;
         }
+        if self.world.plant.encoder {
+            haptic_core::axis::encoder::check(&self.peer).map_err(refused)?;
+        }
         if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
             return Err(SceneError::Refused {
                 place: place.to_owned(),

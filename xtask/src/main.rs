@@ -6,12 +6,14 @@
 //! | [`test`] | everything that must pass before a change is taken |
 //! | [`bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
+//! | [`board`] | runs a scene on two virtual boards |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
 //! Exit status: 0 when the chore succeeded, 1 when it failed, 2 when the command line is wrong.
 
 mod bench;
+mod board;
 mod instructions;
 mod readme;
 mod run;
@@ -29,6 +31,7 @@ Usage: cargo xtask COMMAND [--help]
   test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
+  board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -72,6 +75,19 @@ Usage: cargo xtask bench-check [--bless]
   --bless   write what was counted to the file, for review
 ";
 
+const BOARD_HELP: &str = "\
+Builds the release image and runs it on two virtual NUCLEO-H743ZI2 on one wire, closed around host-sim's devices; prints
+the experiment's table beside host-sim's f32 run of the same scene.
+
+Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S] [--json] [--out DIR]
+
+  --scene    scene file or name of a built-in one [default: paper-5.2-passive-wave-16ms]
+  --set      override one key of the scene; may be repeated
+  --seconds  virtual time, 1 to 3600 s [default: 20]
+  --json     print one JSON document; files are written only with --out
+  --out      folder for CSV and pictures [default: out/board]
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -89,6 +105,8 @@ fn main() -> ExitCode {
         ["test", "--help" | "-h"] => print(TEST_HELP),
         ["bench", "--help" | "-h"] => print(BENCH_HELP),
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
+        ["board", "--help" | "-h"] => print(BOARD_HELP),
+        ["board", arguments @ ..] => board::board(arguments),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

@@ -60,6 +60,16 @@ const SCENES: &[(&str, Change)] = &[
     }),
     ("passive-wave", |_| {}),
     ("passive-wave-implicit", |settings| settings.coordination.decode = Decode::Implicit),
+    ("passive-mean-implicit", |settings| {
+        settings.coordination.comm = LawName::PassiveMean;
+        settings.coordination.decode = Decode::Implicit;
+    }),
+    ("passive-mean-implicit-ledger-drift", |settings| {
+        settings.coordination.comm = LawName::PassiveMean;
+        settings.coordination.decode = Decode::Implicit;
+        settings.coordination.ledger = true;
+        settings.coordination.drift_correction = true;
+    }),
     ("one-sided-gap", |settings| {
         settings.contact.one_sided = true;
         settings.contact.gap_m = 0.002;

@@ -9,12 +9,12 @@
 //! one; the first reading after a default state is position zero.
 //!
 //! Limits: the total is exact to ±2³¹ counts, and refused beyond; in `f32` the position rounds to 24 bits (past 2²⁴
-//! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer wraps
-//! unseen, and the check can no longer tell: choose encoder and control period so that it does not.
+//! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
+//! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
 
 use crate::axis::kinematics::Joints;
 use crate::scalar::Scalar;
-use crate::settings::Settings;
+use crate::settings::{Allowed, Refused, Settings};
 
 /// Raw value of a timer in encoder mode; wraps modulo 2¹⁶.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,6 +62,18 @@ pub struct EncoderState {
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
+
+/// Refuses a safety.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
+/// taken for a slower one, the other way.
+///
+/// # Errors
+/// The speed, with the largest that this encoder and control period can follow.
+pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
+    let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
+    let max = (f64::from(i16::MAX) - ROUNDING_COUNTS) / counts_per_speed;
+    super::within(settings, "safety.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
+}
 
 impl<S: Scalar> Encoder<S> {
     /// Scale from `encoder`, limit from `safety.max_speed_m_per_s`, `timing` and `kinematics`.

@@ -96,7 +96,9 @@ impl<S: Scalar> Credit<S> {
             account.origin = integral - self.packet_s * wave;
             (if energy > own { energy - own } else { 0.0 }, integral)
         });
-        if energy < seen {
+        if energy <= seen {
+            // Nothing new: a packet that stands through silence has been paid for, and mends nothing.
+            account.correction = S::ZERO;
             return;
         }
         account.seen = Some((energy, integral));

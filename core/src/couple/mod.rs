@@ -8,6 +8,7 @@
 //! (cooperation paper §3, eq. 7).
 
 pub mod credit;
+pub mod engagement;
 pub mod filter;
 pub mod free;
 pub mod ledger;
@@ -45,10 +46,7 @@ impl<S: Scalar> Packet<S> {
     /// Every field finite.
     #[inline]
     pub fn is_finite(self) -> bool {
-        self.motion.is_finite()
-            && self.wave.is_finite()
-            && self.energy_j.is_finite()
-            && self.wave_integral.is_finite()
+        self.motion.is_finite() && self.wave.is_finite() && self.energy_j.is_finite() && self.wave_integral.is_finite()
     }
 }
 

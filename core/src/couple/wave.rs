@@ -107,7 +107,9 @@ impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
             return Err(Refused {
                 key: "coordination.drift_correction",
                 value: Value::Flag(true),
-                allowed: Allowed::Only("false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true"),
+                allowed: Allowed::Only(
+                    "false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true",
+                ),
                 unit: "",
             });
         }
@@ -158,7 +160,9 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     fn start(&self, state: &mut LineState<S, D::State>, local: Motion<S>) {
-        *state = LineState { desired: Motion::at(local.position), ..LineState::default() };
+        // What was sent stays sent: the other peer counts on it.
+        let integral = state.integral;
+        *state = LineState { desired: Motion::at(local.position), integral, ..LineState::default() };
     }
 
     fn receive(&self, state: &mut LineState<S, D::State>, packet: Packet<S>) {

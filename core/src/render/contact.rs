@@ -30,8 +30,8 @@ enum Surface<S> {
     Held,
     /// Free within ± this distance, m.
     Play(S),
-    /// In contact from this far (m) past the device's rest, on one side; the sign points from device to object.
-    OneSided { gap: S, sign: S },
+    /// In contact where the device is past the surface; the sign points from device to object.
+    OneSided { sign: S },
 }
 
 /// Spring and damper between device and object.
@@ -40,7 +40,8 @@ pub struct Contact<S> {
     stiffness: S,
     damping: S,
     surface: Surface<S>,
-    gap: S,
+    /// How far from a device at rest an object is put, one-sided; 0 otherwise.
+    clearance: S,
 }
 
 impl<S: Scalar> Contact<S> {
@@ -56,17 +57,17 @@ impl<S: Scalar> Contact<S> {
             stiffness: S::from_f64(contact.stiffness_n_per_m),
             damping: S::from_f64(contact.damping_n_s_per_m),
             surface: match (contact.one_sided, contact.gap_m > 0.0) {
-                (true, _) => Surface::OneSided { gap, sign },
+                (true, _) => Surface::OneSided { sign },
                 (false, true) => Surface::Play(gap),
                 (false, false) => Surface::Held,
             },
-            gap: if contact.one_sided { sign * gap } else { S::ZERO },
+            clearance: if contact.one_sided { sign * gap } else { S::ZERO },
         }
     }
 
-    /// Where an object must be put so that a device at `position` (m) just does not touch it, gap included.
+    /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
     pub fn clear_of(&self, position: S) -> S {
-        position + self.gap
+        position + self.clearance
     }
 
     /// F_LC on the object, N.
@@ -78,7 +79,7 @@ impl<S: Scalar> Contact<S> {
             Surface::Held => distance,
             Surface::Play(gap) if distance > gap => distance - gap,
             Surface::Play(gap) if distance < -gap => distance + gap,
-            Surface::OneSided { gap, sign } if sign * distance > gap => distance - sign * gap,
+            Surface::OneSided { sign } if sign * distance > S::ZERO => distance,
             Surface::Play(_) | Surface::OneSided { .. } => return S::ZERO,
         };
         self.stiffness * depth + self.damping * speed

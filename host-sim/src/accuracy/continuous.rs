@@ -58,8 +58,7 @@ impl Peer {
     fn new(scene: &SceneFile) -> Self {
         let (device, contact, object) = (&scene.world.device, &scene.peer.contact, &scene.peer.object);
         let line = &scene.peer.coordination;
-        let (stiffness, damping, b) =
-            (line.stiffness_n_per_m, line.damping_n_s_per_m, line.wave_impedance_n_s_per_m);
+        let (stiffness, damping, b) = (line.stiffness_n_per_m, line.damping_n_s_per_m, line.wave_impedance_n_s_per_m);
         let [x_h, v_h, x_o, v_o, x_d, y, user, u_in] = [0, 1, 2, 3, 4, 5, 6, 7].map(unit);
         let root = (2.0 * b).sqrt();
         let stretch = sum(&[(1.0, x_d), (-1.0, x_o)]);
@@ -112,10 +111,7 @@ pub fn run(scene: &SceneFile, duration_s: f64) -> Vec<Sample> {
         // Each user pushes toward the other: user 2 toward negative x.
         (first[6], second[6]) = (scene.users[0].force_n(time_s), -scene.users[1].force_n(time_s));
         let force = |state: &[f64]| peer.force.iter().zip(state).map(|(gain, value)| gain * value).sum();
-        samples.push(Sample {
-            objects_m: [first[2], second[2]],
-            forces_n: [force(first), force(second)],
-        });
+        samples.push(Sample { objects_m: [first[2], second[2]], forces_n: [force(first), force(second)] });
         for state in &mut states {
             *state = peer.transition.apply(state);
         }

@@ -53,12 +53,7 @@ fn five_bar(settings: &mut Settings, maths: Maths) {
     settings.kinematics.maths = maths;
 }
 
-const fn scene(
-    name: &'static str,
-    over: Option<&'static str>,
-    adds: &'static str,
-    change: fn(&mut Settings),
-) -> Scene {
+const fn scene(name: &'static str, over: Option<&'static str>, adds: &'static str, change: fn(&mut Settings)) -> Scene {
     Scene { name, over, adds, change }
 }
 

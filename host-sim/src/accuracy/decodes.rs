@@ -77,9 +77,7 @@ pub fn closed_form(settings: &Settings, ticks: usize) -> Vec<(f64, f64)> {
         let change = (root * held - stiffness * stretch - b * local(time_s).velocity) / (b + damping);
         let now = (stretch, stiffness * stretch + damping * change);
         let steady = root * held / stiffness;
-        stretch = steady
-            + forced(time_s + period_s)
-            + (stretch - steady - forced(time_s)) * (-period_s / lag).exp();
+        stretch = steady + forced(time_s + period_s) + (stretch - steady - forced(time_s)) * (-period_s / lag).exp();
         now
     };
     (0..ticks).map(at).collect()

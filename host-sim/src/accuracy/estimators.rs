@@ -25,9 +25,8 @@ use crate::user::User;
 /// Encoder resolutions, counts/m: 50 µm, 16 bit, 5 µm (the default), 24 bit.
 pub const RESOLUTIONS: [f64; 4] = [20_000.0, 65_536.0, 200_000.0, 16_777_216.0];
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
-pub const CUTOFFS_HZ: [f64; 18] = [
-    8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0, 400.0,
-];
+pub const CUTOFFS_HZ: [f64; 18] =
+    [8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0, 400.0];
 /// Ticks of the motion: 2 s.
 const TICKS: usize = 2000;
 
@@ -109,7 +108,8 @@ pub fn measure() -> Result<Family, AccuracyError> {
     }
     let [coarse, _, usual, fine] = &comparisons[..] else { unreachable!("one comparison for each resolution") };
     let number = |comparison: &Comparison, name| significant(comparison.error_of(name), 2);
-    let cutoffs: Vec<String> = advice.iter().map(|(resolution, cutoff)| format!("{cutoff} Hz at {resolution}")).collect();
+    let cutoffs: Vec<String> =
+        advice.iter().map(|(resolution, cutoff)| format!("{cutoff} Hz at {resolution}")).collect();
     let insight = format!(
         "At 50 µm a count the plain difference errs by {} m/s, filtered (100 Hz) by {}, adaptive by {}; at 5 µm by {}, {} and \
          {}; at 24 bit/m the difference wins with {}. Set the filter to the encoder ({} counts/m) before paying \
@@ -128,8 +128,9 @@ pub fn measure() -> Result<Family, AccuracyError> {
     Ok(Family {
         name: "velocity",
         title: "Velocity from an encoder",
-        motion: "Minimum-jerk reach of 50 mm in 1 s with a tremor of 0.1 mm at 9 Hz, which goes on for 1 s more; 1 kHz, f32"
-            .to_owned(),
+        motion:
+            "Minimum-jerk reach of 50 mm in 1 s with a tremor of 0.1 mm at 9 Hz, which goes on for 1 s more; 1 kHz, f32"
+                .to_owned(),
         reference: "the true velocity of the motion",
         instructions_per: "call of step()",
         comparisons,

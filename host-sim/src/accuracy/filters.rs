@@ -139,9 +139,9 @@ pub fn measure() -> Result<Family, AccuracyError> {
         (Bilinear::<f32>::NAME, errors::<f32, Bilinear<f32>>(&settings)),
     ];
     let compare = |title: &str, error: &str, pick: fn((f64, f64)) -> f64| {
-        let points = measured.iter().map(|(name, errors)| {
-            Ok(((*name).to_owned(), pick(*errors), count(&format!("filter/{name}"), "f32")?))
-        });
+        let points = measured
+            .iter()
+            .map(|(name, errors)| Ok(((*name).to_owned(), pick(*errors), count(&format!("filter/{name}"), "f32")?)));
         Ok::<_, AccuracyError>(Comparison::new(title, error, "1", points.collect::<Result<_, AccuracyError>>()?))
     };
     let comparisons = vec![

@@ -65,8 +65,7 @@ fn hand(settings: &Settings, joints: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
     let mut at = [(left[0] + right[0]) * half, (left[1] + right[1]) * half + number(kinematics.distal_m)];
     for _ in 0..10 {
         let [from_a, from_b] = elbows.map(|elbow| [at[0] - elbow[0], at[1] - elbow[1]]);
-        let [miss_a, miss_b] =
-            [from_a, from_b].map(|link| (square - link[0] * link[0] - link[1] * link[1]) * half);
+        let [miss_a, miss_b] = [from_a, from_b].map(|link| (square - link[0] * link[0] - link[1] * link[1]) * half);
         let determinant = from_a[0] * from_b[1] - from_a[1] * from_b[0];
         at[0] = at[0] + (miss_a * from_b[1] - miss_b * from_a[1]).ratio(determinant);
         at[1] = at[1] + (miss_b * from_a[0] - miss_a * from_b[0]).ratio(determinant);
@@ -149,7 +148,8 @@ pub fn measure() -> Result<Family, AccuracyError> {
          saves {} of {} instructions; libm in f32 errs by {} m, so f64 buys nothing a device of 8192 counts could show.",
         significant(hand.error_of("f32, micromath"), 2),
         hand.error_of("f32, micromath") / count_m,
-        hand.instructions_of("f32, libm") - hand.instructions_of("f32, micromath").min(hand.instructions_of("f32, libm")),
+        hand.instructions_of("f32, libm")
+            - hand.instructions_of("f32, micromath").min(hand.instructions_of("f32, libm")),
         hand.instructions_of("f32, libm"),
         significant(hand.error_of("f32, libm"), 2),
     );

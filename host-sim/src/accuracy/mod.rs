@@ -74,7 +74,8 @@ impl Comparison {
         unit: &'static str,
         measured: Vec<(String, f64, u64)>,
     ) -> Self {
-        let front = pareto::front(&measured.iter().map(|(_, error, count)| (*error, *count as f64)).collect::<Vec<_>>());
+        let front =
+            pareto::front(&measured.iter().map(|(_, error, count)| (*error, *count as f64)).collect::<Vec<_>>());
         let points = measured
             .into_iter()
             .zip(front)

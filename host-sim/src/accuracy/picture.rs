@@ -32,11 +32,7 @@ fn panel(family: &Family, comparison: &Comparison, title: String) -> Panel {
         y_label: format!("{}{unit}", comparison.error),
         log_x: true,
         log_y: true,
-        series: vec![
-            Series::dashed("", 0, Dash::Dashed, line),
-            Series::dots("", 1, beaten, beaten_names),
-            joined,
-        ],
+        series: vec![Series::dashed("", 0, Dash::Dashed, line), Series::dots("", 1, beaten, beaten_names), joined],
         ..Panel::default()
     }
 }

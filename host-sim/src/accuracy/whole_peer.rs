@@ -38,9 +38,9 @@ impl Scheme {
 
 /// Every integrator with every decode at 1 kHz, and the semi-implicit one with the implicit decode at higher rates.
 fn schemes() -> Vec<Scheme> {
-    let at_1_khz = IntegratorName::ALL.iter().flat_map(|&integrator| {
-        Decode::ALL.iter().map(move |&decode| Scheme { integrator, decode, ticks_per_ms: 1 })
-    });
+    let at_1_khz = IntegratorName::ALL
+        .iter()
+        .flat_map(|&integrator| Decode::ALL.iter().map(move |&decode| Scheme { integrator, decode, ticks_per_ms: 1 }));
     let faster = RATES.iter().skip(1).map(|&ticks_per_ms| Scheme {
         integrator: IntegratorName::SemiImplicit,
         decode: Decode::Implicit,

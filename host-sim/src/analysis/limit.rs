@@ -104,9 +104,7 @@ pub fn crossings<A>(
     let found: Vec<(f64, usize)> = all
         .par_windows(2)
         .filter(|pair| stable(pair[0]) != stable(pair[1]))
-        .map_init(&memory, |memory, pair| {
-            close_in(pair[0], pair[1], whole, tolerance, |value| radius(memory, value))
-        })
+        .map_init(&memory, |memory, pair| close_in(pair[0], pair[1], whole, tolerance, |value| radius(memory, value)))
         .collect::<Result<_, AnalysisError>>()?;
     evaluations += found.iter().map(|(_, spent)| spent).sum::<usize>();
     Ok(Limit {

@@ -5,6 +5,7 @@
 //! change.
 
 mod accuracy;
+mod campaign;
 mod cooperate;
 mod keys;
 mod paper;
@@ -46,6 +47,8 @@ enum Command {
     Precision(precision::Precision),
     /// Speed against error: every numerical choice, and what each model adds to a tick.
     Accuracy(accuracy::Accuracy),
+    /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
+    Campaign(campaign::Campaign),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
+        Command::Campaign(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

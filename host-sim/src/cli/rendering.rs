@@ -142,7 +142,8 @@ impl Report {
             or_none(delay_s.map(|delay_s| 1e3 * delay_s))
         );
         println!("Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
-        let mut table = TextTable::new(["mass (kg)", "damping (N·s/m)", "computing (periods)", "K at 200 Hz", "K at 5 ms"]);
+        let mut table =
+            TextTable::new(["mass (kg)", "damping (N·s/m)", "computing (periods)", "K at 200 Hz", "K at 5 ms"]);
         for found in &self.identified {
             table.push([
                 found.mass_kg.to_string(),

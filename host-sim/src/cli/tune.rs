@@ -82,7 +82,8 @@ impl Report {
             println!("{name}: not even the softest contact is stable; try more damping or less delay");
             return;
         };
-        let limit = |limit: Option<f64>| limit.map_or_else(|| format!("none up to {BEYOND} times"), |k| significant(k, 4));
+        let limit =
+            |limit: Option<f64>| limit.map_or_else(|| format!("none up to {BEYOND} times"), |k| significant(k, 4));
         let mut table = TextTable::new(["", "proposal", "limit with the other as proposed"]);
         for (name, gain, crossing) in [
             ("K_LC (N/m)", proposal.contact_stiffness_n_per_m, proposal.contact_limit_n_per_m),

@@ -1,6 +1,7 @@
 //! Runs with their figures of merit, and the papers' experiments made of them.
 
 pub mod apparent_mass;
+pub mod campaign;
 pub mod figures;
 pub mod paper;
 pub mod precision;

@@ -65,6 +65,8 @@ pub struct Outcome {
     pub contact_force_n: f64,
     /// Largest |F_T| of either peer, N.
     pub peak_coordination_force_n: f64,
+    /// Largest change of either F_T from one tick to the next, N.
+    pub largest_jump_n: f64,
     /// Energy through both network ports.
     pub energy: [PortEnergy; 2],
     /// Ticks done.
@@ -157,6 +159,7 @@ pub fn run<S: Scalar>(
         coordination_force_n: Spread { mean, sd: (merits.force_squared / count - mean * mean).max(0.0).sqrt() },
         contact_force_n: merits.contact / count,
         peak_coordination_force_n: merits.peak,
+        largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
         energy: pair.sides.each_ref().map(|side| PortEnergy {
             received_j: side.state.ledger().received_j().to_f64(),
             sent_j: side.state.ledger().sent_j().to_f64(),

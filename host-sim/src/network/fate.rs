@@ -158,9 +158,7 @@ impl Generator {
             Jitter::None => 0.0,
             Jitter::Uniform => network.jitter_s * self.unit(),
             // Two exponentials of half the mean.
-            Jitter::Gamma => {
-                -0.5 * network.jitter_s * (libm::log(1.0 - self.unit()) + libm::log(1.0 - self.unit()))
-            }
+            Jitter::Gamma => -0.5 * network.jitter_s * (libm::log(1.0 - self.unit()) + libm::log(1.0 - self.unit())),
         };
         delay
     }

@@ -149,8 +149,11 @@ mod tests {
     #[test]
     fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
         for (loss, burst) in [(0.2, 1.0), (0.1, 5.0), (0.5, 20.0)] {
-            let mut way =
-                way(&["network.one_way_delay_packets=0", &format!("network.loss={loss}"), &format!("network.loss_burst_packets={burst}")]);
+            let mut way = way(&[
+                "network.one_way_delay_packets=0",
+                &format!("network.loss={loss}"),
+                &format!("network.loss_burst_packets={burst}"),
+            ]);
             let got: Vec<bool> = (0..200_000).map(|period| way.pass(period, period).is_some()).collect();
             let lost = got.iter().filter(|got| !**got).count() as f64;
             let runs = got.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
@@ -180,7 +183,10 @@ mod tests {
             }
         }
         let counts = way.counts();
-        assert!(counts.dropped > 1000 && counts.corrupt > 1000 && counts.lost > 1000 && counts.delivered > 5000, "{counts:?}");
+        assert!(
+            counts.dropped > 1000 && counts.corrupt > 1000 && counts.lost > 1000 && counts.delivered > 5000,
+            "{counts:?}"
+        );
     }
 
     #[test]

@@ -11,7 +11,9 @@ use super::random;
 
 const SCENES: u64 = 10_000;
 
-/// Matrices to 1e-9 of their largest entry in balanced units, spectral radii to 1e-9 of themselves.
+/// Matrices to 1e-9 of their largest entry in balanced units (1e-12 is seen), spectral radii to 1e-9 of themselves: all but
+/// those of explosive scenes, where two equal peers on unequal delays have a nearly defective pair of eigenvalues, and the
+/// radius of a matrix that is known to 1e-16 is known to 1e-8.
 #[test]
 fn two_constructions_agree_on_ten_thousand_scenes() {
     let worst = (0..SCENES)
@@ -19,7 +21,8 @@ fn two_constructions_agree_on_ten_thousand_scenes() {
         .map(|seed| {
             let linear = random::scene(seed).linear();
             let found = agreement(&linear).unwrap().expect("every random scene has a second construction");
-            assert!(found.matrix < 1e-9 && found.spectral_radius < 1e-9, "scene {seed}: {found:?}\n{linear:?}");
+            let allowed = if verdict(&linear).unwrap().spectral_radius < 1e3 { 1e-9 } else { 1e-7 };
+            assert!(found.matrix < 1e-9 && found.spectral_radius < allowed, "scene {seed}: {found:?}\n{linear:?}");
             (found.matrix, found.spectral_radius)
         })
         .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));

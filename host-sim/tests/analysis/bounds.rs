@@ -30,7 +30,7 @@ fn scene(comm: LawName, integrator: IntegratorName, delay: u32, device_delay: f6
 
 fn along(scene: &SceneFile) -> Limit {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 1e6 };
-    limit(scene, range, Effort { steps: 120, tolerance: 1e-3 }).unwrap()
+    limit(scene, range, Effort { steps: 80, tolerance: 1e-3 }).unwrap()
 }
 
 /// The contact alone, without coordination: against a copy that is free (K_T → 0) and against one that cannot move
@@ -134,8 +134,7 @@ fn the_other_counter_examples() {
 #[test]
 fn forward_euler_is_the_counter_example() {
     let all = all(&[IntegratorName::ForwardEuler], &[0, 1, 8]);
-    let unstable: Vec<(SceneFile, Limit)> =
-        all.into_iter().filter(|(_, limit)| !limit.crossings.is_empty()).collect();
+    let unstable: Vec<(SceneFile, Limit)> = all.into_iter().filter(|(_, limit)| !limit.crossings.is_empty()).collect();
     assert!(!unstable.is_empty());
     for (scene, Limit { stable_at_start, crossings, .. }) in unstable {
         let mut worst = 0.0_f64;

@@ -42,7 +42,11 @@ fn a_millionth_inside_and_outside() {
                 let all = [measured::<f64>(&at), measured::<f32>(&at), measured::<Fixed>(&at)];
                 println!(
                     "{comm} K_T {:.3}: rho-1 eigenvalue {:.6e} f64 {:.6e} f32 {:.3e} fixed {:.3e}",
-                    at.peer.coordination.stiffness_n_per_m, known - 1.0, all[0] - 1.0, all[1] - 1.0, all[2] - 1.0
+                    at.peer.coordination.stiffness_n_per_m,
+                    known - 1.0,
+                    all[0] - 1.0,
+                    all[1] - 1.0,
+                    all[2] - 1.0
                 );
             }
         }

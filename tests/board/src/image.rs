@@ -15,6 +15,8 @@ pub struct Firmware {
     pub symbols: BTreeMap<String, (u64, u64)>,
     /// Address and size of every section that takes memory.
     pub sections: BTreeMap<String, (u64, u64)>,
+    /// Bytes of every section that has any, by address.
+    contents: BTreeMap<u64, Vec<u8>>,
 }
 
 /// Where `cargo build --release -p firmware --target thumbv7em-none-eabihf` leaves it; `HAPTIC_FIRMWARE` names another.
@@ -34,13 +36,16 @@ impl Firmware {
         let bytes = std::fs::read(path).unwrap_or_else(|error| {
             panic!("{}: {error}; `cargo xtask board` builds it, or HAPTIC_FIRMWARE names it", path.display())
         });
-        let elf = object::File::parse(&*bytes).expect("the image is ELF");
+        let file = object::File::parse(&*bytes).expect("the image is ELF");
         let symbols =
-            (elf.symbols().filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address() & !1, s.size()))))).collect();
-        let sections = (elf.sections().filter(|s| s.size() > 0))
+            (file.symbols().filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address() & !1, s.size()))))).collect();
+        let sections = (file.sections().filter(|s| s.size() > 0))
             .filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address(), s.size()))))
             .collect();
-        Self { image: Image::read(path, None).expect("the emulator reads ELF"), symbols, sections }
+        let contents = (file.sections())
+            .filter_map(|s| Some((s.address(), s.data().ok().filter(|data| !data.is_empty())?.to_vec())))
+            .collect();
+        Self { image: Image::read(path, None).expect("the emulator reads ELF"), symbols, sections, contents }
     }
 
     /// The image under test.
@@ -51,5 +56,38 @@ impl Firmware {
     /// The address of a function or static.
     pub fn address(&self, symbol: &str) -> u64 {
         self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}")).0
+    }
+
+    /// The code of a function, halfword by halfword.
+    pub fn code(&self, symbol: &str) -> Vec<u16> {
+        let (address, size) = *self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}"));
+        let (start, bytes) = self.contents.range(..=address).next_back().expect("the function lies in a section");
+        let at = (address - start) as usize;
+        let code = bytes.get(at..at + size as usize).expect("the function lies in its section");
+        code.as_chunks().0.iter().map(|halfword| u16::from_le_bytes(*halfword)).collect()
+    }
+
+    /// Where a function returns: the addresses of its `bx lr` and of what loads the program counter from the stack.
+    ///
+    /// Constants between the instructions may look like one: an address that is never reached does no harm to a count.
+    pub fn returns(&self, symbol: &str) -> Vec<u64> {
+        let (code, start) = (self.code(symbol), self.address(symbol));
+        let (mut at, mut found) = (0, Vec::new());
+        while let Some(first) = code.get(at) {
+            let wide = matches!(first >> 11, 0b11101..=0b11111);
+            let second = if wide { code.get(at + 1).copied().unwrap_or(0) } else { 0 };
+            let returns = match first {
+                0x4770 => true,
+                0xBD00..=0xBDFF => true,
+                0xE8BD => second & 0x8000 != 0,
+                0xF85D => second == 0xFB04,
+                _ => false,
+            };
+            if returns {
+                found.push(start + 2 * at as u64);
+            }
+            at += if wide { 2 } else { 1 };
+        }
+        found
     }
 }

@@ -5,6 +5,9 @@
 //! | module | holds |
 //! |---|---|
 //! | [`pair`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
+//! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
+//! | [`cost`] | instructions of every tick |
+//! | [`reviewed`] | what the emulator does not model, against a reviewed list |
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
 //! | [`wire`] | the switch between boards and PC: delay, loss, a cable pulled out |
 //! | [`pc`] | the operator's PC: ARP, commands, telemetry |
@@ -17,10 +20,13 @@
 //! execution times are not.
 #![forbid(unsafe_code)]
 
+pub mod cost;
 pub mod image;
 pub mod node;
 pub mod pair;
 pub mod part;
 pub mod pc;
+pub mod reviewed;
+pub mod trial;
 pub mod twin;
 pub mod wire;

@@ -19,6 +19,7 @@ use haptic_core::settings::{Settings, Value};
 use host_sim::plant::Plant;
 use host_sim::scene::SceneFile;
 
+use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Bridges;
@@ -93,6 +94,8 @@ pub struct Bench {
     inputs: Vec<Inputs>,
     /// What each board did at the last stop.
     pub stopped: Vec<Stopped>,
+    /// Instructions of each board's ticks, once [`Bench::count_instructions`] was asked for.
+    pub meters: Vec<Meter>,
     now_ns: u64,
     period_s: f64,
     /// Ticks that the devices have moved since arming.
@@ -111,6 +114,7 @@ impl Bench {
             devices: nodes.iter().map(|_| None).collect(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
             inputs: each(),
+            meters: nodes.iter().map(|_| Meter::new(firmware)).collect(),
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
@@ -155,6 +159,9 @@ impl Bench {
         }
         self.stopped = self.nodes.iter().map(Node::wait).collect();
         self.now_ns = until_ns;
+        for (meter, stopped) in self.meters.iter_mut().zip(&self.stopped) {
+            meter.see(&stopped.hits);
+        }
         for (port, stopped) in self.stopped.iter().enumerate() {
             for (at, frame) in &stopped.frames {
                 self.wire.send(port, *at, frame);
@@ -192,6 +199,14 @@ impl Bench {
         self.ticks += u64::from(moved);
     }
 
+    /// Counts the instructions of every tick from the next stop on.
+    pub fn count_instructions(&mut self) {
+        for (meter, inputs) in self.meters.iter_mut().zip(&mut self.inputs) {
+            meter.clear();
+            inputs.watch.extend(meter.watched());
+        }
+    }
+
     /// So many periods.
     pub fn run_for_ms(&mut self, periods: u64) {
         (0..periods).for_each(|_| self.step());
@@ -223,9 +238,9 @@ impl Bench {
 
     /// Brings every board to the scene and puts a device on it; disarmed still.
     ///
-    /// # Panics
-    /// A board refuses a setting.
-    pub fn set_up(&mut self, scene: &SceneFile) {
+    /// # Errors
+    /// What a board says against a setting.
+    pub fn set_up(&mut self, scene: &SceneFile) -> Result<(), String> {
         self.period_s = scene.peer.timing.control_period_s;
         self.devices = (0..self.nodes.len())
             .map(|index| Some(Device { plant: Plant::new(scene, index), started: false, counts: [0; AXES] }))
@@ -236,11 +251,14 @@ impl Bench {
         for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
             for line in lines(settings) {
                 let answer = self.ask(index + 1, &line);
-                assert!(answer.starts_with("ok"), "board {}: {line}: {answer}", index + 1);
+                if !answer.starts_with("ok") {
+                    return Err(format!("board {}: {line}: {answer}", index + 1));
+                }
             }
         }
         // The scene is taken at the next packet boundary.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        Ok(())
     }
 
     /// Asks every board for every tick, and arms them all within one packet period.

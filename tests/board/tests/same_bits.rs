@@ -11,7 +11,7 @@ use host_sim::scenes;
 fn run(scene: &host_sim::scene::SceneFile, seconds: u64) -> Bench {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(scene);
+    bench.set_up(scene).expect("the boards take the scene");
     bench.arm();
     bench.run_for_ms(1000 * seconds);
     bench

@@ -36,10 +36,10 @@ impl Pruner {
 pub fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
     let size = matrix.rows();
     let (mut in_row, mut in_column) = (vec![0_usize; size], vec![0_usize; size]);
-    for j in 0..size {
+    for (j, filled) in in_column.iter_mut().enumerate() {
         for (i, _) in matrix.column(j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
             in_row[i] += 1;
-            in_column[j] += 1;
+            *filled += 1;
         }
     }
     let mut alive = vec![true; size];

@@ -28,8 +28,9 @@ pub fn largest_stiffness(rendering: &Rendering) -> f64 {
             (object.mass_kg / total, device.mass_kg / total, object.damping_n_s_per_m)
         }
     };
-    let damping =
-        device.damping_n_s_per_m * share * share + object_damping * object_share * object_share + contact_damping_n_s_per_m;
+    let damping = device.damping_n_s_per_m * share * share
+        + object_damping * object_share * object_share
+        + contact_damping_n_s_per_m;
     damping / (late * share + late_object * object_share)
 }
 

@@ -69,7 +69,13 @@ pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
         if (short - 1.0).abs().max((short_sampled - 1.0).abs()) < 2e-3 {
             let (at_200_hz_n_per_m, at_5_ms_n_per_m) = (sampled, delayed);
             let computing_ticks = late - 0.5;
-            return Ok(Identified { mass_kg, damping_n_s_per_m: damping, computing_ticks, at_200_hz_n_per_m, at_5_ms_n_per_m });
+            return Ok(Identified {
+                mass_kg,
+                damping_n_s_per_m: damping,
+                computing_ticks,
+                at_200_hz_n_per_m,
+                at_5_ms_n_per_m,
+            });
         }
         damping *= short;
         // What more damping gives, sampling must take.

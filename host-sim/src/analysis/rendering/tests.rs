@@ -70,7 +70,8 @@ fn scene(object: Option<Body>, contact_damping_n_s_per_m: f64, computing_ticks: 
 fn a_simulation_with_every_delay_in_its_place_agrees() {
     let heavy = Some(Body { mass_kg: 1.0, damping_n_s_per_m: 0.0 });
     let light = Some(Body { mass_kg: 0.2, damping_n_s_per_m: 1.5 });
-    let mut scenes: Vec<Rendering> = Place::ALL.map(|place| scene(heavy, 1.0, 0.5, [0.0; 4]).delayed(place, 3.37e-3)).into();
+    let mut scenes: Vec<Rendering> =
+        Place::ALL.map(|place| scene(heavy, 1.0, 0.5, [0.0; 4]).delayed(place, 3.37e-3)).into();
     scenes.push(scene(light, 0.5, 0.31, [1.21e-3, 0.4e-3, 2.63e-3, 5.5e-3]));
     scenes.push(scene(light, 0.0, 0.0, [0.0, 0.0, 0.0, 0.77e-3]));
     scenes.push(scene(None, 0.0, 0.0, [0.0; 4]));

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | continuous open loop of device and object, discretised | (8)–(11) | [`hold`] |
 //! | augmented with x_d, ẋ_d, waves, filter, delayed inputs | (13)–(19), (22)–(23) | [`peer`]: A, B |
-//! | forces and decoded velocity as feedback of states | F_D, (3)–(7) | [`peer`]: F, G, H |
+//! | forces and decoded velocity as feedback of states | F_D, (3)–(7) | [`peer`], `law`: F, G, H |
 //! | lifted over the M ticks of a packet, loop closed | (12), (24) | [`lift`] |
 //! | packets and communication delay | last paragraph of §4.2 | [`network`] |
 //!
@@ -12,6 +12,7 @@
 //! here gives `None`: core's lists may grow, this file need not.
 
 pub mod hold;
+mod law;
 pub mod lift;
 pub mod network;
 pub mod peer;

@@ -1,13 +1,12 @@
 //! One peer's augmented open loop and the feedback that closes it, tick by tick.
 //!
-//! Open loop z⁺ = A·z + B·u: states z ([`State`]) under fast inputs u ([`Input`]): the contact force, the coordination force,
+//! Open loop z⁺ = A·z + B·u: states z ([`State`]) under fast inputs u (`Input`): the contact force, the coordination force,
 //! the decoded velocity, the outgoing wave sample. Feedback u = F·z + G·u + H·s, where s is what the packet of this
 //! period brought, held for M ticks. G is the algebraic part: inputs of a tick that need each other, which is how the
 //! implicit decode is written here (core solves it by hand). Equations: THEORY §2.
 
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
 use haptic_core::object::IntegratorName;
 
 use super::super::super::matrix::Matrix;
@@ -39,7 +38,7 @@ pub enum State {
 
 /// A fast input. Order of the columns of B and G, and of the rows of F, G and H.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Input {
+pub(super) enum Input {
     Contact,
     Coordination,
     Decoded,
@@ -69,7 +68,7 @@ pub struct Peer {
     pub free: bool,
 }
 
-use Input::{Contact, Coordination, Decoded, Wave};
+use Input::{Contact, Coordination};
 use State::{
     CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, FilteredVelocity,
     LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
@@ -196,66 +195,9 @@ impl Peer {
             self.a[(last, device)] = 1.0;
         }
     }
-
-    /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
-    fn power(&mut self, scene: &SceneFile) {
-        let (k, b) = (scene.peer.coordination.stiffness_n_per_m, scene.peer.coordination.damping_n_s_per_m);
-        for (held, (state, gain)) in [(ObjectPosition, k), (ObjectVelocity, b)].into_iter().enumerate() {
-            let at = self.at(state);
-            self.f[(Coordination as usize, at)] = -gain;
-            self.h[(Coordination as usize, held)] = gain;
-        }
-    }
-
-    fn wave(&mut self, scene: &SceneFile) {
-        let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
-        let (k, damping) = (coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
-        let impedance = coordination.wave_impedance_n_s_per_m;
-        let root = (2.0 * impedance).sqrt();
-        let [x_d, v_d, force, out] =
-            [DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing].map(|state| self.at(state));
-        let [x_o, v_o] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
-        let [coordination_row, decoded, wave] = [Coordination, Decoded, Wave].map(|input| input as usize);
-
-        // ẋ_d = (√(2b)·u_in − F_T)/b with F_T of the tick before, or of this one.
-        self.h[(decoded, 0)] = root / impedance;
-        self.a[(x_d, x_d)] = 1.0;
-        self.f[(coordination_row, x_d)] = k;
-        match coordination.decode {
-            Decode::Delayed => {
-                self.f[(decoded, force)] = -1.0 / impedance;
-                self.a[(x_d, v_d)] = period;
-                self.f[(coordination_row, v_d)] = k * period;
-                self.g[(coordination_row, decoded)] = damping;
-            }
-            Decode::Implicit => {
-                self.g[(decoded, coordination_row)] = -1.0 / impedance;
-                self.b[(x_d, decoded)] = period;
-                self.g[(coordination_row, decoded)] = damping + k * period;
-            }
-        }
-        self.f[(coordination_row, x_o)] = -k;
-        self.f[(coordination_row, v_o)] = -damping;
-        self.b[(v_d, decoded)] = 1.0;
-        self.b[(force, coordination_row)] = 1.0;
-
-        // u_out = (b·ẋ_d − F_T)/√(2b), straight out, through ẋ_f = −Ω·x_f + u_out, y = Ω·x_f, or as the mean of M.
-        self.g[(wave, decoded)] = impedance / root;
-        self.g[(wave, coordination_row)] = -1.0 / root;
-        let (keep, take) = match scene.peer.coordination.comm {
-            LawName::PassiveWave => {
-                let keep = decay(coordination.cutoff_hz, period);
-                (keep, 1.0 - keep)
-            }
-            LawName::PassiveMean => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
-            _ => (0.0, 1.0),
-        };
-        self.a[(out, out)] = keep;
-        self.b[(out, wave)] = take;
-    }
 }
 
 /// What is left after one period (s) of a first-order lag with this cutoff (Hz).
-fn decay(cutoff_hz: f64, period: f64) -> f64 {
+pub(super) fn decay(cutoff_hz: f64, period: f64) -> f64 {
     exponential(&Matrix::from_rows(&[[-std::f64::consts::TAU * cutoff_hz * period]]))[(0, 0)]
 }

@@ -1,0 +1,49 @@
+//! `host-sim stability bench`: spectral radii per second.
+
+use clap::Args;
+
+use super::super::{Failure, print_json};
+use crate::analysis::speed;
+use crate::report::text::TextTable;
+
+/// Arguments of `stability bench`.
+#[derive(Debug, Args)]
+pub(super) struct Bench {
+    /// Radii on each thread.
+    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    radii: u32,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Bench {
+    /// Answers.
+    ///
+    /// # Errors
+    /// A bad scene, key or range; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut counts = vec![1, cores];
+        counts.dedup();
+        let speeds = counts
+            .into_iter()
+            .map(|threads| speed::measure(self.radii as usize, threads))
+            .collect::<Result<Vec<_>, _>>()?;
+        if self.json {
+            return print_json(&speeds);
+        }
+        let mut table = TextTable::new(["threads", "states", "radii/s", "radii/s and core", "checksum"]);
+        for speed in speeds {
+            table.push([
+                speed.threads.to_string(),
+                speed.states.to_string(),
+                format!("{:.0}", speed.radii_per_s),
+                format!("{:.0}", speed.radii_per_s_and_core),
+                format!("{:.9}", speed.checksum),
+            ]);
+        }
+        println!("{table}\nThe same work in NumPy: python3 tests/oracle/numpy_speed.py");
+        Ok(())
+    }
+}

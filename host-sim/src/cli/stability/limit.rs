@@ -1,0 +1,68 @@
+//! `host-sim stability limit`: where one key makes or breaks a scene.
+
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::super::{Failure, SceneArgs, print_json};
+use crate::analysis::limit::{Effort, Limit as Crossings, limit};
+use crate::analysis::sweep::Range;
+use crate::report::text::TextTable;
+
+/// Arguments of `stability limit`.
+#[derive(Debug, Args)]
+pub(super) struct Limit {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The key to change: any number of a scene (`host-sim keys` lists them).
+    #[arg(long, value_name = "TABLE.KEY")]
+    of: String,
+    /// First value.
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    from: f64,
+    /// Last value.
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    to: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct LimitReport<'a> {
+    of: &'a str,
+    from: f64,
+    to: f64,
+    #[serde(flatten)]
+    limit: Crossings,
+    wall_s: f64,
+}
+
+impl Limit {
+    /// Answers.
+    ///
+    /// # Errors
+    /// A bad scene, key or range; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let scene = self.scene.load()?;
+        let (of, from, to) = (self.of.as_str(), self.from, self.to);
+        let start = Instant::now();
+        let limit = limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;
+        let report = LimitReport { of, from, to, limit, wall_s: start.elapsed().as_secs_f64() };
+        if self.json {
+            return print_json(&report);
+        }
+        let word = |stable: bool| if stable { "stable" } else { "unstable" };
+        let mut table = TextTable::new([of, ""]);
+        table.push([from.to_string(), word(report.limit.stable_at_start).to_owned()]);
+        let mut stable = report.limit.stable_at_start;
+        for crossing in &report.limit.crossings {
+            stable = !stable;
+            table.push([format!("{crossing:.6}"), format!("{} from here on", word(stable))]);
+        }
+        table.push([to.to_string(), word(stable).to_owned()]);
+        println!("{table}");
+        Ok(())
+    }
+}

@@ -1,0 +1,58 @@
+//! `host-sim stability point`: the verdict on one scene.
+
+use clap::Args;
+use serde::Serialize;
+
+use super::super::{Failure, SceneArgs, print_json};
+use crate::analysis::lifted::agreement::{Agreement, agreement};
+use crate::analysis::{Verdict, advice, verdict};
+use crate::report::text::TextTable;
+
+/// Arguments of `stability point`.
+#[derive(Debug, Args)]
+pub(super) struct Point {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct PointReport {
+    #[serde(flatten)]
+    verdict: Verdict,
+    /// How far apart the two constructions of the lifted matrix are; absent where there is only one.
+    constructions: Option<Agreement>,
+    advice: String,
+}
+
+impl Point {
+    /// Answers.
+    ///
+    /// # Errors
+    /// A bad scene, key or range; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let scene = self.scene.load()?;
+        let report = PointReport {
+            verdict: verdict(&scene)?,
+            constructions: agreement(&scene.linear())?,
+            advice: advice(&scene)?,
+        };
+        if self.json {
+            return print_json(&report);
+        }
+        let Verdict { spectral_radius, stable, states, rest_modes, symmetric } = report.verdict;
+        let mut table = TextTable::new(["", &self.scene.name()]);
+        table.push(["stable", if stable { "yes" } else { "no" }]);
+        table.push(["spectral radius".to_owned(), format!("{spectral_radius:.9}")]);
+        table.push(["states".to_owned(), states.to_string()]);
+        table.push(["rest modes left out".to_owned(), rest_modes.to_string()]);
+        table.push(["taken apart into sum and difference", if symmetric { "yes" } else { "no" }]);
+        if let Some(Agreement { matrix, spectral_radius }) = report.constructions {
+            table.push(["second construction differs by".to_owned(), format!("{:.1e}", matrix.max(spectral_radius))]);
+        }
+        println!("{table}\n{}", report.advice);
+        Ok(())
+    }
+}

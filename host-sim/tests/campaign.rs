@@ -1,0 +1,47 @@
+//! The fault campaign: what passive communications promise on any network, and a reviewed snapshot of the whole table.
+
+use host_sim::experiment::campaign::{Cell, campaign};
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt");
+
+fn line(cell: &Cell) -> String {
+    let Cell { comm, impairment, stable, energy_out_over_in, peak_force_n, true_discrepancy_mm, fault, .. } = cell;
+    let fault = fault.as_deref().unwrap_or("-");
+    format!(
+        "{comm} | {impairment} | {stable} | {energy_out_over_in:.4} | {peak_force_n:.2} | {true_discrepancy_mm:.2} | {fault}"
+    )
+}
+
+#[test]
+fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
+    let cells = campaign().expect("the campaign runs");
+    for cell in cells.iter().filter(|cell| cell.passive) {
+        assert!(cell.stable, "{} diverges: {}", cell.comm, cell.impairment);
+        assert!(cell.energy_out_over_in <= 1.0 + 1e-9, "{} over {} makes energy", cell.comm, cell.impairment);
+        // The silence ladder and the slew of the forces: no blow, whatever the network does.
+        assert!(
+            cell.largest_jump_n < 10.0,
+            "{} over {} jerks by {} N",
+            cell.comm,
+            cell.impairment,
+            cell.largest_jump_n
+        );
+    }
+    // The campaign would prove nothing if it broke nothing.
+    let broken = cells.iter().filter(|cell| cell.comm == "power" && !cell.stable).count();
+    assert!(broken >= 10, "only {broken} networks break the power-domain coupling");
+    let held_energy = cells.iter().filter(|cell| cell.comm == "wave" && cell.energy_out_over_in > 1.001).count();
+    assert!(held_energy >= 5, "only {held_energy} networks make the plain wave line generate energy");
+
+    let table = "comm | network | stable | energy out/in | peak N | true mm | fault\n".to_owned()
+        + &cells.iter().map(line).collect::<Vec<_>>().join("\n")
+        + "\n";
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(FILE, &table).expect("write the snapshot");
+    }
+    assert_eq!(
+        table,
+        std::fs::read_to_string(FILE).expect("the snapshot"),
+        "run with BLESS=1 and review the difference"
+    );
+}

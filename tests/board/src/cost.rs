@@ -1,0 +1,76 @@
+//! Instructions of every tick, counted from the entry of the interrupt to its return.
+//!
+//! The emulator stops at both and says how many instructions it has run: exact, and the same on every run. Nothing
+//! preempts the tick, so what lies between the two is the tick's own. Not cycles: those the emulator does not know.
+
+use rigless::emulator::Hit;
+
+use crate::image::Firmware;
+
+/// The interrupt.
+const TICK: &str = "TIM6_DAC";
+
+/// Counts one board's ticks.
+#[derive(Clone, Debug)]
+pub struct Meter {
+    entry: u64,
+    returns: Vec<u64>,
+    entered: Option<u64>,
+    /// Instructions of every tick since the last [`Meter::clear`].
+    pub ticks: Vec<u32>,
+    /// When every tick began, ns.
+    pub began: Vec<u64>,
+}
+
+/// Median and largest of some counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spread {
+    /// Half of them are at most this.
+    pub median: u32,
+    /// None is more.
+    pub max: u32,
+}
+
+impl Spread {
+    /// Of these; zero of none.
+    pub fn of(counts: impl IntoIterator<Item = u32>) -> Self {
+        let mut sorted: Vec<u32> = counts.into_iter().collect();
+        sorted.sort_unstable();
+        Self {
+            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0),
+            max: sorted.last().copied().unwrap_or(0),
+        }
+    }
+}
+
+impl Meter {
+    /// For this image.
+    pub fn new(firmware: &Firmware) -> Self {
+        let (entry, returns) = (firmware.address(TICK), firmware.returns(TICK));
+        Self { entry, returns, entered: None, ticks: Vec::new(), began: Vec::new() }
+    }
+
+    /// The instructions to watch.
+    pub fn watched(&self) -> impl Iterator<Item = u64> + '_ {
+        std::iter::once(self.entry).chain(self.returns.iter().copied())
+    }
+
+    /// Takes in what was reached.
+    pub fn see(&mut self, hits: &[Hit]) {
+        for hit in hits {
+            if hit.address == self.entry {
+                self.entered = Some(hit.instruction_count);
+                self.began.push(hit.at.0);
+            } else if self.returns.contains(&hit.address) {
+                // The return itself has not run yet at its hit, and is the tick's too.
+                self.ticks.extend(self.entered.take().map(|entered| (hit.instruction_count - entered + 1) as u32));
+            }
+        }
+    }
+
+    /// Forgets what was counted.
+    pub fn clear(&mut self) {
+        self.ticks.clear();
+        self.began.clear();
+    }
+}

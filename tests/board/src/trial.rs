@@ -1,0 +1,216 @@
+//! A scene on two boards, from power-on to the figures of merit: what `cargo xtask board` runs and what tests compare.
+//!
+//! Figures are formed as host-sim forms its own (means over the last half, decoded at peer 2), from what the boards told
+//! over telemetry, tick by tick; host-sim's f32 run of the same scene stands beside them.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use firmware_parts::record::{RECEIVED, Record, SENT};
+use haptic_core::safety::Fault;
+use host_sim::experiment::run::{PortEnergy, Spread};
+use host_sim::experiment::{Options, Outcome};
+use host_sim::network::fate::{Direction, Fates};
+use host_sim::report::table::{Column, Table};
+use host_sim::scene::SceneFile;
+
+use crate::cost;
+use crate::image::Firmware;
+use crate::node::Report;
+use crate::pair::{Bench, PERIOD_NS, for_boards};
+use crate::twin::{self, Equal};
+use crate::wire::Line;
+
+/// What a scene on two boards gave.
+#[derive(Debug)]
+pub struct Trial {
+    /// The scene as the boards ran it.
+    pub scene: SceneFile,
+    /// Figures of merit and curves of the boards.
+    pub boards: Outcome,
+    /// The same of host-sim, in f32.
+    pub host_sim: Outcome,
+    /// Ticks that were due and did not come, came late, or are missing from telemetry; both boards.
+    pub ticks_missed: u64,
+    /// Packets that the ticks made since arming; both boards.
+    pub packets_sent: u64,
+    /// Packets that the ticks got since arming; both boards.
+    pub packets_received: u64,
+    /// Packets that the boards' network tasks dropped or refused since arming.
+    pub packets_dropped: u64,
+    /// Frames that the wire lost.
+    pub wire_lost: u64,
+    /// Ticks of both boards whose bits equal host-sim's.
+    pub equal: Equal,
+    /// The same of each board's recorded inputs, run again here.
+    pub replayed: [Equal; 2],
+    /// Instructions of an armed tick, over both boards.
+    pub instructions: cost::Spread,
+    /// Every armed tick of both boards.
+    pub records: [Vec<Record>; 2],
+    /// What the emulator could not do.
+    pub reports: Vec<Report>,
+    /// Wall-clock time, s.
+    pub wall_s: f64,
+}
+
+/// The wire between the boards that gives the scene's network; or why there is none.
+///
+/// # Errors
+/// One sentence: what to change.
+pub fn line(scene: &SceneFile) -> Result<Line, String> {
+    let network = &scene.world.network;
+    if network.one_way_delay_packets == 0 {
+        return Err("network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".to_owned());
+    }
+    if Fates::new(scene, Direction::OneToTwo).is_some() || network.clock_drift_ppm != 0.0 || network.playout_packets != 0 {
+        return Err("the virtual wire only delays: of the table network, leave all but one_way_delay_packets alone; \
+                    `host-sim cooperate` runs impaired networks"
+            .to_owned());
+    }
+    let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
+    // It arrives in the middle of the packet period before the one that takes it.
+    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - packet_ns / 2, ..Line::default() })
+}
+
+/// Dropped and refused packets, by a board's own account.
+fn dropped(bench: &mut Bench, number: usize) -> u64 {
+    let answer = bench.ask(number, "status");
+    let words: Vec<&str> = answer.split([' ', ';']).collect();
+    let after = |name: &str| {
+        let at = words.iter().position(|word| *word == name).expect("a status has its counters");
+        words[at + 1].parse::<u64>().expect("a counter is a number")
+    };
+    after("dropped") + after("refused") + after("overruns")
+}
+
+/// Runs a scene for `seconds` of virtual time.
+///
+/// # Errors
+/// The wire cannot do what the scene asks for, or the boards cannot run it.
+pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<Trial, String> {
+    let scene = for_boards(scene);
+    let line = line(&scene)?;
+    let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
+    let host_sim = host_sim::experiment::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
+        .map_err(|refused| refused.to_string())?;
+    let wall = Instant::now();
+    let mut bench = Bench::start(firmware, 2, line);
+    bench.set_up(&scene)?;
+    let before: u64 = (1..=2).map(|number| dropped(&mut bench, number)).sum();
+    bench.arm();
+    bench.run_for_ms(1);
+    bench.count_instructions();
+    let counted_from = bench.now_ns();
+    while bench.ticks < ticks + 1 {
+        bench.step();
+    }
+    let due = (bench.now_ns() - counted_from) / PERIOD_NS;
+    let instructions = cost::Spread::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
+    let late = bench.meters.iter().map(|meter| due.abs_diff(meter.ticks.len() as u64)).sum::<u64>();
+    // What is still in the boards comes out.
+    bench.run_for_ms(24);
+    let after: u64 = (1..=2).map(|number| dropped(&mut bench, number)).sum();
+    let records = [1, 2].map(|number| bench.armed_ticks(number).iter().copied().take(ticks as usize).collect::<Vec<_>>());
+    let wire_lost = bench.wire.lost;
+    let reports = bench.finish();
+    let wall_s = wall.elapsed().as_secs_f64();
+    let gaps = |records: &[Record]| {
+        let jumps = records.windows(2).map(|pair| u64::from(pair[1].tick().wrapping_sub(pair[0].tick())) - 1);
+        jumps.sum::<u64>() + (ticks - records.len() as u64)
+    };
+    let flagged = |flag: u8| records.iter().flatten().filter(|record| record.flags() & flag != 0).count() as u64;
+    let both = [&*records[0], &*records[1]];
+    let settings = scene.peers();
+    Ok(Trial {
+        boards: outcome(both, &host_sim),
+        ticks_missed: late + records.iter().map(|records| gaps(records)).sum::<u64>(),
+        packets_sent: flagged(SENT),
+        packets_received: flagged(RECEIVED),
+        packets_dropped: after - before,
+        wire_lost,
+        equal: twin::closed_loop(&scene, both),
+        replayed: [0, 1].map(|index| twin::replay(&settings[index], both[index])),
+        instructions,
+        records,
+        reports,
+        wall_s,
+        host_sim,
+        scene,
+    })
+}
+
+/// The columns that host-sim records for a peer, in its order.
+fn columns(record: &Record) -> [f64; 8] {
+    let [received, sent] = record.energy_j();
+    [
+        record.device_m(),
+        record.object_m(),
+        record.desired_m(),
+        record.object_m_per_s(),
+        record.contact_n(),
+        record.coordination_n(),
+        received,
+        sent,
+    ]
+    .map(f64::from)
+}
+
+/// Figures of merit as host-sim forms them (host-sim/src/experiment/run.rs), from what the boards recorded. Names of the
+/// columns are those of `like`.
+fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
+    let ticks = first.len().min(second.len());
+    let pairs = || first.iter().zip(second);
+    let discrepancies = |one: &Record, two: &Record| {
+        let [x1, x2] = [one, two].map(|record| f64::from(record.object_m()));
+        [(x1 - x2).abs(), (x2 - f64::from(two.desired_m())).abs()]
+    };
+    let mean = |of: &dyn Fn(&Record, &Record) -> f64| {
+        pairs().skip(ticks / 2).map(|(one, two)| of(one, two)).sum::<f64>() / (ticks - ticks / 2).max(1) as f64
+    };
+    let force = mean(&|_, two| f64::from(two.coordination_n()));
+    let variance = mean(&|_, two| (f64::from(two.coordination_n()) - force).powi(2));
+    let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
+        let stopped = [one, two].into_iter().position(|record| record.fault() != 0)?;
+        Some((tick, stopped + 1, fault([one, two][stopped].fault())?))
+    });
+    let every = (ticks / like.table.len().max(1)).max(1);
+    let rows: Vec<Vec<f64>> = (pairs().enumerate().step_by(every))
+        .map(|(tick, (one, two))| {
+            let peers = [one, two].into_iter().flat_map(columns);
+            std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect()
+        })
+        .collect();
+    let named = |(at, column): (usize, &Column)| {
+        Column::new(column.name.clone(), rows.iter().map(|row| row[at]).collect())
+    };
+    let table = Table::new(like.table.columns().iter().enumerate().map(named).collect()).expect("one value a row");
+    Outcome {
+        bounded: fault.is_none(),
+        fault: fault.map(|(_, peer, fault)| (peer, fault)),
+        fault_time_s: fault.map(|(tick, ..)| tick as f64 * 1e-3),
+        true_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[0]),
+        decoded_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[1]),
+        coordination_force_n: Spread { mean: force, sd: variance.sqrt() },
+        contact_force_n: mean(&|one, two| 0.5 * f64::from(one.contact_n().abs() + two.contact_n().abs())),
+        peak_coordination_force_n: pairs()
+            .flat_map(|(one, two)| [one.coordination_n(), two.coordination_n()])
+            .fold(0.0, |peak, force| f64::from(force.abs()).max(peak)),
+        energy: [first, second].map(|records| {
+            let [received, sent] = records.last().map_or([0.0; 2], Record::energy_j);
+            PortEnergy { received_j: received.into(), sent_j: sent.into() }
+        }),
+        ticks: ticks as u64,
+        // The boards' states are compared tick by tick instead: see twin.
+        hash: 0,
+        table,
+    }
+}
+
+/// The fault called by a number.
+pub fn fault(number: u8) -> Option<Fault> {
+    use Fault::*;
+    [NonFiniteInput, EncoderJump, Overspeed, ForceSaturated, PeerLost, TickOverrun, Diverged]
+        .into_iter()
+        .find(|fault| fault.number() == number)
+}

@@ -1,0 +1,59 @@
+//! The cooperation paper's three communications at 16 ms round trip, 20 s, on two boards: host-sim's figures, no tick
+//! missed, no packet lost, and nothing that the emulator did not model but what was reviewed.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::reviewed;
+use board_bench::trial::{self, Trial};
+use host_sim::scenes;
+
+const SECONDS: f64 = 20.0;
+
+fn close(what: &str, board: f64, host_sim: f64) {
+    assert!((board - host_sim).abs() <= 0.01 * host_sim.abs(), "{what}: {board} on the boards, {host_sim} in host-sim");
+}
+
+fn check(name: &str) {
+    let scene = scenes::load(name).expect("built in");
+    let trial = trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it");
+    let Trial { boards, host_sim, .. } = &trial;
+    println!(
+        "{name}: true {:.4} mm, decoded {:.4} mm, {} of {} ticks equal, instructions {:?}, {:.1} s",
+        boards.true_discrepancy_mm,
+        boards.decoded_discrepancy_mm,
+        trial.equal.ticks,
+        boards.ticks,
+        trial.instructions,
+        trial.wall_s
+    );
+    close("true discrepancy", boards.true_discrepancy_mm, host_sim.true_discrepancy_mm);
+    close("decoded discrepancy", boards.decoded_discrepancy_mm, host_sim.decoded_discrepancy_mm);
+    close("coordination force", boards.coordination_force_n.mean, host_sim.coordination_force_n.mean);
+    assert_eq!(boards.fault, None);
+    assert_eq!(boards.ticks, (1000.0 * SECONDS) as u64);
+    assert_eq!(trial.equal.ticks, boards.ticks, "first difference: {:?}", trial.equal.first_difference);
+    assert_eq!(trial.ticks_missed, 0);
+    assert_eq!((trial.packets_sent, trial.packets_received), (boards.ticks / 4, boards.ticks / 4));
+    assert_eq!((trial.packets_dropped, trial.wire_lost), (0, 0));
+    for report in &trial.reports {
+        assert_eq!(report.resets, Vec::<String>::new());
+        assert_eq!(report.frames[1..], [0, 0], "frames lost for want of buffers, without a link");
+        reviewed::check(report);
+    }
+}
+
+#[test]
+fn power_domain() {
+    check("paper-5.2-power-16ms");
+}
+
+#[test]
+fn wave() {
+    check("paper-5.2-wave-16ms");
+}
+
+#[test]
+fn passive_wave() {
+    check("paper-5.2-passive-wave-16ms");
+}
