@@ -14,6 +14,14 @@ fn main() {
     fs::copy("../memory.x", out.join("memory.x")).expect("memory.x stands in the root");
     println!("cargo::rustc-link-search={}", out.display());
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
-        println!("cargo::rustc-link-arg-bins={argument}");
+        println!("cargo::rustc-link-arg-bin=firmware={argument}");
+    }
+
+    // The proof that the tick cannot panic starts at the interrupt, or at the mistake planted after it.
+    println!("cargo::rerun-if-changed=no_panic.x");
+    fs::copy("no_panic.x", out.join("no_panic.x")).expect("no_panic.x stands here");
+    let start = if env::var_os("CARGO_FEATURE_PLANTED_PANIC").is_some() { "planted" } else { "TIM6_DAC" };
+    for argument in ["--nmagic", "-Tno_panic.x", "--gc-sections", "-e", start] {
+        println!("cargo::rustc-link-arg-bin=no-panic={argument}");
     }
 }

@@ -83,8 +83,16 @@ fn cases_in<S: Scalar>() -> Vec<Case> {
             black_box(cases::Recording::<Any<S>>::new(&scene.settings()).replay());
         }),
     });
+    let named = Case {
+        name: format!("tick/{}", cost::NAMED.name),
+        calls: cases::TICKS,
+        replay: Box::new(|| {
+            black_box(cases::Recording::<cases::Named<S>>::new(&cost::NAMED.settings()).replay());
+        }),
+    };
     let filters = [filter::<S, Exact<S>>(), filter::<S, ForwardEuler<S>>(), filter::<S, Bilinear<S>>()];
     ticks
+        .chain([named])
         .chain(IntegratorName::ALL.iter().map(|&name| integrator::<S>(name)))
         .chain(Decode::ALL.iter().map(|&decode| self::decode::<S>(decode)))
         .chain(filters)
@@ -111,7 +119,7 @@ fn integrator<S: Scalar>(name: IntegratorName) -> Case {
 
 fn decode<S: Scalar>(decode: Decode) -> Case {
     let settings = decodes::settings(decode, Settings::default().coordination.stiffness_n_per_m);
-    let inputs = (0..decodes::TICKS).map(|tick| decodes::input::<S>(&settings, tick).0).collect();
+    let inputs = (0..decodes::ticks(&settings)).map(|tick| decodes::input::<S>(&settings, tick).0).collect();
     case(format!("decode/{}", decode.name()), inputs, move || {
         let law = black_box(AnyLaw::<S>::build(&settings));
         let mut state = black_box(law.initial());

@@ -9,6 +9,7 @@
 //! | [`user`] | what the users do: the paper's force profiles, reaches, traces |
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
+//! | [`live`] | peers in real time, over real sockets |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -20,6 +21,7 @@ pub mod analysis;
 pub mod cli;
 pub mod experiment;
 pub mod harness;
+pub mod live;
 pub mod network;
 pub mod plant;
 pub mod report;

@@ -23,7 +23,17 @@ pub(crate) fn board(arguments: &[&str]) -> Result<(), Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    let mut build = cargo(&["build", "--locked", "--release", "--package", "firmware", "--target", THUMB_TARGET]);
+    let mut build = cargo(&[
+        "build",
+        "--locked",
+        "--release",
+        "--package",
+        "firmware",
+        "--bin",
+        "firmware",
+        "--target",
+        THUMB_TARGET,
+    ]);
     if ready.fallback {
         build.arg("--ignore-rust-version");
     }

@@ -7,6 +7,7 @@
 //! | [`bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
 //! | [`board`] | runs a scene on two virtual boards |
+//! | [`no_panic`] | shows that no panic is reachable from the tick |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
@@ -15,6 +16,7 @@
 mod bench;
 mod board;
 mod instructions;
+mod no_panic;
 mod readme;
 mod run;
 mod setup;
@@ -32,6 +34,7 @@ Usage: cargo xtask COMMAND [--help]
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
+  no-panic     show that no panic is reachable from the 1 kHz interrupt
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -53,8 +56,9 @@ The one command: sets up what is missing and passes every test. Stops at the fir
 Usage: cargo xtask test
 
   set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
-  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, and the
-  instructions of one tick against core/benches/instructions.txt (needs valgrind, which apt-get installs if it can)
+  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, the release
+  image on virtual boards (tests/board), and the instructions of one tick against core/benches/instructions.txt (needs
+  valgrind, which apt-get installs if it can)
 ";
 
 const BENCH_HELP: &str = "\
@@ -88,6 +92,13 @@ Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S]
   --out      folder for CSV and pictures [default: out/board]
 ";
 
+const NO_PANIC_HELP: &str = "\
+Links a program that holds the 1 kHz interrupt and a panic handler that calls a function which does not exist: it links
+only if no panic is reachable. Then once more with a panic planted, which must fail.
+
+Usage: cargo xtask no-panic
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -107,6 +118,8 @@ fn main() -> ExitCode {
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
         ["board", arguments @ ..] => board::board(arguments),
+        ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
+        ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

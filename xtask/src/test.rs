@@ -6,7 +6,9 @@
 
 use std::time::Instant;
 
+use crate::board;
 use crate::instructions;
+use crate::no_panic;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, THUMB_TARGET};
 
@@ -47,6 +49,18 @@ pub(crate) fn test() -> Result<(), Failure> {
             run(&mut cargo(&["test", "--locked", "--release", "--package", &package, "--test", &test]))?;
         }
         Ok(())
+    })?;
+
+    step("no panic in the tick", || no_panic::no_panic(&ready))?;
+
+    step("virtual board", || {
+        let image = board::image(&ready)?;
+        run(&mut board::bench(&["test"], &image)).map_err(|failure| {
+            advice(
+                &failure,
+                "if the lock is what failed, `cargo metadata --manifest-path tests/board/Cargo.toml` renews it",
+            )
+        })
     })?;
 
     step("README", || crate::readme::readme(true))?;

@@ -81,6 +81,19 @@ pub const SCENES: &[Scene] = &[
         implicit(s);
         s.object.integrator = IntegratorName::Exact;
     }),
+    scene("passive-mean", Some("implicit-forward-euler"), "mean of a packet instead of the filter", |s| {
+        implicit(s);
+        s.coordination.comm = LawName::PassiveMean;
+    }),
+    scene("ledger", Some("passive-mean"), "energy ledger that pays for what comes in", |s| {
+        implicit(s);
+        (s.coordination.comm, s.coordination.ledger) = (LawName::PassiveMean, true);
+    }),
+    scene("drift-correction", Some("ledger"), "drift correction out of the ledger", |s| {
+        implicit(s);
+        (s.coordination.comm, s.coordination.ledger) = (LawName::PassiveMean, true);
+        s.coordination.drift_correction = true;
+    }),
     scene("play", Some("implicit-forward-euler"), "contact with play to both sides", |s| {
         implicit(s);
         s.contact.gap_m = 0.002;
@@ -122,6 +135,9 @@ pub const SCENES: &[Scene] = &[
     }),
 ];
 
+/// The scene of an image that names its models and carries no others ([`haptic_core::scene::Models`]).
+pub const NAMED: Scene = scene("named-models", Some("delayed-forward-euler"), "models named at compile time", |_| {});
+
 /// What a scene costs, in the order of [`SCALARS`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
@@ -153,5 +169,5 @@ pub fn table() -> Result<Vec<Cost>, Uncounted> {
         let added = [0, 1, 2].map(|column: usize| instructions[column] as i64 - base[column] as i64);
         Ok(Cost { scene: scene.name, adds: scene.adds, over: scene.over, instructions, added })
     };
-    SCENES.iter().map(row).collect()
+    SCENES.iter().chain([&NAMED]).map(row).collect()
 }

@@ -134,6 +134,7 @@ pub fn measure() -> Result<Family, AccuracyError> {
         reference: "the true velocity of the motion",
         instructions_per: "call of step()",
         comparisons,
+        headline: 2,
         insight,
     })
 }

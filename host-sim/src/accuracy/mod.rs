@@ -51,6 +51,12 @@ pub struct Point {
     pub instructions: u64,
     /// No other choice of the comparison is as good in one and better in the other.
     pub on_front: bool,
+    /// For pictures: the choices that belong together, such as one scheme at several rates; empty for none.
+    #[serde(skip)]
+    pub series: String,
+    /// For pictures: what the choice is called within its series.
+    #[serde(skip)]
+    pub label: String,
 }
 
 /// Choices that can be compared with each other.
@@ -79,9 +85,23 @@ impl Comparison {
         let points = measured
             .into_iter()
             .zip(front)
-            .map(|((choice, error, instructions), on_front)| Point { choice, error, instructions, on_front })
+            .map(|((choice, error, instructions), on_front)| {
+                let (series, label) = (String::new(), choice.clone());
+                Point { choice, error, instructions, on_front, series, label }
+            })
             .collect();
         Self { title: title.into(), error: error.into(), unit, points }
+    }
+
+    /// The same comparison with choices that are named `SERIES, LABEL` drawn as series.
+    #[must_use]
+    pub fn in_series(mut self) -> Self {
+        for point in &mut self.points {
+            if let Some((series, label)) = point.choice.rsplit_once(", ") {
+                (point.series, point.label) = (series.to_owned(), label.to_owned());
+            }
+        }
+        self
     }
 
     /// The error of the choice with this name; NaN where there is none.
@@ -110,6 +130,9 @@ pub struct Family {
     pub instructions_per: &'static str,
     /// What was found.
     pub comparisons: Vec<Comparison>,
+    /// Which of them says most.
+    #[serde(skip)]
+    pub headline: usize,
     /// What a user should take from it.
     pub insight: String,
 }

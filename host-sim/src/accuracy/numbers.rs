@@ -60,6 +60,7 @@ pub fn measure() -> Result<Family, AccuracyError> {
         reference: "rounding: the same peer in double-double; whole error: continuous control, matrix exponential in f64",
         instructions_per: "tick of a whole peer",
         comparisons,
+        headline: 2,
         insight,
     })
 }

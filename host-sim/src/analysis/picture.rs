@@ -63,11 +63,10 @@ pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
     };
     Figure {
         title: "Stability regions for two-user haptic cooperation (Rakhsha & Constantinescu 2012, Figure 4)".to_owned(),
-        caption:
-            "Every line is the outline of a region, which holds the lower left corner; where a line folds back, the \
-                  region has a pocket. One-way delay n_t packets of 8 ms; every force one tick late; parameters of the \
-                  paper's section 4.3."
-                .to_owned(),
+        caption: "Lines are outlines of stable regions: one holds the lower left corner; in (b) a second one lies above \
+                  5017 N/m; in (c) a line that folds back encloses an unstable pocket. One-way delay n_t packets of 8 ms; \
+                  every force one tick late; parameters of the paper's section 4.3."
+            .to_owned(),
         columns: 3,
         share_y: ShareY::Rows,
         panels: titles.into_iter().zip(curves.chunks(per_panel)).map(panel).collect(),

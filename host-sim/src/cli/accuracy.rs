@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::accuracy::{self, Family, cost, counts, picture};
+use crate::accuracy::{self, Comparison, Family, Point, cost, counts, picture};
 use crate::report::text::{TextTable, significant};
 
 /// Arguments of `accuracy`.
@@ -38,19 +38,19 @@ impl Accuracy {
     /// A picture that cannot be written; a choice whose instructions were not counted.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bar = progress_bar(2, "errors, pictures");
-        let families = accuracy::families()?;
+        let (families, cost_per_scene) = (accuracy::families()?, cost::table()?);
         bar.inc(1);
         let folder = match (&self.out, self.json) {
             (None, false) => Some(PathBuf::from("out/accuracy")),
             (out, _) => out.clone(),
         };
-        let pictures = folder.map_or(Ok(Vec::new()), |folder| picture::write(&families, &folder))?;
+        let pictures = folder.map_or(Ok(Vec::new()), |folder| picture::write(&families, &cost_per_scene, &folder))?;
         bar.finish_and_clear();
         let document = Document {
             architecture: counts::ARCHITECTURE,
             families,
             scalars: counts::SCALARS,
-            cost_per_scene: cost::table()?,
+            cost_per_scene,
             pictures,
         };
         if self.json {
@@ -88,7 +88,8 @@ fn print_family(family: &Family) {
     let instructions = format!("instructions per {}", family.instructions_per.split(':').next().unwrap_or_default());
     let mut table = TextTable::new(["", "choice", "error", "unit", &instructions, "on Pareto front"]);
     for comparison in &family.comparisons {
-        for (at, point) in comparison.points.iter().enumerate() {
+        let told = comparison.points.iter().filter(|point| point.on_front || leads(comparison, point));
+        for (at, point) in told.enumerate() {
             let title = format!("{}: {}", comparison.title, comparison.error);
             table.push([
                 if at == 0 { title } else { String::new() },
@@ -101,4 +102,10 @@ fn print_family(family: &Family) {
         }
     }
     println!("{table}\n{}\n", family.insight);
+}
+
+/// The first of its series, or in none: the others of a series are told only when they are on the front.
+fn leads(comparison: &Comparison, point: &Point) -> bool {
+    let first = comparison.points.iter().find(|other| other.series == point.series);
+    point.series.is_empty() || first == Some(point)
 }

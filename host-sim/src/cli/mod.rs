@@ -8,6 +8,7 @@ mod accuracy;
 mod campaign;
 mod cooperate;
 mod keys;
+mod live;
 mod paper;
 mod precision;
 mod rendering;
@@ -49,6 +50,14 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
     Campaign(campaign::Campaign),
+    /// Make a key file for two peers.
+    Keygen(live::Keygen),
+    /// One peer in real time over UDP, sealed; run two of them.
+    Peer(live::Peer),
+    /// A bad network between two peers.
+    Relay(live::Relay),
+    /// Write down what a scene's network does to every packet.
+    Trace(live::Trace),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -103,6 +112,10 @@ pub fn main() -> ExitCode {
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
+        Command::Keygen(command) => command.run(),
+        Command::Peer(command) => command.run(),
+        Command::Relay(command) => command.run(),
+        Command::Trace(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`pair`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
 //! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
+//! | [`budget`] | the reviewed budgets and what was measured |
 //! | [`cost`] | instructions of every tick |
 //! | [`reviewed`] | what the emulator does not model, against a reviewed list |
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
@@ -20,6 +21,7 @@
 //! execution times are not.
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod cost;
 pub mod image;
 pub mod node;

@@ -9,6 +9,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
 use rigless::emulator::{Driver, Hit, Host, Settled, Start, Stop, Watch, run};
+use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
@@ -27,6 +28,8 @@ pub struct Inputs {
     pub press: Option<bool>,
     /// The cable is in (or out).
     pub cable: Option<bool>,
+    /// Words of memory to look at, at the stop itself: their values are in the next [`Stopped::peeked`].
+    pub peek: Vec<u64>,
     /// Words put into memory, as a fault would: address and value.
     pub poke: Vec<(u64, u32)>,
     /// Instructions to watch from now on.
@@ -48,6 +51,8 @@ pub struct Stopped {
     pub hits: Vec<Hit>,
     /// Resets so far.
     pub resets: usize,
+    /// What the words asked for held when the board went on.
+    pub peeked: Vec<u32>,
 }
 
 /// What the emulator could not do, or did although nobody modelled it: a test must not pass because of it.
@@ -78,6 +83,7 @@ struct Stepper {
     orders: Receiver<Order>,
     stops: Sender<Stopped>,
     hits: Vec<Hit>,
+    peeked: Vec<u32>,
 }
 
 impl Driver<Nucleo> for Stepper {
@@ -95,6 +101,7 @@ impl Driver<Nucleo> for Stepper {
             frames: std::mem::take(&mut part.dma.sent),
             bridges: part.bridges(stop.at),
             hits: std::mem::take(&mut self.hits),
+            peeked: std::mem::take(&mut self.peeked),
             resets,
         };
         self.stops.send(stopped).ok()?;
@@ -111,6 +118,12 @@ impl Driver<Nucleo> for Stepper {
         if !inputs.frames.is_empty() {
             part.deliver(stop.at, inputs.frames);
         }
+        let mut word = |address| {
+            let register = address >= 0x4000_0000;
+            let word = if register { part.peek(stop.at, address, Width::W32).ok() } else { host.read(address, Width::W32).ok() };
+            word.expect("memory is there") as u32
+        };
+        self.peeked = inputs.peek.into_iter().map(&mut word).collect();
         for (address, value) in inputs.poke {
             host.write(address, Width::W32, value.into()).expect("memory is there");
         }
@@ -132,7 +145,7 @@ impl Node {
         let thread = std::thread::spawn(move || {
             let board = Nucleo::new(number).expect("the emulator knows this part");
             let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
-            let stepper = Stepper { orders: their_orders, stops: their_stops, hits: Vec::new() };
+            let stepper = Stepper { orders: their_orders, stops: their_stops, hits: Vec::new(), peeked: Vec::new() };
             let images = std::slice::from_ref(&firmware.image);
             let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");
             report(&mut finished.session)
@@ -170,7 +183,7 @@ fn report(session: &mut Session<Nucleo>) -> Report {
     );
     lines.extend(session.undefined().values().map(|u| format!("undefined in {}", u.instance)));
     lines.extend(session.unrouted().iter().map(|(instance, number)| format!("unrouted {instance} {number}")));
-    lines.extend(session.told().map(|told| format!("told {told:?}")));
+    lines.extend(session.told().map(|told| format!("told {}.{}: {}", told.instance, told.register, told.reason)));
     lines.sort();
     lines.dedup();
     let resets = session.resets().iter().map(|reset| format!("{:?}", reset.cause)).collect();

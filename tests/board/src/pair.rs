@@ -7,6 +7,7 @@
 //!
 //! Settings go to the boards as a person's would: lines of text over UDP, then `apply`, then `arm`.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use firmware_parts::record::Record;
@@ -30,6 +31,11 @@ use crate::wire::{Line, PC, Wire};
 pub const PERIOD_NS: u64 = 1_000_000;
 /// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
 pub const PWM_STEPS: u32 = 3000;
+
+/// The stack (memory.x), without the guard at its bottom and what start-up may be using of its top.
+pub const STACK: Range<u64> = 0x2000_0100..0x2000_5F00;
+/// What the stack holds at power-on, to see later how far down it was used.
+const PAINT: u32 = 0x5EA1_AB1E;
 
 /// The scene as boards can run it: encoders for sensors, duties for motors, PWM in the board's steps.
 pub fn for_boards(scene: &SceneFile) -> SceneFile {
@@ -122,6 +128,8 @@ impl Bench {
             period_s: 1e-3,
             ticks: 0,
         };
+        let paint = STACK.step_by(4).map(|address| (address, PAINT));
+        bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
         let entry = firmware.address("TIM6_DAC");
         bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
         bench.run_to(60_000_000);
@@ -204,6 +212,31 @@ impl Bench {
         for (meter, inputs) in self.meters.iter_mut().zip(&mut self.inputs) {
             meter.clear();
             inputs.watch.extend(meter.watched());
+        }
+    }
+
+    /// What words of a board's memory or registers hold at the next stop.
+    pub fn peek(&mut self, number: usize, addresses: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        self.input(number).peek.extend(addresses);
+        self.step();
+        std::mem::take(&mut self.stopped[number - 1].peeked)
+    }
+
+    /// Bytes of a board's stack that were ever in use.
+    pub fn stack_used(&mut self, number: usize) -> u64 {
+        let words = self.peek(number, STACK.step_by(4));
+        let untouched = words.iter().take_while(|word| **word == PAINT).count() as u64;
+        STACK.end + 0x100 - (STACK.start + 4 * untouched)
+    }
+
+    /// One period in which `per_ms` copies of a frame reach a board, evenly spread.
+    pub fn flood(&mut self, number: usize, frame: &[u8], per_ms: usize) {
+        const PARTS: usize = 20;
+        let start = self.now_ns;
+        for part in 1..=PARTS {
+            let frames = per_ms * part / PARTS - per_ms * (part - 1) / PARTS;
+            self.input(number).frames.extend(std::iter::repeat_n(frame.to_vec(), frames));
+            self.run_to(start + PERIOD_NS * part as u64 / PARTS as u64);
         }
     }
 

@@ -201,9 +201,9 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
             PortEnergy { received_j: received.into(), sent_j: sent.into() }
         }),
         ticks: ticks as u64,
-        // The boards' states are compared tick by tick instead: see twin.
-        hash: 0,
         table,
+        // What is not formed here is not shown either; the boards' states are compared tick by tick: see twin.
+        ..like.clone()
     }
 }
 

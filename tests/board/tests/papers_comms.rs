@@ -38,7 +38,9 @@ fn check(name: &str) {
     assert_eq!((trial.packets_dropped, trial.wire_lost), (0, 0));
     for report in &trial.reports {
         assert_eq!(report.resets, Vec::<String>::new());
-        assert_eq!(report.frames[1..], [0, 0], "frames lost for want of buffers, without a link");
+        let [_, overflowed, unlinked] = report.frames;
+        // At power-on a board asks for the other's address before the other's link is up.
+        assert!(overflowed == 0 && unlinked <= 2, "lost for want of buffers: {overflowed}, of a link: {unlinked}");
         reviewed::check(report);
     }
 }

@@ -54,7 +54,7 @@ impl Map {
         let scene = self.scene.load()?;
         let bar = progress_bar(self.x.count as u64, "columns");
         let start = Instant::now();
-        let effort = Effort { steps: self.y.count.max(100), ..Effort::default() };
+        let effort = Effort { steps: (2 * self.y.count).max(200), ..Effort::default() };
         let found = map(&scene, [self.x.clone(), self.y.clone()], effort, || bar.inc(1))?;
         let wall_s = start.elapsed().as_secs_f64();
         bar.finish_and_clear();

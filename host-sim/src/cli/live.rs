@@ -1,0 +1,191 @@
+//! `host-sim keygen`, `peer`, `relay` and `trace`: two peers as two processes, for real.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Failure, SceneArgs, print_json};
+use crate::live::{key_file, peer, relay};
+use crate::network::fate::NetworkTrace;
+
+/// Arguments of `keygen`.
+#[derive(Debug, Args)]
+pub(super) struct Keygen {
+    /// File to make; an existing one is left alone.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+impl Keygen {
+    /// Makes the file.
+    ///
+    /// # Errors
+    /// It exists, or cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        key_file::generate(&self.file)?;
+        println!("wrote {}: copy it to the other peer over a way that you trust", self.file.display());
+        Ok(())
+    }
+}
+
+/// Arguments of `peer`.
+#[derive(Debug, Args)]
+pub(super) struct Peer {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Which of the two: 1 (left) or 2 (right).
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
+    number: u8,
+    /// Where this peer listens.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen: SocketAddr,
+    /// Where the other peer listens.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    connect: SocketAddr,
+    /// Key file, the same for both (`host-sim keygen`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    /// Time of the experiment once both are there, s.
+    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    duration_s: f64,
+    /// How long to call before giving up, s.
+    #[arg(long, default_value_t = 30.0, value_name = "S")]
+    patience_s: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A time in seconds on the command line.
+fn check_time(name: &str, value: f64) -> Result<(), Failure> {
+    if value > 0.0 && value <= 86_400.0 {
+        return Ok(());
+    }
+    Err(format!("{name} {value} is not allowed: it must be above 0 and up to 86400 s").into())
+}
+
+impl Peer {
+    /// Runs the peer and reports.
+    ///
+    /// # Errors
+    /// A bad scene, key file or address; nobody answering.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        check_time("--patience-s", self.patience_s)?;
+        let scene = self.scene.load()?;
+        let key = key_file::read(&self.key_file)?;
+        let options = peer::Options {
+            number: self.number,
+            listen: self.listen,
+            connect: self.connect,
+            duration_s: self.duration_s,
+            patience_s: self.patience_s,
+        };
+        let report = peer::run(&scene, key, &options)?;
+        if self.json {
+            return print_json(&report);
+        }
+        println!(
+            "peer {}: decoded discrepancy {:.4} mm, coordination force {:.4} N over the last half",
+            report.peer, report.decoded_discrepancy_mm, report.coordination_force_n
+        );
+        if let Some(fault) = &report.fault {
+            println!("stopped with {fault}");
+        }
+        let kept = report.punctuality;
+        println!(
+            "{} ticks; {} beats began more than a period late, the latest by {} us, {:.0} us on average; real-time priority: {}",
+            report.ticks,
+            kept.missed,
+            kept.worst_us,
+            kept.mean_us(),
+            if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
+        );
+        println!(
+            "round trip {} us, jitter {} us; datagrams: {} taken, {} missing, {} refused",
+            report.round_trip_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
+            report.jitter_us,
+            report.datagrams_taken,
+            report.datagrams_missing,
+            report.datagrams_refused
+        );
+        for (time_s, notice) in &report.notices {
+            println!("{time_s:9.3} s  {notice}");
+        }
+        Ok(())
+    }
+}
+
+/// Arguments of `relay`.
+#[derive(Debug, Args)]
+pub(super) struct Relay {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where peer 1 sends to.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen_1: SocketAddr,
+    /// Where peer 2 sends to.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen_2: SocketAddr,
+    /// Recorded network (as `--set network.trace=FILE`).
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+    /// How long, s.
+    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    duration_s: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Relay {
+    /// Relays until the time is over.
+    ///
+    /// # Errors
+    /// A bad scene, trace or address.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        let mut scene = self.scene.load()?;
+        if let Some(trace) = &self.trace {
+            scene.network_trace = Some(NetworkTrace::read(trace)?.into());
+        }
+        let relayed = relay::run(&scene, [self.listen_1, self.listen_2], self.duration_s)?;
+        if self.json {
+            return print_json(&relayed);
+        }
+        for (way, count) in ["1 to 2", "2 to 1"].iter().zip(relayed) {
+            println!("{way}: {} taken, {} sent on, {} lost, {} broken", count.taken, count.sent, count.lost, count.corrupt);
+        }
+        Ok(())
+    }
+}
+
+/// Arguments of `trace`.
+#[derive(Debug, Args)]
+pub(super) struct Trace {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// How much of the network to write down, s.
+    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    duration_s: f64,
+    /// CSV file to write.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+impl Trace {
+    /// Writes what the scene's network would do to a file that replays it.
+    ///
+    /// # Errors
+    /// A bad scene, or a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        let scene = self.scene.load()?;
+        let timing = &scene.peer.timing;
+        let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+        NetworkTrace::record(&scene, (self.duration_s / packet_s).ceil() as u64).write(&self.file)?;
+        println!("wrote {}", self.file.display());
+        Ok(())
+    }
+}

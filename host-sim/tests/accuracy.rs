@@ -1,0 +1,300 @@
+//! Speed against error: the references are right, the front is a front, the insights hold, the command says all of it.
+
+use std::process::Command;
+use std::sync::LazyLock;
+
+use haptic_core::axis::kinematics::five_bar::HOME_RAD;
+use haptic_core::axis::kinematics::{KinematicsName, Maths};
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::couple::wave::Decode;
+use haptic_core::object::IntegratorName;
+use haptic_core::settings::{Choice, Settings};
+use host_sim::accuracy::filters::{Exact, Filter};
+use host_sim::accuracy::integrators::{Test, closed_form, energy_error, errors};
+use host_sim::accuracy::{
+    Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair, pareto,
+};
+use proptest::prelude::{prop, prop_assert, proptest};
+use serde_json::Value;
+
+static FAMILIES: LazyLock<Vec<Family>> = LazyLock::new(|| families().expect("every choice was counted"));
+
+fn family(name: &str) -> &'static Family {
+    FAMILIES.iter().find(|family| family.name == name).unwrap_or_else(|| panic!("no family {name}"))
+}
+
+fn comparison(name: &str, title: &str, unit: &str) -> &'static Comparison {
+    let found = family(name).comparisons.iter().find(|one| one.title.contains(title) && one.unit == unit);
+    found.unwrap_or_else(|| panic!("{name} does not compare {title} in {unit}"))
+}
+
+#[test]
+fn a_front_holds_what_nobody_beats() {
+    let points = [(1.0, 100.0), (0.1, 200.0), (0.5, 300.0), (0.01, 250.0), (2.0, 100.0), (f64::NAN, 1.0)];
+    assert_eq!(pareto::front(&points), [true, true, false, true, false, false]);
+    assert!(pareto::front(&[]).is_empty());
+}
+
+/// A tenth of a per cent is no reason to pay more, nor to be thrown out.
+#[test]
+fn equals_are_equal() {
+    assert_eq!(pareto::front(&[(1.0, 100.0), (0.999, 100.5)]), [true, true]);
+    assert_eq!(pareto::front(&[(1.0, 100.0), (0.999, 150.0)]), [true, false]);
+    assert_eq!(pareto::front(&[(0.0, 22.0), (1e-9, 21.0)]), [true, true]);
+    assert_eq!(pareto::front(&[(0.0, 22.0), (0.0, 22.0)]), [true, true]);
+}
+
+proptest! {
+    /// Someone is always on the front, and who is not, is beaten by someone.
+    #[test]
+    fn a_front_is_never_empty(points in prop::collection::vec((1e-3..1.1e-3_f64, 100.0..110.0_f64), 1..40)) {
+        let front = pareto::front(&points);
+        prop_assert!(front.iter().any(|on_front| *on_front));
+        for (point, on_front) in points.iter().zip(front) {
+            let beaten = points.iter().any(|other| other.0 < point.0 / 1.02 && other.1 < point.1 / 1.03);
+            prop_assert!(!(on_front && beaten));
+        }
+    }
+}
+
+/// Error at twice the period over error at the period: 2 for a method of first order.
+fn growth(error: impl Fn(f64) -> f64) -> f64 {
+    error(2.5e-4) / error(1.25e-4)
+}
+
+/// On a contact that is sampled and held every integrator is of first order, the exact one included.
+#[test]
+fn on_a_sampled_contact_all_are_of_first_order() {
+    for &name in IntegratorName::ALL {
+        let (position, velocity) = (
+            growth(|period| errors::<f64>(Test::Contact, name, period).0),
+            growth(|period| errors::<f64>(Test::Contact, name, period).1),
+        );
+        for ratio in [position, velocity] {
+            assert!((1.8..2.3).contains(&ratio), "{}: {position} {velocity}", name.name());
+        }
+    }
+}
+
+/// A constant force on a damped mass: the Euler forms are of first order, the exact one has no error but rounding.
+#[test]
+fn the_exact_integrator_is_exact_where_the_force_is_held() {
+    for name in [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit] {
+        let ratio = growth(|period| errors::<f64>(Test::Push, name, period).0);
+        assert!((1.9..2.1).contains(&ratio), "{}: {ratio}", name.name());
+    }
+    for period in [1e-2, 1e-3, 1e-4] {
+        let (position, velocity) = errors::<f64>(Test::Push, IntegratorName::Exact, period);
+        assert!(position < 1e-14 && velocity < 1e-13, "{period}: {position} {velocity}");
+    }
+}
+
+/// The closed forms solve their differential equations, by central differences.
+#[test]
+fn the_closed_forms_solve_their_equations() {
+    for test in [Test::Contact, Test::Undamped, Test::Push] {
+        let settings = integrators::settings(test, IntegratorName::Exact, 1e-3);
+        let at = |time: f64| closed_form(test, &settings, time);
+        let step = 1e-5;
+        for time in [0.01, 0.1, 0.33] {
+            let (before, now, after) = (at(time - step), at(time), at(time + step));
+            let slope = (after.position - before.position) / (2.0 * step);
+            let acceleration = (after.velocity - before.velocity) / (2.0 * step);
+            let (contact, object) = (&settings.contact, &settings.object);
+            let force = match test {
+                Test::Push => 1.0 - object.damping_n_s_per_m * now.velocity,
+                _ => -contact.stiffness_n_per_m * now.position - contact.damping_n_s_per_m * now.velocity,
+            };
+            assert!((slope - now.velocity).abs() < 1e-7, "{test:?} at {time}: {slope} {}", now.velocity);
+            assert!((acceleration - force / object.mass_kg).abs() < 1e-5, "{test:?} at {time}");
+        }
+    }
+}
+
+/// Symplectic: without damping the energy wobbles, within ωT, and does not grow with time.
+#[test]
+fn only_the_semi_implicit_integrator_keeps_energy() {
+    let [euler, semi, exact] = [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit, IntegratorName::Exact]
+        .map(|name| energy_error::<f64>(name, 1e-3));
+    let turn = (1000.0_f64 / 0.3).sqrt() * 1e-3;
+    assert!(semi < turn, "{semi}");
+    // Each tick multiplies the energy by 1 + K·T²/m, or by 1 + K·T²/2m where the step itself is exact.
+    assert!((euler + 1.0).ln() / 500.0 / (turn * turn) > 0.95, "{euler}");
+    assert!(((exact + 1.0).ln() / 500.0 / (turn * turn) - 0.5).abs() < 0.05, "{exact}");
+}
+
+#[test]
+fn both_decodes_converge_to_the_closed_form() {
+    for &decode in Decode::ALL {
+        let error = |halvings: u32| {
+            let mut settings = decodes::settings(decode, 1590.0);
+            settings.timing.control_period_s /= f64::from(1 << halvings);
+            settings.timing.ticks_per_packet <<= halvings;
+            decodes::errors::<f64>(&settings)
+        };
+        let (coarse, fine) = (error(3), error(4));
+        for ratio in [coarse.0 / fine.0, coarse.1 / fine.1] {
+            assert!((1.7..2.4).contains(&ratio), "{}: {ratio}", decode.name());
+        }
+    }
+}
+
+/// The pair that flies, ever faster, comes to the matrix exponential of continuous control: two unrelated programs.
+#[test]
+fn the_pair_converges_to_continuous_control() {
+    let duration_s = 3.0;
+    let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), duration_s);
+    for (integrator, decode) in [
+        (IntegratorName::ForwardEuler, Decode::Delayed),
+        (IntegratorName::SemiImplicit, Decode::Implicit),
+        (IntegratorName::Exact, Decode::Implicit),
+    ] {
+        let error = |rate| {
+            let run = pair::run::<f64>(&pair::scene(integrator, decode, rate), duration_s).expect("a valid scene");
+            let apart = pair::apart(&run, &exact);
+            [apart.position_rms_m, apart.force_rms_n]
+        };
+        for (slow, fast) in error(8).into_iter().zip(error(16)) {
+            assert!((1.7..2.3).contains(&(slow / fast)), "{integrator:?} {decode:?}: {slow} {fast}");
+        }
+    }
+}
+
+/// The gain of y ← a·y + (1 − a)·u is (1 − a)/|1 − a·e^(−jωT)|; the impulse response must say the same.
+#[test]
+fn the_measured_gain_is_the_known_one() {
+    let settings = Settings::default();
+    let (cutoff, period) = (std::f64::consts::TAU * settings.coordination.cutoff_hz, settings.timing.control_period_s);
+    let keep = (-cutoff * period).exp();
+    let square = |at: i32| {
+        let angular = std::f64::consts::TAU * 62.5 * f64::from(at) / 1000.0;
+        let (sine, cosine) = (angular * period).sin_cos();
+        let gain = (1.0 - keep) / (1.0 - keep * cosine).hypot(keep * sine);
+        (gain * 1.0_f64.hypot(angular / cutoff) - 1.0).powi(2)
+    };
+    let known = ((1..=1000).map(square).sum::<f64>() / 1000.0).sqrt();
+    let (_, measured) = filters::errors::<f64, Exact<f64>>(&settings);
+    assert!((measured / known - 1.0).abs() < 1e-9, "{measured} {known}");
+    let mut filter = <Exact<f64> as Filter<f64>>::build(&settings);
+    assert!((filter.push(1.0) - (1.0 - keep)).abs() < 1e-15);
+}
+
+/// Both distal links have their length at every pose, and the Jacobian is core's in f64 to rounding.
+#[test]
+fn the_five_bar_closes() {
+    let settings = mechanisms::settings(KinematicsName::FiveBar, Maths::Libm);
+    let lengths = &settings.kinematics;
+    let home = mechanisms::truth(&settings, [0.0, 0.0]);
+    assert_eq!(home.0, [0.0, 0.0]);
+    // Home by hand: elbows 0.16 m apart at height l₁·sin 60°, hand √(l₂² − 0.08²) above them.
+    let home_y = 0.1 * HOME_RAD.sin() + (0.12_f64.powi(2) - 0.08_f64.powi(2)).sqrt();
+    let joints = mechanisms::joints(KinematicsName::FiveBar);
+    assert_eq!(joints.len(), 1089);
+    let truths: Vec<_> = joints.into_iter().map(|joints| (joints, mechanisms::truth(&settings, joints))).collect();
+    for ([a, b], ([x, y], _)) in &truths {
+        for (angle, side) in [(std::f64::consts::PI - HOME_RAD + a, -0.5), (HOME_RAD + b, 0.5)] {
+            let elbow_x = side * lengths.base_m + lengths.proximal_m * angle.cos();
+            let elbow_y = lengths.proximal_m * angle.sin();
+            let link = (x - elbow_x).hypot(y + home_y - elbow_y);
+            assert!((link - lengths.distal_m).abs() < 1e-15, "{a} {b}: {link}");
+        }
+    }
+    let (hand, jacobian) = mechanisms::errors::<f64>(&settings, &truths);
+    assert!(hand < 1e-15 && jacobian < 1e-14, "{hand} {jacobian}");
+}
+
+/// With an encoder that hardly rounds, a difference errs by the half tick it is late: T_c/2 times the acceleration.
+#[test]
+fn a_fine_encoder_leaves_the_lag() {
+    let error = estimators::error::<f64>(&estimators::settings(VelocityName::Difference, 2e8));
+    let settings = Settings::default();
+    let readings = estimators::readings::<f64>(&settings);
+    let velocities: Vec<f64> = readings.iter().map(|(_, velocity)| *velocity).collect();
+    let lag: f64 = velocities.windows(2).map(|pair| ((pair[1] - pair[0]) / 2.0).powi(2)).sum();
+    let lag = (lag / velocities.len() as f64).sqrt();
+    assert!((error / lag - 1.0).abs() < 0.05, "{error} {lag}");
+}
+
+/// What the insights say, beyond their numbers.
+#[test]
+fn the_insights_hold() {
+    let (rounding, whole) = (comparison("number-type", "rounding", "m"), comparison("number-type", "whole", "m"));
+    assert!(rounding.error_of("f32") < 0.02 * whole.error_of("f32"));
+    assert!(rounding.error_of("f64") < 1e-12);
+
+    let force = comparison("whole-peer", "force", "N");
+    let good = force.error_of("semi-implicit, implicit, 1 kHz");
+    assert!(good < force.error_of("forward-euler, delayed, 2 kHz"));
+    assert!(good > 0.8 * force.error_of("forward-euler, delayed, 4 kHz"));
+
+    let contact = comparison("integrator", "contact", "m");
+    assert!(contact.error_of("semi-implicit") < contact.error_of("exact"));
+    assert!(contact.error_of("exact") < contact.error_of("forward-euler"));
+    let push = comparison("integrator", "push", "m");
+    assert!(push.error_of("exact") < 1e-3 * push.error_of("semi-implicit"));
+
+    let stiff = comparison("decode", "10620", "N");
+    assert!(stiff.error_of("implicit") < 0.5 * stiff.error_of("delayed"));
+
+    let gain = comparison("filter", "250 Hz", "1");
+    assert!(gain.error_of("exact") < 0.5 * gain.error_of("forward-euler"));
+
+    let hand = comparison("kinematics", "five-bar", "m");
+    assert!(hand.error_of("f32, micromath") > 1000.0 * hand.error_of("f32, libm"));
+    assert!(hand.instructions_of("f32, micromath") as f64 > 0.8 * hand.instructions_of("f32, libm") as f64);
+
+    let usual = comparison("velocity", "200000", "m/s");
+    assert!(usual.error_of("filtered") < usual.error_of("adaptive"));
+    assert!(usual.error_of("filtered") < usual.error_of("difference"));
+    let fine = comparison("velocity", "16777216", "m/s");
+    assert!(fine.error_of("difference") < fine.error_of("filtered"));
+}
+
+#[test]
+fn the_command_says_everything() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("accuracy");
+    let start = std::time::Instant::now();
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["accuracy", "--json", "--out"])
+        .arg(&folder)
+        .output()
+        .expect("host-sim runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let took = start.elapsed();
+    assert!(cfg!(debug_assertions) || took.as_secs() < 20, "{took:?}");
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
+    assert_eq!(document["architecture"], "x86-64");
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let families = list(&document["families"]);
+    let names: Vec<&str> = families.iter().filter_map(|family| family["name"].as_str()).collect();
+    assert_eq!(names, ["number-type", "whole-peer", "integrator", "decode", "filter", "kinematics", "velocity"]);
+    for family in &families {
+        for text in ["motion", "reference", "insight", "instructions_per"] {
+            assert!(family[text].as_str().is_some_and(|text| text.len() > 5), "{text} of {}", family["name"]);
+        }
+        for comparison in list(&family["comparisons"]) {
+            let points = list(&comparison["points"]);
+            assert!(points.len() > 1 && points.iter().any(|point| point["on_front"] == true), "{comparison}");
+            for point in points {
+                assert!(point["error"].as_f64().is_some_and(|error| error >= 0.0 && error.is_finite()), "{point}");
+                assert!(point["instructions"].as_u64().is_some_and(|count| count > 0), "{point}");
+            }
+        }
+    }
+    let costs = list(&document["cost_per_scene"]);
+    let scene = |name: &str| costs.iter().find(|cost| cost["scene"] == name).unwrap_or_else(|| panic!("no {name}"));
+    for cost in &costs {
+        if let Some(over) = cost["over"].as_str() {
+            for column in 0..3 {
+                let of = |cost: &Value| cost["instructions"][column].as_i64().expect("a count");
+                assert_eq!(cost["added"][column].as_i64(), Some(of(cost) - of(scene(over))));
+            }
+        }
+    }
+    let pictures = list(&document["pictures"]);
+    assert_eq!(pictures.len(), 2 * (families.len() + 2));
+    for picture in pictures {
+        let size = std::fs::metadata(picture.as_str().expect("a path")).expect("the picture is there").len();
+        assert!(size > 5000, "{picture}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Flash, memory by bank, stack, instructions of a tick and how late it may begin, against the reviewed budgets.
+
+use std::sync::Arc;
+
+use board_bench::budget::Measured;
+use board_bench::cost::Spread;
+use board_bench::image::Firmware;
+use board_bench::pair::{Bench, PERIOD_NS};
+use board_bench::part::CORE_HZ;
+use board_bench::pc::{board_ip, board_mac, udp};
+use board_bench::wire::Line;
+use board_bench::{pair, trial};
+use host_sim::scenes;
+
+/// Of the image's sections.
+fn memory(firmware: &Firmware, measured: &mut Measured) {
+    let bytes = |names: &[&str]| names.iter().map(|name| firmware.sections.get(*name).map_or(0, |s| s.1)).sum::<u64>();
+    measured.add("flash_bytes", bytes(&[".vector_table", ".text", ".rodata", ".data", ".itcm"]) as f64);
+    measured.add("itcm_bytes", bytes(&[".itcm"]) as f64);
+    measured.add("dtcm_bytes", bytes(&[".data", ".bss", ".uninit"]) as f64);
+    measured.add("axi_bytes", bytes(&[".axi"]) as f64);
+}
+
+/// Of an armed tick, with every tick recorded, as it is while somebody watches at full rate.
+fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
+    let scene = |name: &str, set: &[&str]| {
+        let mut scene = scenes::load(name).expect("built in");
+        set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
+        scene
+    };
+    for (name, scene) in [
+        ("power", scene("paper-5.2-power-16ms", &[])),
+        ("wave", scene("paper-5.2-wave-16ms", &[])),
+        ("passive-wave", scene("paper-5.2-passive-wave-16ms", &[])),
+        ("passive-wave-2-axes", scene("paper-5.2-passive-wave-16ms", &["axis.count=2"])),
+        ("passive-wave-adaptive", scene("paper-5.2-passive-wave-16ms", &["axis.velocity=adaptive"])),
+    ] {
+        let trial = trial::run(firmware, &scene, 2.0).expect("the boards run it");
+        assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "{name}");
+        measured.add(format!("tick_instructions_median.{name}"), trial.instructions.median);
+        measured.add(format!("tick_instructions_max.{name}"), trial.instructions.max);
+    }
+}
+
+/// How late ticks begin, at the most: instructions after the earliest, within their period.
+fn entry_delay(began: &[u64]) -> u32 {
+    let phases = began.iter().map(|at| at % PERIOD_NS);
+    let spread = phases.clone().max().unwrap_or(0) - phases.min().unwrap_or(0);
+    (spread * CORE_HZ).div_ceil(1_000_000_000) as u32
+}
+
+/// A hundred megabits per second of the smallest frames, to a port that nobody listens on and to the flow's.
+fn flood(firmware: &Arc<Firmware>, measured: &mut Measured) {
+    const FRAMES_PER_MS: usize = 148;
+    let mut bench = Bench::start(firmware, 1, Line::default());
+    bench.count_instructions();
+    bench.run_for_ms(200);
+    let idle = entry_delay(&bench.meters[0].began);
+    let stranger = ([2, 0, 0, 0, 0, 0x66], [192, 168, 77, 66], 7701);
+    for port in [9, 7701, 7702] {
+        bench.meters[0].clear();
+        let frame = udp(stranger, (board_mac(1), board_ip(1), port), &[0x55; 18]);
+        for _ in 0..200 {
+            bench.flood(1, &frame, FRAMES_PER_MS);
+        }
+        let meter = &bench.meters[0];
+        assert_eq!(meter.began.len(), 200, "ticks under a flood of port {port}");
+        println!("flood of port {port}: ticks {:?}", Spread::of(meter.ticks.iter().copied()));
+        measured.add(format!("entry_delay_instructions.flood-{port}"), entry_delay(&meter.began));
+    }
+    measured.add("entry_delay_instructions.idle", idle);
+    bench.run_for_ms(50);
+    assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "), "it answers again");
+    measured.add("stack_bytes.flood", bench.stack_used(1) as f64);
+    for report in bench.finish() {
+        println!("flood: frames filtered, lost for want of buffers, without a link: {:?}", report.frames);
+        assert_eq!(report.resets, Vec::<String>::new());
+    }
+}
+
+/// Two boards at work, every tick recorded and sent.
+fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
+    let scene = pair::for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
+    let mut bench = Bench::start(firmware, 2, Line::default());
+    bench.set_up(&scene).expect("the boards take it");
+    bench.arm();
+    bench.run_for_ms(1000);
+    measured.add("stack_bytes.two-boards", bench.stack_used(1) as f64);
+    bench.finish();
+}
+
+#[test]
+fn everything_is_within_its_budget() {
+    let firmware = Arc::new(Firmware::release());
+    let mut measured = Measured::default();
+    memory(&firmware, &mut measured);
+    stack(&firmware, &mut measured);
+    flood(&firmware, &mut measured);
+    instructions(&firmware, &mut measured);
+    measured.check();
+}
+
+#[test]
+fn nothing_that_the_tick_calls_leaves_itcm() {
+    let firmware = Firmware::release();
+    let (start, size) = firmware.sections[".itcm"];
+    let inside = |address: u64| (start..start + size).contains(&address);
+    let outside: Vec<&str> = (firmware.symbols.iter())
+        .filter(|(name, (address, _))| inside(*address) && name.contains("Thunk"))
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert!(outside.is_empty(), "calls out of ITCM, into memory.x with them: {outside:?}");
+    let panics = firmware.symbols.iter().filter(|(name, (at, _))| inside(*at) && name.contains("panic")).count();
+    assert_eq!(panics, 0, "a panic is called from ITCM");
+}

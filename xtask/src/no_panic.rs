@@ -1,0 +1,50 @@
+//! `cargo xtask no-panic`: no panic is reachable from the 1 kHz interrupt, shown by the linker (firmware/src/no_panic.rs).
+//!
+//! The proof must link, and must fail to link once a panic is planted, for the very reason that it looks for.
+
+use std::process::Command;
+
+use crate::run::{self, Failure, cargo};
+use crate::setup::{Ready, THUMB_TARGET};
+
+/// What the proof's panic handler calls, and nobody defines.
+const NOWHERE: &str = "undefined symbol: a_panic_is_reachable_from_the_tick";
+
+fn build(ready: &Ready, feature: &str) -> Command {
+    let mut build = cargo(&["build", "--locked", "--release", "--package", "firmware", "--bin", "no-panic"]);
+    build.args(["--features", feature, "--target", THUMB_TARGET]);
+    if ready.fallback {
+        build.arg("--ignore-rust-version");
+    }
+    build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain);
+    build
+}
+
+/// Links it with and without the mistake.
+pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
+    let (linked, words) = outcome(&mut build(ready, "proof"))?;
+    if !linked {
+        let reason = if words.contains(NOWHERE) {
+            "a panic is reachable from the tick: look for an index, an unwrap, an integer division or a clamp"
+        } else {
+            "the proof does not build"
+        };
+        eprint!("{words}");
+        return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, "proof")))));
+    }
+    match outcome(&mut build(ready, "planted-panic"))? {
+        (false, words) if words.contains(NOWHERE) => Ok(()),
+        (true, _) => Err(Failure::new("the proof links with a panic planted in it: it proves nothing")),
+        (false, words) => {
+            eprint!("{words}");
+            Err(Failure::new("with a panic planted in it the proof fails for another reason (see above)"))
+        }
+    }
+}
+
+/// Whether a command succeeds, and what it says on standard error.
+fn outcome(command: &mut Command) -> Result<(bool, String), Failure> {
+    eprintln!("    {}", run::spelled(command));
+    let output = command.output().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
+    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+}
