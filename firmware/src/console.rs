@@ -202,10 +202,12 @@ pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
     static TX_META: ConstStaticCell<[PacketMetadata; 4]> = ConstStaticCell::new([PacketMetadata::EMPTY; 4]);
     static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
     static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), TX_META.take(), TX.take());
+    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), &mut [], &mut []);
     if socket.bind(PORT).is_err() {
         defmt::panic!("the operator's port cannot be bound");
     }
+    // Answers go out by a socket of their own: dropping answers that nobody takes must not drop orders that came in.
+    let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
     let mut bytes = [0; 256];
     loop {
         let Ok((length, from)) = socket.recv_from(&mut bytes).await else { continue };
@@ -220,6 +222,6 @@ pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
             Err(misread) => write!(answer, "error {}", misread.explain()),
         };
         defmt::info!("operator: {=str}", answer.as_str());
-        net::send_now(&socket, answer.as_bytes(), from.endpoint).await;
+        answers.send(answer.as_bytes(), from.endpoint).await;
     }
 }

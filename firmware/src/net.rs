@@ -12,9 +12,11 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Poll;
 
 use embassy_executor::Spawner;
+use embassy_futures::poll_once;
 use embassy_futures::select::{Either, select};
 use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_net::{IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
+use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Consumer, Reader, Writer};
 use firmware_parts::record::Record;
 use haptic_core::couple::Packet;
@@ -81,7 +83,7 @@ pub(crate) async fn start(
 
 /// The stack on its fixed address, and what runs it.
 fn stack(device: ethernet::Device, number: Number) -> (Stack<'static>, Runner<'static, ethernet::Device>) {
-    static RESOURCES: StaticCell<StackResources<4>> = StaticCell::new();
+    static RESOURCES: StaticCell<StackResources<6>> = StaticCell::new();
     let config = embassy_net::Config::ipv4_static(StaticConfigV4 {
         address: Ipv4Cidr::new(address(number), 24),
         gateway: None,
@@ -98,8 +100,48 @@ async fn run(mut runner: Runner<'static, ethernet::Device>) -> ! {
 }
 
 /// Hands a datagram to the stack if it takes it now.
-pub(crate) async fn send_now(socket: &UdpSocket<'_>, bytes: &[u8], to: IpEndpoint) -> bool {
+async fn send_now(socket: &UdpSocket<'_>, bytes: &[u8], to: IpEndpoint) -> bool {
     poll_fn(|cx| Poll::Ready(matches!(socket.poll_send_to(bytes, to, cx), Poll::Ready(Ok(()))))).await
+}
+
+/// A socket that only sends, and whose datagrams never wait for somebody who is not there.
+///
+/// The stack sends a socket's datagrams in order, and keeps one whose receiver does not answer ARP for ever: a single
+/// stranger would silence the port. So what has waited for [`Sender::PATIENCE`] is thrown away, with all behind it.
+pub(crate) struct Sender<'a> {
+    socket: UdpSocket<'a>,
+    port: u16,
+    waiting_since: Option<Instant>,
+}
+
+impl<'a> Sender<'a> {
+    const PATIENCE: Duration = Duration::from_millis(50);
+
+    /// Sends from `port`. What comes in for that port must be another socket's, made before this one.
+    pub(crate) fn new(socket: UdpSocket<'a>, port: u16) -> Self {
+        let mut sender = Self { socket, port, waiting_since: None };
+        sender.bind();
+        sender
+    }
+
+    fn bind(&mut self) {
+        if self.socket.bind(self.port).is_err() {
+            defmt::panic!("port {=u16} cannot be bound", self.port);
+        }
+    }
+
+    /// Hands a datagram to the stack if it takes it now.
+    pub(crate) async fn send(&mut self, bytes: &[u8], to: IpEndpoint) -> bool {
+        if poll_once(self.socket.flush()).is_ready() {
+            self.waiting_since = None;
+        } else if self.waiting_since.is_some_and(|since| since.elapsed() > Self::PATIENCE) {
+            self.socket.close();
+            self.bind();
+            self.waiting_since = None;
+        }
+        self.waiting_since.get_or_insert_with(Instant::now);
+        send_now(&self.socket, bytes, to).await
+    }
 }
 
 /// Sends what the tick made, the moment it made it, and takes in what the other board sent.

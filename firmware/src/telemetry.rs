@@ -49,17 +49,12 @@ pub(crate) fn capture(endpoint: IpEndpoint, ticks: u32) {
 /// Sends what there is, every 4 ms.
 #[embassy_executor::task]
 pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Record, RECORDS>) -> ! {
-    static RX_META: ConstStaticCell<[PacketMetadata; 1]> = ConstStaticCell::new([PacketMetadata::EMPTY; 1]);
     static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static RX: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
     static TX: ConstStaticCell<[u8; 6144]> = ConstStaticCell::new([0; 6144]);
     static DATAGRAM: ConstStaticCell<[u8; HEADER + BATCH * record::BYTES]> =
         ConstStaticCell::new([0; HEADER + BATCH * record::BYTES]);
     let datagram = DATAGRAM.take();
-    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), TX_META.take(), TX.take());
-    if socket.bind(PORT).is_err() {
-        defmt::panic!("the port of telemetry cannot be bound");
-    }
+    let mut sender = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
     let mut pace = Ticker::every(Duration::from_millis(4));
     loop {
         pace.next().await;
@@ -77,7 +72,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Re
             }
             header.copy_from_slice(&[b'H', b'T', 1, filled as u8, 0, 0, 0, 0]);
             header[4..].copy_from_slice(&RECORDS_LOST.load(Ordering::Relaxed).to_le_bytes());
-            net::send_now(&socket, &datagram[..HEADER + filled * record::BYTES], listener.endpoint).await;
+            sender.send(&datagram[..HEADER + filled * record::BYTES], listener.endpoint).await;
             if let Some(left) = listener.left {
                 let left = left - filled as u32;
                 if left == 0 {

@@ -1,10 +1,10 @@
 //! `cargo xtask readme`: writes what the commands named in README.md print into it, so that no figure there is older than
 //! the code.
 //!
-//! A block begins with `<!-- host-sim ARGUMENTS -->`, the command whose standard output the next fenced block holds; a
-//! picture with `<!-- FILE from host-sim ARGUMENTS -->`: the command is run and the file it wrote copied to docs/.
-//! Only commands whose output does not depend on the clock belong there. `--check` changes nothing and fails where the
-//! text would change.
+//! A block begins with `<!-- host-sim ARGUMENTS -->`, the command whose standard output the next fenced block holds, or with
+//! `<!-- file PATH -->`, a reviewed file of the repository; a picture with `<!-- PATH from host-sim ARGUMENTS -->`: the
+//! command is run and the file it wrote copied to docs/. Only commands whose output does not depend on the clock belong
+//! there. `--check` changes nothing, draws no pictures, and fails where the text would change.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(crate) fn readme(check: bool) -> Result<(), Failure> {
     let file = run::root().join("README.md");
     let old =
         std::fs::read_to_string(&file).map_err(|cause| Failure::new(format!("cannot read README.md: {cause}")))?;
-    let new = refresh(&old)?;
+    let new = refresh(&old, check)?;
     if check {
         return if old == new {
             Ok(())
@@ -42,22 +42,30 @@ fn marker(line: &str) -> Option<&str> {
 }
 
 /// The text with every block replaced by what its command prints now.
-fn refresh(text: &str) -> Result<String, Failure> {
+fn refresh(text: &str, check: bool) -> Result<String, Failure> {
     let mut fresh = String::new();
     let mut lines = text.lines();
     while let Some(line) = lines.next() {
         fresh += line;
         fresh += "\n";
         let Some(command) = marker(line) else { continue };
-        if let Some((_, arguments)) = command.split_once(" from host-sim ") {
-            host_sim(arguments)?;
-        } else if let Some(arguments) = command.strip_prefix("host-sim") {
-            let printed = host_sim(arguments)?;
-            fresh += &format!("```text\n{}\n```\n", printed.trim_end());
-            // The block that is replaced: from its opening fence to its closing one.
-            if lines.next().is_none_or(|line| line != "```text") || !lines.by_ref().any(|line| line == "```") {
-                return Err(Failure::new(format!("README.md: `{line}` is not followed by a ```text block")));
+        let printed = if let Some((_, arguments)) = command.split_once(" from host-sim ") {
+            if !check {
+                host_sim(arguments)?;
             }
+            continue;
+        } else if let Some(arguments) = command.strip_prefix("host-sim") {
+            host_sim(arguments)?
+        } else if let Some(path) = command.strip_prefix("file ") {
+            std::fs::read_to_string(run::root().join(path))
+                .map_err(|cause| Failure::new(format!("README.md: cannot read {path}: {cause}")))?
+        } else {
+            continue;
+        };
+        fresh += &format!("```text\n{}\n```\n", printed.trim_end());
+        // The block that is replaced: from its opening fence to its closing one.
+        if lines.next().is_none_or(|line| line != "```text") || !lines.by_ref().any(|line| line == "```") {
+            return Err(Failure::new(format!("README.md: `{line}` is not followed by a ```text block")));
         }
     }
     Ok(fresh)
