@@ -12,7 +12,7 @@ use core::sync::atomic::Ordering;
 
 use embassy_net::Stack;
 use embassy_net::udp::{PacketMetadata, UdpSocket};
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Timer, with_timeout};
 use firmware_parts::exchange::Writer;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
@@ -210,7 +210,11 @@ pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
     let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
     let mut bytes = [0; 256];
     loop {
-        let Ok((length, from)) = socket.recv_from(&mut bytes).await else { continue };
+        let Ok(received) = with_timeout(Duration::from_millis(20), socket.recv_from(&mut bytes)).await else {
+            answers.tend();
+            continue;
+        };
+        let Ok((length, from)) = received else { continue };
         let (tag, request) = operator::parse(bytes.get(..length).unwrap_or_default());
         let mut answer = Answer::new();
         if !tag.is_empty() {

@@ -108,6 +108,8 @@ async fn send_now(socket: &UdpSocket<'_>, bytes: &[u8], to: IpEndpoint) -> bool 
 ///
 /// The stack sends a socket's datagrams in order, and keeps one whose receiver does not answer ARP for ever: a single
 /// stranger would silence the port. So what has waited for [`Sender::PATIENCE`] is thrown away, with all behind it.
+///
+/// Limit: after it looked for a stranger in vain the stack keeps the socket silent for up to a second.
 pub(crate) struct Sender<'a> {
     socket: UdpSocket<'a>,
     port: u16,
@@ -130,16 +132,20 @@ impl<'a> Sender<'a> {
         }
     }
 
-    /// Hands a datagram to the stack if it takes it now.
-    pub(crate) async fn send(&mut self, bytes: &[u8], to: IpEndpoint) -> bool {
+    /// Throws away what has waited too long; call now and then.
+    pub(crate) fn tend(&mut self) {
         if poll_once(self.socket.flush()).is_ready() {
             self.waiting_since = None;
-        } else if self.waiting_since.is_some_and(|since| since.elapsed() > Self::PATIENCE) {
+        } else if self.waiting_since.get_or_insert_with(Instant::now).elapsed() > Self::PATIENCE {
             self.socket.close();
             self.bind();
             self.waiting_since = None;
         }
-        self.waiting_since.get_or_insert_with(Instant::now);
+    }
+
+    /// Hands a datagram to the stack if it takes it now.
+    pub(crate) async fn send(&mut self, bytes: &[u8], to: IpEndpoint) -> bool {
+        self.tend();
         send_now(&self.socket, bytes, to).await
     }
 }

@@ -58,6 +58,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Re
     let mut pace = Ticker::every(Duration::from_millis(4));
     loop {
         pace.next().await;
+        sender.tend();
         while let Some(listener) = LISTENER.lock(Cell::get) {
             let batch = listener.left.map_or(BATCH, |left| BATCH.min(left as usize));
             let (header, body) = datagram.split_at_mut(HEADER);

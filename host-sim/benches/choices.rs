@@ -1,41 +1,25 @@
 //! Instructions of every numerical choice, exactly: each is replayed under valgrind's callgrind, which counts nothing but
 //! the call.
 //!
-//! `cargo bench --package host-sim --bench choices` prints the table that `src/accuracy/instructions.txt` holds;
+//! `cargo bench --package host-sim --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds;
 //! `-- --check` compares with it (each count within 2 %, as `cargo xtask bench-check` does for the ticks of core) and
 //! `-- --bless` rewrites it. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
 //! after each case [`case_done`] makes callgrind write what it counted. The same binary gives the same counts on every run.
 //!
 //! Counted: `measured_call` with everything it calls, so loading parameters, storing state and the call itself are in it;
-//! `cases::measured_tick` of core's benches for whole ticks. Mean over the calls of a case. What is called and on which
-//! data, `host_sim::accuracy` says: the cases are the ones whose errors it measures.
-
-#[path = "../../core/benches/cases/mod.rs"]
-#[allow(dead_code, reason = "shared with core's bench, which uses the rest")]
-mod cases;
+//! mean over the calls of a case. What is called and on which data, `host_sim::accuracy::cases` says.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths};
-use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
-use haptic_core::couple::wave::Decode;
-use haptic_core::couple::{AnyLaw, Law};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
-use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
-use haptic_core::scalar::{Fixed, Scalar};
-use haptic_core::scene::Any;
-use haptic_core::settings::{Choice, Settings};
-use host_sim::accuracy::counts::{ARCHITECTURE, REVIEWED, SCALARS, parse};
-use host_sim::accuracy::filters::{Bilinear, Exact, Filter, ForwardEuler};
-use host_sim::accuracy::integrators::{self, Test};
-use host_sim::accuracy::{cost, decodes, estimators, mechanisms};
+use haptic_core::scalar::Fixed;
+use host_sim::accuracy::cases::{self, Case, Meter};
+use host_sim::accuracy::counts::{Processor, SCALARS, parse};
 
 /// Where the reviewed counts are.
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/accuracy/instructions.txt");
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/accuracy/instructions-x86-64.txt");
 /// Largest accepted change, either way, as a fraction.
 const TOLERANCE: f64 = 0.02;
 
@@ -51,116 +35,21 @@ fn case_done(case: &str) {
     black_box(case);
 }
 
-/// Something whose instructions are counted.
-struct Case {
-    name: String,
-    calls: usize,
-    replay: Box<dyn Fn()>,
-}
+/// Callgrind, told by names.
+struct Callgrind;
 
-/// A case that calls a body, made anew by `prepare`, once for every input.
-fn case<I: Copy + 'static, O, B: FnMut(I) -> O>(
-    name: String,
-    inputs: Vec<I>,
-    prepare: impl Fn() -> B + 'static,
-) -> Case {
-    let calls = inputs.len();
-    let replay = move || {
-        let mut body = prepare();
-        for input in &inputs {
-            black_box(measured_call(&mut body, *input));
-        }
-    };
-    Case { name, calls, replay: Box::new(replay) }
-}
-
-/// Every case in one number type, in the order of the table.
-fn cases_in<S: Scalar>() -> Vec<Case> {
-    let ticks = cost::SCENES.iter().map(|scene| Case {
-        name: format!("tick/{}", scene.name),
-        calls: cases::TICKS,
-        replay: Box::new(|| {
-            black_box(cases::Recording::<Any<S>>::new(&scene.settings()).replay());
-        }),
-    });
-    let named = Case {
-        name: format!("tick/{}", cost::NAMED.name),
-        calls: cases::TICKS,
-        replay: Box::new(|| {
-            black_box(cases::Recording::<cases::Named<S>>::new(&cost::NAMED.settings()).replay());
-        }),
-    };
-    let filters = [filter::<S, Exact<S>>(), filter::<S, ForwardEuler<S>>(), filter::<S, Bilinear<S>>()];
-    ticks
-        .chain([named])
-        .chain(IntegratorName::ALL.iter().map(|&name| integrator::<S>(name)))
-        .chain(Decode::ALL.iter().map(|&decode| self::decode::<S>(decode)))
-        .chain(filters)
-        .chain(mechanisms::CHOICES.iter().map(|&(model, maths)| mechanism::<S>(model, maths)))
-        .chain(
-            estimators::RESOLUTIONS.iter().flat_map(|&counts_per_m| {
-                VelocityName::ALL.iter().map(move |&name| estimator::<S>(name, counts_per_m))
-            }),
-        )
-        .collect()
-}
-
-fn integrator<S: Scalar>(name: IntegratorName) -> Case {
-    let settings = integrators::settings(Test::Contact, name, 1e-3);
-    let stiffness = S::from_f64(-settings.contact.stiffness_n_per_m);
-    let motions = integrators::run::<S>(Test::Contact, &settings);
-    let inputs = motions.into_iter().map(|motion| (motion, stiffness * motion.position)).collect();
-    case(format!("integrator/{}", name.name()), inputs, move || {
-        let integrator = black_box(AnyIntegrator::<S>::build(&settings));
-        let mut state = black_box(integrator.initial());
-        move |(motion, force)| integrator.step(&mut state, motion, force)
-    })
-}
-
-fn decode<S: Scalar>(decode: Decode) -> Case {
-    let settings = decodes::settings(decode, Settings::default().coordination.stiffness_n_per_m);
-    let inputs = (0..decodes::ticks(&settings)).map(|tick| decodes::input::<S>(&settings, tick).0).collect();
-    case(format!("decode/{}", decode.name()), inputs, move || {
-        let law = black_box(AnyLaw::<S>::build(&settings));
-        let mut state = black_box(law.initial());
-        move |local| law.couple(&mut state, local)
-    })
-}
-
-fn filter<S: Scalar, F: Filter<S>>() -> Case {
-    let inputs = (0..1000).map(|tick| S::from_f64(0.01 * f64::from(tick % 100))).collect();
-    case(format!("filter/{}", F::NAME), inputs, || {
-        let mut filter = black_box(F::build(&Settings::default()));
-        move |wave| filter.push(wave)
-    })
-}
-
-fn mechanism<S: Scalar>(model: KinematicsName, maths: Maths) -> Case {
-    let settings = mechanisms::settings(model, maths);
-    let joint = |at: f64| Motion { position: S::from_f64(at), velocity: S::from_f64(at) };
-    let inputs = mechanisms::joints(model).into_iter().map(|joints| joints.map(joint)).collect();
-    case(mechanisms::case(model, maths), inputs, move || {
-        let kinematics = black_box(AnyKinematics::<S>::build(&settings));
-        move |joints| kinematics.forward(joints)
-    })
-}
-
-fn estimator<S: Scalar>(name: VelocityName, counts_per_m: f64) -> Case {
-    let settings = estimators::settings(name, counts_per_m);
-    let inputs = estimators::readings::<S>(&settings).into_iter().map(|(reading, _)| reading).collect();
-    case(estimators::case(name, counts_per_m), inputs, move || {
-        let estimator = black_box(AnyVelocity::<S>::build(&settings));
-        let mut state = black_box(estimator.initial());
-        move |reading| estimator.step(&mut state, reading)
-    })
+impl Meter for Callgrind {
+    fn call<I, O>(body: &mut impl FnMut(I) -> O, input: I) -> O {
+        measured_call(body, input)
+    }
 }
 
 /// The cases of the number type called `scalar`.
-fn cases_of(scalar: &str) -> Vec<Case> {
+fn cases_of(scalar: &str) -> Box<dyn Iterator<Item = Case>> {
     match scalar {
-        "f32" => cases_in::<f32>(),
-        "f64" => cases_in::<f64>(),
-        _ => cases_in::<Fixed>(),
+        "f32" => Box::new(cases::all::<f32, Callgrind>()),
+        "f64" => Box::new(cases::all::<f64, Callgrind>()),
+        _ => Box::new(cases::all::<Fixed, Callgrind>()),
     }
 }
 
@@ -180,7 +69,7 @@ fn count(scalar: &str) -> Result<Vec<(String, u64)>, String> {
     if !output.status.success() {
         return Err(format!("the replay of {scalar} failed:\n{}", String::from_utf8_lossy(&output.stderr)));
     }
-    let counts = cases_of(scalar).into_iter().enumerate().map(|(at, case)| {
+    let counts = cases_of(scalar).enumerate().map(|(at, case)| {
         let total = total(&folder.join(format!("part.{}", at + 1)))?;
         let calls = case.calls as u64;
         Ok((case.name, (total + calls / 2) / calls))
@@ -212,7 +101,7 @@ fn table() -> Result<String, String> {
         }
     }
     let mut text = format!(
-        "# Instructions per call, {ARCHITECTURE}, release build; tick/… per tick of a whole peer.\n\
+        "# Instructions per call, x86-64, release build; tick/… per tick of a whole peer.\n\
          # Counted by `cargo bench --package host-sim --bench choices`; `-- --check` compares, `-- --bless` rewrites.\n\
          # {:<32} {:>7} {:>7} {:>7}\n",
         "case", SCALARS[0], SCALARS[1], SCALARS[2]
@@ -227,7 +116,7 @@ fn table() -> Result<String, String> {
 
 /// Every case in both tables, every count within the tolerance.
 fn compare(now: &str) -> Result<(), String> {
-    let (reviewed, now) = (parse(REVIEWED), parse(now));
+    let (reviewed, now) = (parse(Processor::X86.reviewed()), parse(now));
     let names: BTreeMap<_, _> = reviewed.iter().chain(&now).collect();
     let mut differences = String::new();
     for name in names.keys() {

@@ -16,6 +16,8 @@
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
+extern crate alloc;
+
 pub mod accuracy;
 pub mod analysis;
 pub mod cli;

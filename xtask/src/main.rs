@@ -7,6 +7,7 @@
 //! | [`bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
 //! | [`board`] | runs a scene on two virtual boards |
+//! | [`log`] | what a running board says, to a file |
 //! | [`no_panic`] | shows that no panic is reachable from the tick |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
@@ -16,6 +17,7 @@
 mod bench;
 mod board;
 mod instructions;
+mod log;
 mod no_panic;
 mod readme;
 mod run;
@@ -34,6 +36,7 @@ Usage: cargo xtask COMMAND [--help]
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
+  log          attach to a running board and keep what it says in out/board.log
   no-panic     show that no panic is reachable from the 1 kHz interrupt
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
@@ -92,6 +95,13 @@ Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S]
   --out      folder for CSV and pictures [default: out/board]
 ";
 
+const LOG_HELP: &str = "\
+Attaches to a running board with probe-rs, without stopping or flashing it, and prints what it says; the same goes to
+out/board.log. The image must be the one that was flashed.
+
+Usage: cargo xtask log
+";
+
 const NO_PANIC_HELP: &str = "\
 Links a program that holds the 1 kHz interrupt and a panic handler that calls a function which does not exist: it links
 only if no panic is reachable. Then once more with a panic planted, which must fail.
@@ -118,6 +128,8 @@ fn main() -> ExitCode {
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
         ["board", arguments @ ..] => board::board(arguments),
+        ["log", "--help" | "-h"] => print(LOG_HELP),
+        ["log"] => log::log(),
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
         ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
         ["readme", "--help" | "-h"] => print(README_HELP),

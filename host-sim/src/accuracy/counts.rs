@@ -1,35 +1,87 @@
-//! Instructions, counted: the reviewed file `instructions.txt` beside this one.
+//! Instructions, counted: the reviewed files `instructions-….txt` beside this one, one for each [`Processor`].
 //!
-//! The counts come from `cargo bench --package host-sim --bench choices`, which replays every choice under valgrind's
-//! callgrind: exact, the same on every run of the same binary. `-- --check` compares, `-- --bless` rewrites.
+//! | processor | counted by | with |
+//! |---|---|---|
+//! | Cortex-M7, the board's | `cargo run --release` in `tests/count` | QEMU: a virtual clock that every instruction moves |
+//! | x86-64 | `cargo bench --package host-sim --bench choices` | valgrind's callgrind |
 //!
-//! Unit: instructions of [`ARCHITECTURE`] per call (loading the parameters, storing the state and the call itself
-//! included) or, for `tick/…`, per tick of a whole peer, an eighth of its exchange included. A processor that computes f64
-//! or products of 64 bits in software counts otherwise; the order of choices in one number type carries over, the prices
-//! of number types do not.
+//! Both run the very same [`super::cases`] and give the same counts on every run of the same binary. Unit: instructions per
+//! call (loading the parameters, storing the state and the call itself included) or, for `tick/…`, per tick of a whole
+//! peer, an eighth of its exchange included.
+//!
+//! Limits: instructions are not cycles. In particular f64 takes as many instructions as f32 on both, but not everywhere as
+//! few cycles; what a scheme or a model adds carries over, the price of a number type must be timed on the hardware.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
-/// What the instructions are instructions of.
-pub const ARCHITECTURE: &str = "x86-64";
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// What instructions are instructions of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Processor {
+    /// The board's, with its double-precision FPU (thumbv7em), under QEMU.
+    #[default]
+    CortexM7,
+    /// A PC's, under callgrind.
+    #[value(name = "x86-64")]
+    #[serde(rename = "x86-64")]
+    X86,
+}
+
+impl Processor {
+    /// What it is called in reports.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::CortexM7 => "a Cortex-M7, counted under QEMU",
+            Self::X86 => "x86-64, counted under callgrind",
+        }
+    }
+
+    /// Its reviewed file.
+    pub fn reviewed(self) -> &'static str {
+        match self {
+            Self::CortexM7 => include_str!("instructions-cortex-m7.txt"),
+            Self::X86 => include_str!("instructions-x86-64.txt"),
+        }
+    }
+
+    /// Instructions of one case in one number type.
+    ///
+    /// # Errors
+    /// The case is not in the reviewed file.
+    pub fn count(self, case: &str, scalar: &str) -> Result<u64, Uncounted> {
+        static COUNTS: LazyLock<[BTreeMap<&str, [u64; 3]>; 2]> =
+            LazyLock::new(|| [Processor::CortexM7, Processor::X86].map(|processor| parse(processor.reviewed())));
+        let [cortex_m7, x86] = &*COUNTS;
+        let counts = match self {
+            Self::CortexM7 => cortex_m7,
+            Self::X86 => x86,
+        };
+        let column = SCALARS.iter().position(|known| *known == scalar);
+        let found = counts.get(case).zip(column).map(|(counts, column)| counts[column]);
+        found.ok_or_else(|| Uncounted { case: case.to_owned(), scalar: scalar.to_owned(), processor: self })
+    }
+}
+
 /// Number types, in the order of the columns.
 pub const SCALARS: [&str; 3] = ["f32", "f64", "i32f32"];
-
-/// The file as it is reviewed.
-pub const REVIEWED: &str = include_str!("instructions.txt");
 
 /// A case that was not counted.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "host-sim/src/accuracy/instructions.txt has no count of {case} in {scalar}: \
-     `cargo bench --package host-sim --bench choices -- --bless` counts"
+    "nobody counted the instructions of {case} in {scalar} on {}; host-sim/src/accuracy/counts.rs says how",
+    processor.label()
 )]
 pub struct Uncounted {
     /// Which one.
     pub case: String,
     /// In which number type.
     pub scalar: String,
+    /// On which processor.
+    pub processor: Processor,
 }
 
 /// Counts of every case, in the order of [`SCALARS`].
@@ -41,16 +93,4 @@ pub fn parse(text: &str) -> BTreeMap<&str, [u64; 3]> {
         Some((case, counts.try_into().ok()?))
     };
     text.lines().filter(|line| !line.starts_with('#')).filter_map(row).collect()
-}
-
-/// Instructions of one case in one number type.
-///
-/// # Errors
-/// The case is not in the reviewed file.
-pub fn count(case: &str, scalar: &str) -> Result<u64, Uncounted> {
-    static COUNTS: OnceLock<BTreeMap<&str, [u64; 3]>> = OnceLock::new();
-    let counts = COUNTS.get_or_init(|| parse(REVIEWED));
-    let column = SCALARS.iter().position(|known| *known == scalar);
-    let found = counts.get(case).zip(column).map(|(counts, column)| counts[column]);
-    found.ok_or_else(|| Uncounted { case: case.to_owned(), scalar: scalar.to_owned() })
 }

@@ -8,59 +8,20 @@
 //! Alone like this the delayed decode is stable up to K_T = (b + B_T)/T_c, 12 000 N/m here, and rings below it.
 
 use haptic_core::couple::wave::Decode;
-use haptic_core::couple::{AnyLaw, Law, Packet};
+use haptic_core::couple::{AnyLaw, Law};
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::{Choice, Settings};
 
-use super::counts::count;
+use super::cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};
+pub use super::cases::line::{input, settings, ticks};
+use super::counts::Processor;
 use super::{AccuracyError, Comparison, Family, rms};
 use crate::report::text::significant;
 
 /// Coordination stiffnesses, N/m: those the paper found for the two wave communications.
 const STIFFNESSES: [f64; 2] = [1590.0, 10_620.0];
-/// Motion of the copy, m and rad/s.
-const AMPLITUDE_M: f64 = 0.005;
-const ANGULAR_RAD_PER_S: f64 = std::f64::consts::TAU * 2.0;
-/// Height of the incoming wave, √W.
-const WAVE: f64 = 0.3;
-/// Length of the test, s.
-const DURATION_S: f64 = 4.0;
-
-/// What the line is told.
-pub fn settings(decode: Decode, stiffness_n_per_m: f64) -> Settings {
-    let mut settings = Settings::default();
-    settings.coordination.decode = decode;
-    settings.coordination.stiffness_n_per_m = stiffness_n_per_m;
-    settings
-}
-
-/// Ticks of the test.
-pub fn ticks(settings: &Settings) -> usize {
-    (DURATION_S / settings.timing.control_period_s).round() as usize
-}
-
-/// The copy's motion at `time_s`.
-fn local(time_s: f64) -> Motion<f64> {
-    let (sine, cosine) = (ANGULAR_RAD_PER_S * time_s).sin_cos();
-    Motion { position: AMPLITUDE_M * sine, velocity: AMPLITUDE_M * ANGULAR_RAD_PER_S * cosine }
-}
-
-/// u_in of the packet that arrives at `time_s`, √W.
-fn wave(time_s: f64) -> f64 {
-    WAVE * (ANGULAR_RAD_PER_S * time_s + 1.0).sin()
-}
-
-/// What the law is given at a tick: the copy's motion and, when one is due, a packet.
-pub fn input<S: Scalar>(settings: &Settings, tick: usize) -> (Motion<S>, Option<Packet<S>>) {
-    let time_s = tick as f64 * settings.timing.control_period_s;
-    let local = local(time_s);
-    let packet = Packet { wave: S::from_f64(wave(time_s)), ..Packet::default() };
-    let due = tick.is_multiple_of(settings.timing.ticks_per_packet as usize);
-    (Motion { position: S::from_f64(local.position), velocity: S::from_f64(local.velocity) }, due.then_some(packet))
-}
-
 /// s = x_d − x_o (m) and F_T (N) at every tick, in closed form.
 pub fn closed_form(settings: &Settings) -> Vec<(f64, f64)> {
     let line = &settings.coordination;
@@ -114,13 +75,13 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let mut comparisons = Vec::new();
     for stiffness in STIFFNESSES {
         let measured = Decode::ALL
             .iter()
             .map(|&decode| {
-                let count = count(&format!("decode/{}", decode.name()), "f32")?;
+                let count = processor.count(&format!("decode/{}", decode.name()), "f32")?;
                 Ok((decode.name().to_owned(), errors::<f32>(&settings(decode, stiffness)), count))
             })
             .collect::<Result<Vec<_>, AccuracyError>>()?;

@@ -2,7 +2,7 @@
 //!
 //! The motion is that of `scenes/person-reach.toml`: a minimum-jerk reach of 50 mm in one second with a tremor of 0.1 mm at
 //! 9 Hz, which goes on for another second. The encoder rounds it down to whole counts, 20 000 to 2²⁴ of them to the metre;
-//! core's own [`Encoder`] turns counts into positions and core's estimators those into velocities, in f32.
+//! core's own encoder turns counts into positions and core's estimators those into velocities, in f32.
 //!
 //! `measured` needs a sensor that has a velocity. An encoder has none, so it reads zero, and its error is the velocity
 //! itself: what any estimator must beat. `filtered` is shown at its default cutoff and at the best of [`CUTOFFS_HZ`] for the
@@ -10,56 +10,20 @@
 //!
 //! Unit: m/s, root of the mean square over 2 s.
 
-use haptic_core::axis::encoder::{Counts, Encoder, EncoderState};
 use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::{Choice, Settings};
 
-use super::counts::count;
+pub use super::cases::reach::{RESOLUTIONS, case, readings, settings};
+use super::counts::Processor;
 use super::{AccuracyError, Comparison, Family, rms};
 use crate::report::text::significant;
-use crate::user::User;
 
-/// Encoder resolutions, counts/m: 50 µm, 16 bit, 5 µm (the default), 24 bit.
-pub const RESOLUTIONS: [f64; 4] = [20_000.0, 65_536.0, 200_000.0, 16_777_216.0];
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
 pub const CUTOFFS_HZ: [f64; 18] =
     [8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0, 400.0];
-/// Ticks of the motion: 2 s.
-const TICKS: usize = 2000;
-
-/// The person.
-fn person() -> User {
-    let mut user = User::default();
-    let profile = &mut user.settings.user;
-    (profile.reach_m, profile.reach_s, profile.tremor_m, profile.tremor_hz) = (0.05, 1.0, 1e-4, 9.0);
-    user
-}
-
-/// A device with this encoder and this estimator.
-pub fn settings(velocity: VelocityName, counts_per_m: f64) -> Settings {
-    let mut settings = Settings::default();
-    settings.axis.velocity = velocity;
-    settings.encoder.counts_per_m = counts_per_m;
-    settings
-}
-
-/// What the estimator is given each tick, and the true velocity (m/s) then.
-pub fn readings<S: Scalar>(settings: &Settings) -> Vec<(Motion<S>, f64)> {
-    let (person, encoder) = (person(), Encoder::<S>::build(settings));
-    let mut state = EncoderState::default();
-    let read = |tick: usize| {
-        let (position, velocity) = person.wanted(tick as f64 * settings.timing.control_period_s);
-        let counts = Counts((position * settings.encoder.counts_per_m).floor() as i64 as u16);
-        // No step of this motion is implausible; were one, the position would stand still and the error show it.
-        let position = encoder.step(&mut state, counts).unwrap_or(S::ZERO);
-        (Motion::at(position), velocity)
-    };
-    (0..TICKS).map(read).collect()
-}
-
 /// RMS error of the velocity, m/s.
 pub fn error<S: Scalar>(settings: &Settings) -> f64 {
     let readings = readings::<S>(settings);
@@ -80,22 +44,17 @@ pub fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
     tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((f64::NAN, f64::NAN))
 }
 
-/// The case whose calls are counted: what an estimator costs may depend on what it sees.
-pub fn case(velocity: VelocityName, counts_per_m: f64) -> String {
-    format!("velocity/{}/{counts_per_m:.0}", velocity.name())
-}
-
 /// Measures.
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let mut comparisons = Vec::new();
     let mut advice = Vec::new();
     for resolution in RESOLUTIONS {
         let mut measured = Vec::new();
         for &velocity in VelocityName::ALL {
-            let count = count(&case(velocity, resolution), "f32")?;
+            let count = processor.count(&case(velocity, resolution), "f32")?;
             measured.push((velocity.name().to_owned(), error::<f32>(&settings(velocity, resolution)), count));
             if velocity == VelocityName::Filtered {
                 let (cutoff, error) = best_cutoff(resolution);
@@ -129,7 +88,7 @@ pub fn measure() -> Result<Family, AccuracyError> {
         name: "velocity",
         title: "Velocity from an encoder",
         motion:
-            "Minimum-jerk reach of 50 mm in 1 s with a tremor of 0.1 mm at 9 Hz, which goes on for 1 s more; 1 kHz, f32"
+            "Minimum-jerk reach of 50 mm in 1 s with a tremor of 0.1 mm at 9 Hz, which goes on for 1 s more; 1 kHz, f32; measured reads 0, an encoder has no velocity"
                 .to_owned(),
         reference: "the true velocity of the motion",
         instructions_per: "call of step()",

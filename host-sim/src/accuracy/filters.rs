@@ -6,7 +6,7 @@
 //! | forward Euler | y\[n−1\] + ΩT·(u\[n\] − y\[n−1\]) | no, here for comparison |
 //! | bilinear | ((2 − ΩT)·y\[n−1\] + ΩT·(u\[n\] + u\[n−1\]))/(2 + ΩT) | no, here for comparison |
 //!
-//! The response is measured, not derived: the impulse response, run through [`OnePole`] itself, is summed at each
+//! The response is measured, not derived: the impulse response, run through core's own filter, is summed at each
 //! frequency. What a peer sends at tick n is y\[n−1\], so that is the instant at which gain and phase are compared;
 //! the gain alone says what passes, whenever. 1000 frequencies up to the packet Nyquist 1/(2·M·T_c): 62.5 Hz with the
 //! paper's cutoff of 60 Hz, and 250 Hz with the cutoff that its rule (π/M of the sample rate) gives for M = 2.
@@ -14,87 +14,13 @@
 
 use std::f64::consts::TAU;
 
-use haptic_core::couple::filter::{Decimator, Level, OnePole};
-use haptic_core::list::Model;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::Settings;
 
-use super::counts::count;
+use super::cases::filters::angle;
+pub use super::cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
+use super::counts::Processor;
 use super::{AccuracyError, Comparison, Family, rms};
-
-/// A low-pass filter that can be compared.
-pub trait Filter<S: Scalar> {
-    /// Short name.
-    const NAME: &'static str;
-    /// Takes its coefficients from the cutoff and the control period.
-    fn build(settings: &Settings) -> Self;
-    /// One sample in, what would be sent out.
-    fn push(&mut self, wave: S) -> S;
-}
-
-/// Core's: exact for a held input.
-#[derive(Clone, Copy, Debug)]
-pub struct Exact<S>(OnePole<S>, Level<S>);
-
-impl<S: Scalar> Filter<S> for Exact<S> {
-    const NAME: &'static str = "exact";
-    fn build(settings: &Settings) -> Self {
-        Self(OnePole::build(settings), Level::default())
-    }
-    #[inline]
-    fn push(&mut self, wave: S) -> S {
-        self.0.push(&mut self.1, wave);
-        self.1.0
-    }
-}
-
-/// Ω_c·T_c.
-fn angle(settings: &Settings) -> f64 {
-    TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s
-}
-
-/// The textbook's quickest; unstable from Ω_c·T_c = 2 on.
-#[derive(Clone, Copy, Debug)]
-pub struct ForwardEuler<S> {
-    take: S,
-    level: S,
-}
-
-impl<S: Scalar> Filter<S> for ForwardEuler<S> {
-    const NAME: &'static str = "forward-euler";
-    fn build(settings: &Settings) -> Self {
-        Self { take: S::from_f64(angle(settings)), level: S::ZERO }
-    }
-    #[inline]
-    fn push(&mut self, wave: S) -> S {
-        self.level = self.level + self.take * (wave - self.level);
-        self.level
-    }
-}
-
-/// Tustin's trapezoid, without prewarping.
-#[derive(Clone, Copy, Debug)]
-pub struct Bilinear<S> {
-    keep: S,
-    take: S,
-    level: S,
-    last: S,
-}
-
-impl<S: Scalar> Filter<S> for Bilinear<S> {
-    const NAME: &'static str = "bilinear";
-    fn build(settings: &Settings) -> Self {
-        let angle = angle(settings);
-        let (keep, take) = ((2.0 - angle) / (2.0 + angle), angle / (2.0 + angle));
-        Self { keep: S::from_f64(keep), take: S::from_f64(take), level: S::ZERO, last: S::ZERO }
-    }
-    #[inline]
-    fn push(&mut self, wave: S) -> S {
-        self.level = self.keep * self.level + self.take * (wave + self.last);
-        self.last = wave;
-        self.level
-    }
-}
 
 /// A complex number.
 type Complex = (f64, f64);
@@ -133,7 +59,7 @@ pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let paper = Settings::default();
     let mut quick = paper;
     (quick.timing.ticks_per_packet, quick.coordination.cutoff_hz) = (2, 250.0);
@@ -145,8 +71,9 @@ pub fn measure() -> Result<Family, AccuracyError> {
         ]
     };
     let compare = |title: &str, error: &str, settings: &Settings, pick: fn((f64, f64)) -> f64| {
-        let points = measure(settings)
-            .map(|(name, errors)| Ok((name.to_owned(), pick(errors), count(&format!("filter/{name}"), "f32")?)));
+        let points = measure(settings).map(|(name, errors)| {
+            Ok((name.to_owned(), pick(errors), processor.count(&format!("filter/{name}"), "f32")?))
+        });
         let points = points.into_iter().collect::<Result<_, AccuracyError>>()?;
         Ok::<_, AccuracyError>(Comparison::new(title, error, "1", points))
     };
@@ -165,7 +92,7 @@ pub fn measure() -> Result<Family, AccuracyError> {
     let insight = format!(
         "Exact, bilinear, forward Euler: the gain errs by {} at 60 Hz and by {} at 250 Hz, gain and phase by {} at 60 Hz, \
          most of it the half tick for which a sample is held and, in the bilinear one, the tick it waits to be sent. Forward \
-         Euler's phase gains what its gain loses and it breaks at 318 Hz: take exact, which costs {:+} instructions.",
+         Euler's phase gains what its gain loses and it breaks at 318 Hz: take exact, for {:+} instructions a sample.",
         all(gain),
         all(quick),
         all(sent),

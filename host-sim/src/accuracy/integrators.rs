@@ -9,48 +9,16 @@
 //!
 //! Half a second at T_c = 1 ms without force delay, in f32. Unit: m, m/s; energy as a fraction of what there was.
 
-use haptic_core::list::Model;
 use haptic_core::motion::Motion;
-use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
-use haptic_core::render::Contact;
+use haptic_core::object::IntegratorName;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::{Choice, Settings};
 
-use super::counts::count;
+use super::cases::contact::{PUSH_N, RELEASE_M};
+pub use super::cases::contact::{Test, run, settings};
+use super::counts::Processor;
 use super::{AccuracyError, Comparison, Family, largest, rms};
 use crate::report::text::significant;
-
-/// Length of every motion, s.
-const DURATION_S: f64 = 0.5;
-/// Where the object is let go, m.
-const RELEASE_M: f64 = 0.005;
-/// What it is pushed with, N.
-const PUSH_N: f64 = 1.0;
-
-/// A motion with a closed form.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Test {
-    /// Let go on a damped contact.
-    Contact,
-    /// Let go on a contact without damping.
-    Undamped,
-    /// Pushed, against damping.
-    Push,
-}
-
-/// What the object is told in a test, at a control period in s.
-pub fn settings(test: Test, integrator: IntegratorName, period_s: f64) -> Settings {
-    let mut settings = Settings::default();
-    settings.timing.control_period_s = period_s;
-    settings.object.integrator = integrator;
-    settings.object.force_delay_ticks = 0.0;
-    match test {
-        Test::Contact => {}
-        Test::Undamped => settings.contact.damping_n_s_per_m = 0.0,
-        Test::Push => settings.object.damping_n_s_per_m = 1.0,
-    }
-    settings
-}
 
 /// Position (m) and velocity (m/s) at `time_s`, in closed form.
 pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> {
@@ -68,27 +36,6 @@ pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> 
     let (sine, cosine) = (angular * time_s).sin_cos();
     let left = RELEASE_M * (-decay * time_s).exp();
     Motion { position: left * (cosine + decay / angular * sine), velocity: -left * square / angular * sine }
-}
-
-/// The test as core computes it in `S`, one motion each tick.
-pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
-    let (integrator, contact) = (AnyIntegrator::<S>::build(settings), Contact::<S>::build(settings));
-    let mut state = integrator.initial();
-    let mut object = match test {
-        Test::Push => Motion::REST,
-        _ => Motion::at(S::from_f64(RELEASE_M)),
-    };
-    let ticks = (DURATION_S / settings.timing.control_period_s).round() as usize;
-    let step = |_| {
-        let before = object;
-        let force = match test {
-            Test::Push => S::from_f64(PUSH_N),
-            _ => contact.force(Motion::REST, object),
-        };
-        object = integrator.step(&mut state, object, force);
-        before
-    };
-    (0..ticks).map(step).collect()
 }
 
 /// RMS errors of position (m) and velocity (m/s) against the closed form.
@@ -122,10 +69,10 @@ pub fn energy_error<S: Scalar>(integrator: IntegratorName, period_s: f64) -> f64
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let compare = |title: &str, error: &str, unit, measure: &dyn Fn(IntegratorName) -> f64| {
         let points = IntegratorName::ALL.iter().map(|&integrator| {
-            let count = count(&format!("integrator/{}", integrator.name()), "f32")?;
+            let count = processor.count(&format!("integrator/{}", integrator.name()), "f32")?;
             Ok((integrator.name().to_owned(), measure(integrator), count))
         });
         Ok::<_, AccuracyError>(Comparison::new(title, error, unit, points.collect::<Result<_, AccuracyError>>()?))

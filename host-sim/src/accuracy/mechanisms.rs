@@ -14,38 +14,14 @@ use haptic_core::motion::Motion;
 use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::settings::{Choice, Settings};
 
-use super::counts::count;
+pub use super::cases::workspace::{case, joints, settings};
+use super::counts::Processor;
 use super::double_double::DoubleDouble;
 use super::{AccuracyError, Comparison, Family, largest};
 use crate::report::text::significant;
 
-/// What is compared.
-pub const CHOICES: [(KinematicsName, Maths); 3] = [
-    (KinematicsName::FiveBar, Maths::Micromath),
-    (KinematicsName::FiveBar, Maths::Libm),
-    (KinematicsName::Capstan, Maths::Libm),
-];
-
 /// Hand (m) and Jacobian (m/rad) of a pose.
-type Truth = ([f64; 2], [[f64; 2]; 2]);
-
-/// A mechanism with these maths; two axes where it has them.
-pub fn settings(model: KinematicsName, maths: Maths) -> Settings {
-    let mut settings = Settings::default();
-    settings.kinematics.model = model;
-    settings.kinematics.maths = maths;
-    settings.axis.count = if model == KinematicsName::FiveBar { 2 } else { 1 };
-    settings
-}
-
-/// The joints of the workspace, rad.
-pub fn joints(model: KinematicsName) -> Vec<[f64; 2]> {
-    let steps = |most: i32, by: f64| (-most..=most).map(move |at| f64::from(at) * by / 32.0);
-    match model {
-        KinematicsName::FiveBar => steps(16, 1.0).flat_map(|a| steps(16, 1.0).map(move |b| [a, b])).collect(),
-        _ => steps(40, 4.0).map(|motor| [motor, 0.0]).collect(),
-    }
-}
+pub type Truth = ([DoubleDouble; 2], [[DoubleDouble; 2]; 2]);
 
 /// Where the five-bar's hand is, from the middle of its base.
 fn hand(settings: &Settings, joints: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
@@ -79,7 +55,8 @@ pub fn truth(settings: &Settings, joints: [f64; 2]) -> Truth {
     let kinematics = &settings.kinematics;
     if settings.kinematics.model != KinematicsName::FiveBar {
         let ratio = number(kinematics.paddle_radius_m).ratio(number(kinematics.capstan_ratio));
-        return ([(ratio * number(joints[0])).to_f64(), 0.0], [[ratio.to_f64(), 0.0], [0.0, 0.0]]);
+        let none = DoubleDouble::ZERO;
+        return ([ratio * number(joints[0]), none], [[ratio, none], [none, none]]);
     }
     let at = |offset: [f64; 2]| hand(settings, [0, 1].map(|i| number(joints[i]) + number(offset[i])));
     let home = hand(settings, [DoubleDouble::ZERO; 2]);
@@ -87,10 +64,10 @@ pub fn truth(settings: &Settings, joints: [f64; 2]) -> Truth {
     // A billionth of a radian: curvature is lost at 1e-18, digits at 1e-21.
     let step = 1e-9;
     let slope = |up: [DoubleDouble; 2], down: [DoubleDouble; 2]| {
-        [0, 1].map(|axis| (up[axis] - down[axis]).ratio(number(2.0 * step)).to_f64())
+        [0, 1].map(|axis| (up[axis] - down[axis]).ratio(number(2.0 * step)))
     };
     let [of_a, of_b] = [slope(at([step, 0.0]), at([-step, 0.0])), slope(at([0.0, step]), at([0.0, -step]))];
-    ([0, 1].map(|axis| (here[axis] - home[axis]).to_f64()), [[of_a[0], of_b[0]], [of_a[1], of_b[1]]])
+    ([0, 1].map(|axis| here[axis] - home[axis]), [[of_a[0], of_b[0]], [of_a[1], of_b[1]]])
 }
 
 /// Largest errors of hand (m) and Jacobian (m/rad) over the workspace, in `S`.
@@ -98,24 +75,21 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
     let kinematics = AnyKinematics::<S>::build(settings);
     let errors = truths.iter().map(|(joints, (hand, jacobian))| {
         let pose: Pose<S> = kinematics.forward(joints.map(|joint| Motion::at(S::from_f64(joint))));
-        let entry = |row: usize, column: usize| pose.jacobian[row][column].to_f64() - jacobian[row][column];
-        let [x, y] = [0, 1].map(|axis: usize| pose.axes[axis].position.to_f64() - hand[axis]);
+        // The difference is taken in twice the digits: f64 has an error, too.
+        let miss = |got: S, want: DoubleDouble| (DoubleDouble::from_f64(got.to_f64()) - want).to_f64();
+        let entry = |row: usize, column: usize| miss(pose.jacobian[row][column], jacobian[row][column]);
+        let [x, y] = [0, 1].map(|axis: usize| miss(pose.axes[axis].position, hand[axis]));
         (x.hypot(y), largest([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)].into_iter()))
     });
     let errors: Vec<(f64, f64)> = errors.collect();
     (largest(errors.iter().map(|error| error.0)), largest(errors.iter().map(|error| error.1)))
 }
 
-/// The case whose calls are counted.
-pub fn case(model: KinematicsName, maths: Maths) -> String {
-    format!("kinematics/{}/{}", model.name(), maths.name())
-}
-
 /// Measures.
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let mut comparisons = Vec::new();
     for model in [KinematicsName::FiveBar, KinematicsName::Capstan] {
         let libm = settings(model, Maths::Libm);
@@ -125,13 +99,13 @@ pub fn measure() -> Result<Family, AccuracyError> {
             if model == KinematicsName::FiveBar { format!("{name}, libm") } else { name.to_owned() }
         };
         let mut measured = vec![
-            (named("f32"), errors::<f32>(&libm, &truths), count(&exact, "f32")?),
-            (named("f64"), errors::<f64>(&libm, &truths), count(&exact, "f64")?),
-            (named("i32f32"), errors::<Fixed>(&libm, &truths), count(&exact, "i32f32")?),
+            (named("f32"), errors::<f32>(&libm, &truths), processor.count(&exact, "f32")?),
+            (named("f64"), errors::<f64>(&libm, &truths), processor.count(&exact, "f64")?),
+            (named("i32f32"), errors::<Fixed>(&libm, &truths), processor.count(&exact, "i32f32")?),
         ];
         if model == KinematicsName::FiveBar {
             let fast = settings(model, Maths::Micromath);
-            let count = count(&case(model, Maths::Micromath), "f32")?;
+            let count = processor.count(&case(model, Maths::Micromath), "f32")?;
             measured.insert(0, ("f32, micromath".to_owned(), errors::<f32>(&fast, &truths), count));
         }
         let pick = |pick: fn((f64, f64)) -> f64| {

@@ -12,7 +12,8 @@
 //!
 //! | module | serves |
 //! |---|---|
-//! | [`counts`] | instructions, counted under callgrind and reviewed |
+//! | [`cases`] | what is counted, on a PC and on the microcontroller's processor |
+//! | [`counts`] | instructions, counted and reviewed, of the board's processor and of a PC's |
 //! | [`pareto`] | which choices nobody beats |
 //! | [`cost`] | what each model adds to a scene's tick |
 //! | [`continuous`], [`pair`], [`double_double`] | references |
@@ -21,6 +22,7 @@
 //! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
 //! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
 
+pub mod cases;
 pub mod continuous;
 pub mod cost;
 pub mod counts;
@@ -155,7 +157,7 @@ impl From<Refused<'_>> for AccuracyError {
 }
 
 /// Measures one family.
-type Measure = fn() -> Result<Family, AccuracyError>;
+type Measure = fn(counts::Processor) -> Result<Family, AccuracyError>;
 
 /// Every family, in the order of reports.
 const FAMILIES: [Measure; 7] = [
@@ -168,12 +170,12 @@ const FAMILIES: [Measure; 7] = [
     estimators::measure,
 ];
 
-/// Measures every family.
+/// Measures every family, with the instructions of this processor.
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn families() -> Result<Vec<Family>, AccuracyError> {
-    FAMILIES.par_iter().map(|measure| measure()).collect()
+pub fn families(processor: counts::Processor) -> Result<Vec<Family>, AccuracyError> {
+    FAMILIES.par_iter().map(|measure| measure(processor)).collect()
 }
 
 /// Root of the mean square.

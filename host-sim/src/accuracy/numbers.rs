@@ -9,7 +9,7 @@ use haptic_core::couple::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::scalar::{Fixed, Scalar};
 
-use super::counts::count;
+use super::counts::Processor;
 use super::double_double::DoubleDouble;
 use super::pair::{self, Apart, apart};
 use super::{AccuracyError, Comparison, Family, continuous};
@@ -22,7 +22,7 @@ const CASE: &str = "tick/implicit-semi-implicit";
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
     let exact = continuous::run(&scene, pair::DURATION_S);
     let precise = pair::run::<DoubleDouble>(&scene, pair::DURATION_S)?;
@@ -34,7 +34,7 @@ pub fn measure() -> Result<Family, AccuracyError> {
     let measured: Vec<(&str, Apart, Apart)> =
         runs.iter().map(|(name, run)| (*name, apart(run, &exact), apart(run, &precise))).collect();
     let compare = |title: &str, error: &str, unit, pick: fn(&(&str, Apart, Apart)) -> f64| {
-        let points = measured.iter().map(|row| Ok((row.0.to_owned(), pick(row), count(CASE, row.0)?)));
+        let points = measured.iter().map(|row| Ok((row.0.to_owned(), pick(row), processor.count(CASE, row.0)?)));
         Ok::<_, AccuracyError>(Comparison::new(title, error, unit, points.collect::<Result<_, AccuracyError>>()?))
     };
     let comparisons = vec![
@@ -46,18 +46,19 @@ pub fn measure() -> Result<Family, AccuracyError> {
     let [rounding, _, whole, _] = &comparisons[..] else { unreachable!("four comparisons were just made") };
     let insight = format!(
         "f32 rounds the shared object's position by {} m where the 1 ms control period alone costs {} m, {:.0} times as much: \
-         the number type cannot be felt, so take the one the processor computes fastest (I32F32: {:.1} times f32's \
-         instructions here).",
+         the number type cannot be felt, so take the one the processor computes fastest (f64 takes {:.2} times the \
+         instructions of f32 here, I32F32 {:.1} times; cycles are for the hardware to tell).",
         significant(rounding.error_of("f32"), 2),
         significant(whole.error_of("f32"), 2),
         whole.error_of("f32") / rounding.error_of("f32"),
+        whole.instructions_of("f64") as f64 / whole.instructions_of("f32") as f64,
         whole.instructions_of("i32f32") as f64 / whole.instructions_of("f32") as f64,
     );
     Ok(Family {
         name: "number-type",
         title: "Number type of the whole peer",
         motion: format!("{}; semi-implicit object, implicit decode", pair::MOTION),
-        reference: "rounding: the same peer in double-double; whole error: continuous control, matrix exponential in f64",
+        reference: "the same peer in double-double (rounding) and continuous control, a matrix exponential in f64 (whole error)",
         instructions_per: "tick of a whole peer",
         comparisons,
         headline: 2,

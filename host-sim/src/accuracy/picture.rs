@@ -1,14 +1,14 @@
 //! Error against instructions, drawn: one figure for each family, one with the comparison of each that says most, and one
 //! of the cost per scene.
 //!
-//! Both axes are logarithmic and span at least a factor of [`LEAST_X`] and [`LEAST_Y`], so that choices that are nearly
+//! Both axes are logarithmic and span at least a factor of `LEAST_X` and `LEAST_Y`, so that choices that are nearly
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
-//! error of exactly zero has no place on such an axis and is left out of the picture, not of the tables.
+//! error of exactly zero has no place on such an axis: a note says so.
 
 use std::path::{Path, PathBuf};
 
 use super::cost::Cost;
-use super::counts::ARCHITECTURE;
+use super::counts::Processor;
 use super::{Comparison, Family, Point};
 use crate::report::ReportError;
 use crate::report::plot::{Dash, Figure, Panel, Series, draw};
@@ -56,9 +56,16 @@ fn panel(family: &Family, comparison: &Comparison, title: String) -> Panel {
         y_range: range(points.iter().map(|point| point.error), LEAST_Y).filter(|_| !in_series),
         log_x: true,
         log_y: true,
+        note: exact(points),
         series: if in_series { curves(points) } else { dots(points) },
         ..Panel::default()
     }
+}
+
+/// The choices that have no place on a logarithmic axis.
+fn exact(points: &[Point]) -> Option<String> {
+    let names: Vec<&str> = points.iter().filter(|point| point.error == 0.0).map(|point| &*point.choice).collect();
+    (!names.is_empty()).then(|| format!("{}: no error", names.join(", ")))
 }
 
 fn place(point: &Point) -> (f64, f64) {
@@ -105,16 +112,16 @@ fn short(text: &str) -> &str {
     text.split(':').next().unwrap_or(text)
 }
 
-fn legend() -> String {
-    format!("Dashed: Pareto front; orange dots: beaten. Instructions of {ARCHITECTURE}, counted under callgrind.")
+fn legend(processor: Processor) -> String {
+    format!("Dashed: Pareto front; orange dots: beaten. Instructions of {}.", processor.label())
 }
 
 /// All comparisons of a family.
-pub fn family(family: &Family) -> Figure {
+pub fn family(family: &Family, processor: Processor) -> Figure {
     let panels = family.comparisons.iter().map(|comparison| panel(family, comparison, comparison.title.clone()));
     Figure {
         title: family.title.to_owned(),
-        caption: format!("{} {}. Against {}. {}", family.insight, family.motion, family.reference, legend()),
+        caption: format!("{} {}. Against {}. {}", family.insight, family.motion, family.reference, legend(processor)),
         columns: 2,
         panels: panels.collect(),
         ..Figure::default()
@@ -141,15 +148,13 @@ fn bars(costs: &[Cost], scenes: &[(&str, &str)], title: &str, columns: &[(usize,
 }
 
 /// Every scene's tick, in f32 and I32F32.
-pub fn costs(costs: &[Cost]) -> Figure {
+pub fn costs(costs: &[Cost], processor: Processor) -> Figure {
     let names: Vec<String> = costs.iter().map(|cost| cost.scene.replace('-', " ")).collect();
     let scenes: Vec<(&str, &str)> = costs.iter().map(|cost| cost.scene).zip(names.iter().map(String::as_str)).collect();
     let row = |scenes| bars(costs, scenes, "", &[(0, "f32"), (2, "I32F32")]);
     Figure {
         title: "Cost per scene: instructions of one tick".to_owned(),
-        caption: format!(
-            "One whole peer, an eighth of its exchange included. {ARCHITECTURE}, counted under callgrind."
-        ),
+        caption: format!("One whole peer, an eighth of its exchange included. Instructions of {}.", processor.label()),
         columns: 1,
         panels: scenes.chunks(scenes.len().div_ceil(2).max(1)).map(row).collect(),
         ..Figure::default()
@@ -157,7 +162,7 @@ pub fn costs(costs: &[Cost]) -> Figure {
 }
 
 /// The comparison of every family that says most, and the cost of the main scenes.
-pub fn overview(families: &[Family], costs: &[Cost]) -> Figure {
+pub fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Figure {
     let headline = |family: &Family| {
         let comparison = family.comparisons.get(family.headline)?;
         Some(panel(family, comparison, format!("{}: {}", family.title, comparison.title)))
@@ -166,7 +171,7 @@ pub fn overview(families: &[Family], costs: &[Cost]) -> Figure {
     panels.push(bars(costs, &MAIN_SCENES, "Cost per scene: what a tick must carry, f32", &[(0, "")]));
     Figure {
         title: "Speed against error: every numerical choice of a peer".to_owned(),
-        caption: legend(),
+        caption: legend(processor),
         columns: 2,
         panels,
         ..Figure::default()
@@ -177,11 +182,16 @@ pub fn overview(families: &[Family], costs: &[Cost]) -> Figure {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(families: &[Family], table: &[Cost], folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let mut written = draw(&overview(families, table), &folder.join("speed-against-error"))?;
+pub fn write(
+    families: &[Family],
+    table: &[Cost],
+    processor: Processor,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, ReportError> {
+    let mut written = draw(&overview(families, table, processor), &folder.join("speed-against-error"))?;
     for one in families {
-        written.extend(draw(&family(one), &folder.join(one.name))?);
+        written.extend(draw(&family(one, processor), &folder.join(one.name))?);
     }
-    written.extend(draw(&costs(table), &folder.join("cost-per-scene"))?);
+    written.extend(draw(&costs(table, processor), &folder.join("cost-per-scene"))?);
     Ok(written)
 }

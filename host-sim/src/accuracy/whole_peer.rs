@@ -9,7 +9,7 @@ use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
 use rayon::prelude::*;
 
-use super::counts::count;
+use super::counts::Processor;
 use super::pair::{self, Apart, apart};
 use super::{AccuracyError, Comparison, Family, continuous};
 use crate::report::text::significant;
@@ -49,14 +49,14 @@ fn schemes() -> Vec<Scheme> {
 ///
 /// # Errors
 /// A choice that was not counted.
-pub fn measure() -> Result<Family, AccuracyError> {
+pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
     let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
     let measured = schemes()
         .into_par_iter()
         .map(|scheme| {
             let scene = pair::scene(scheme.integrator, scheme.decode, scheme.ticks_per_ms);
             let run = pair::run::<f32>(&scene, pair::DURATION_S)?;
-            let per_ms = count(&scheme.case(), "f32")? * u64::from(scheme.ticks_per_ms);
+            let per_ms = processor.count(&scheme.case(), "f32")? * u64::from(scheme.ticks_per_ms);
             Ok((scheme.name(), apart(&run, &exact), per_ms))
         })
         .collect::<Result<Vec<_>, AccuracyError>>()?;

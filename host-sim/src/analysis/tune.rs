@@ -233,3 +233,6 @@ pub fn try_out<S: Scalar>(scene: &SceneFile, proposal: &Proposal, duration_s: f6
     }
     Ok(run::<S>(&scene, Options { duration_s, record_every: 0 }, &|_| {})?)
 }
+
+#[cfg(test)]
+mod tests;

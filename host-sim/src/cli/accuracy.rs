@@ -6,12 +6,16 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::accuracy::{self, Comparison, Family, Point, cost, counts, picture};
+use crate::accuracy::counts::{Processor, SCALARS};
+use crate::accuracy::{self, Comparison, Family, Point, cost, picture};
 use crate::report::text::{TextTable, significant};
 
 /// Arguments of `accuracy`.
 #[derive(Debug, Args)]
 pub(super) struct Accuracy {
+    /// Whose instructions.
+    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    processor: Processor,
     /// Print JSON; pictures are drawn only with --out.
     #[arg(long)]
     json: bool,
@@ -23,7 +27,7 @@ pub(super) struct Accuracy {
 #[derive(Serialize)]
 struct Document {
     /// What instructions are instructions of.
-    architecture: &'static str,
+    processor: Processor,
     families: Vec<Family>,
     /// Number types of the columns of `cost_per_scene`.
     scalars: [&'static str; 3],
@@ -38,21 +42,16 @@ impl Accuracy {
     /// A picture that cannot be written; a choice whose instructions were not counted.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bar = progress_bar(2, "errors, pictures");
-        let (families, cost_per_scene) = (accuracy::families()?, cost::table()?);
+        let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor)?);
         bar.inc(1);
         let folder = match (&self.out, self.json) {
             (None, false) => Some(PathBuf::from("out/accuracy")),
             (out, _) => out.clone(),
         };
-        let pictures = folder.map_or(Ok(Vec::new()), |folder| picture::write(&families, &cost_per_scene, &folder))?;
+        let pictures = folder
+            .map_or(Ok(Vec::new()), |folder| picture::write(&families, &cost_per_scene, self.processor, &folder))?;
         bar.finish_and_clear();
-        let document = Document {
-            architecture: counts::ARCHITECTURE,
-            families,
-            scalars: counts::SCALARS,
-            cost_per_scene,
-            pictures,
-        };
+        let document = Document { processor: self.processor, families, scalars: SCALARS, cost_per_scene, pictures };
         if self.json {
             return print_json(&document);
         }
@@ -63,7 +62,7 @@ impl Accuracy {
 
 impl Document {
     fn print(&self) {
-        println!("Speed against error; instructions of {}, counted under callgrind\n", self.architecture);
+        println!("Speed against error; instructions of {}\n", self.processor.label());
         for family in &self.families {
             print_family(family);
         }

@@ -155,7 +155,10 @@ impl Relay {
             return print_json(&relayed);
         }
         for (way, count) in ["1 to 2", "2 to 1"].iter().zip(relayed) {
-            println!("{way}: {} taken, {} sent on, {} lost, {} broken", count.taken, count.sent, count.lost, count.corrupt);
+            println!(
+                "{way}: {} taken, {} sent on, {} lost, {} broken",
+                count.taken, count.sent, count.lost, count.corrupt
+            );
         }
         Ok(())
     }

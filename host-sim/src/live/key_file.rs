@@ -35,7 +35,8 @@ pub fn read(path: &Path) -> Result<Key, String> {
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?;
     #[cfg(unix)]
     {
-        let mode = std::fs::metadata(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?.mode();
+        let mode =
+            std::fs::metadata(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?.mode();
         if mode & 0o077 != 0 {
             return Err(format!("the key file {place} can be read by others: chmod 600 {place}"));
         }
@@ -46,6 +47,8 @@ pub fn read(path: &Path) -> Result<Key, String> {
         .flatten();
     match bytes.and_then(|bytes| <[u8; Key::LEN]>::try_from(bytes).ok()) {
         Some(bytes) => Ok(Key::new(bytes)),
-        None => Err(format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim keygen` writes them")),
+        None => {
+            Err(format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim keygen` writes them"))
+        }
     }
 }

@@ -122,7 +122,8 @@ pub fn run(scene: &SceneFile, key: Key, options: &Options) -> Result<Report, Str
     let start = plant.motions().map(|motion| Motion::at(motion.position as f32));
     let mut state = State::new(&built, start);
 
-    let socket = UdpSocket::bind(options.listen).map_err(|cause| format!("cannot listen on {}: {cause}", options.listen))?;
+    let socket =
+        UdpSocket::bind(options.listen).map_err(|cause| format!("cannot listen on {}: {cause}", options.listen))?;
     socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
     let mut entropy = [0; Key::LEN];
     getrandom::fill(&mut entropy).map_err(|cause| format!("no randomness: {cause}"))?;

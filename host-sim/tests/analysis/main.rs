@@ -1,6 +1,7 @@
 //! The stability analysis against everything it must agree with: THEORY's numbers, an independent oracle, a second
 //! construction, the simulator, and what is claimed of the implicit decode.
 
+mod advice;
 mod agreement;
 mod bounds;
 mod envelope;

@@ -1,6 +1,21 @@
-//! Hard cases: where numbers get extreme, gains sit on an edge, or something should cancel exactly. Each test says why it is
-//! here; each prints what it measured (`cargo test -p host-sim --test hard_cases -- --nocapture`).
+//! Hard cases: where numbers get extreme, gains sit on an edge, or something must cancel exactly. Every test says why it is
+//! here, and prints what it measured: `cargo test -p host-sim --test hard_cases -- --nocapture`.
+//!
+//! | module | the hard thing |
+//! |---|---|
+//! | [`boundary`] | gains a millionth inside and outside the region |
+//! | [`extremes`] | K_T over ten decades, object mass over seven, delay up to a second |
+//! | [`chatter`] | one-sided contact at rest on the surface, and at the edge of chatter |
+//! | [`encoders`] | 16 to 24 bit per metre, a counter that wraps hundreds of times |
+//! | [`drift`] | ten hours of single-precision positions |
+//! | [`subnormals`] | states that decay below the smallest normal number |
+//! | [`cancellation`] | equal and opposite pushes |
 
 mod boundary;
+mod cancellation;
+mod chatter;
+mod drift;
+mod encoders;
 mod extremes;
 mod setup;
+mod subnormals;

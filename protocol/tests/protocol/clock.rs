@@ -16,6 +16,15 @@ fn four_times_by_hand() {
     assert_eq!(clock.sample(1_000, 2_530, 2_535, 1_565), Ok(560));
     assert_eq!(clock.offset_us(1_565), Some(1_000));
     assert_eq!(clock.round_trip_us(), Some(60 + 500 / 8));
+    // Answered at once; the longest that is believed; offsets whose halves do not come out even.
+    assert_eq!(Clock::default().sample(0, 7, 7, 0), Ok(0));
+    assert_eq!(Clock::default().sample(0, 0, 0, 10_000_000), Ok(10_000_000));
+    for (t2, t4, offset) in [(3, 2, 2), (4, 1, 3), (3, 1, 2), (5, 7, 1)] {
+        let mut clock = Clock::default();
+        clock.sample(0, t2, t2, t4).unwrap();
+        // ((t2 − t1) + (t3 − t4))/2, towards 0.
+        assert_eq!(clock.offset_us(t4), Some(offset), "{t2} {t4}");
+    }
 }
 
 #[test]

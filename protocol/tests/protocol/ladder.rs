@@ -1,6 +1,7 @@
 //! The silence ladder as a link climbs down it, and what comes after.
 
 use haptic_protocol::link::{Notice, Stage};
+use haptic_protocol::wire::Telemetry;
 
 use crate::world::{PERIOD, World};
 
@@ -113,4 +114,26 @@ fn lost_datagrams_are_counted() {
     let counts = world.links[0].counts();
     let share = f64::from(counts.missing) / f64::from(counts.missing + counts.taken);
     assert!((0.18..0.22).contains(&share), "{counts:?}");
+}
+
+#[test]
+fn telemetry_says_what_the_link_knows_and_leaves_the_rest() {
+    let mut world = World::engaged(7);
+    world.clocks[1].0 = 7_000_000;
+    world.restart(1);
+    world.impairment.loss = 0.2;
+    world.impairment.jitter = 12_000;
+    world.run(10_000_000);
+    let now = world.clock(0);
+    let _ = world.links[0].receive(now, &mut [0; 40]);
+    let mut telemetry = Telemetry { tick: 9, mode: 1, overruns: 3, ..Telemetry::default() };
+    world.links[0].describe(now, &mut telemetry);
+    let (link, counts) = (&world.links[0], world.links[0].counts());
+    assert_eq!((telemetry.tick, telemetry.mode, telemetry.overruns), (9, 1, 3));
+    assert_eq!((telemetry.stage, telemetry.engagement), (link.stage() as u8, link.engagement()));
+    assert!((telemetry.clock_offset_us - 2_000_000).abs() < 5_000, "{}", telemetry.clock_offset_us);
+    assert!((8_000..30_000).contains(&telemetry.round_trip_us) && telemetry.jitter_us > 1_000, "{telemetry:?}");
+    let told = (telemetry.packets_taken, telemetry.packets_missing, telemetry.flow_late, telemetry.refused);
+    assert_eq!(told, (counts.taken, counts.missing, counts.late, counts.refused));
+    assert!(counts.taken > 900 && counts.missing > 100 && counts.late > 10 && counts.refused > 0, "{counts:?}");
 }

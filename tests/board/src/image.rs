@@ -58,6 +58,13 @@ impl Firmware {
         self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}")).0
     }
 
+    /// The address of a function or static whose mangled name ends like this.
+    pub fn address_ending(&self, end: &str) -> u64 {
+        let mut found = self.symbols.iter().filter(|(name, _)| name.ends_with(end));
+        let (_, (address, _)) = found.next().unwrap_or_else(|| panic!("the image has no …{end}"));
+        *address
+    }
+
     /// The code of a function, halfword by halfword.
     pub fn code(&self, symbol: &str) -> Vec<u16> {
         let (address, size) = *self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}"));
@@ -65,6 +72,13 @@ impl Firmware {
         let at = (address - start) as usize;
         let code = bytes.get(at..at + size as usize).expect("the function lies in its section");
         code.as_chunks().0.iter().map(|halfword| u16::from_le_bytes(*halfword)).collect()
+    }
+
+    /// A word of the image.
+    pub fn word(&self, address: u64) -> u32 {
+        let (start, bytes) = self.contents.range(..=address).next_back().expect("the word lies in a section");
+        let at = (address - start) as usize;
+        bytes.get(at..).and_then(|bytes| bytes.first_chunk()).map(|bytes| u32::from_le_bytes(*bytes)).expect("all of it does")
     }
 
     /// Where a function returns: the addresses of its `bx lr` and of what loads the program counter from the stack.

@@ -30,7 +30,7 @@ pub struct Inputs {
     pub cable: Option<bool>,
     /// Words of memory to look at, at the stop itself: their values are in the next [`Stopped::peeked`].
     pub peek: Vec<u64>,
-    /// Words put into memory, as a fault would: address and value.
+    /// Words put into memory or flash, as a fault would: address and value.
     pub poke: Vec<(u64, u32)>,
     /// Instructions to watch from now on.
     pub watch: Vec<u64>,
@@ -125,7 +125,13 @@ impl Driver<Nucleo> for Stepper {
         };
         self.peeked = inputs.peek.into_iter().map(&mut word).collect();
         for (address, value) in inputs.poke {
-            host.write(address, Width::W32, value.into()).expect("memory is there");
+            let flash = (0x0800_0000..0x0820_0000).contains(&address);
+            let outcome = if flash {
+                host.program(address, Width::W32, value.into())
+            } else {
+                host.write(address, Width::W32, value.into())
+            };
+            outcome.expect("memory is there");
         }
         for address in inputs.watch {
             host.watch(Watch::Instruction(address));

@@ -69,7 +69,8 @@ fn flood(firmware: &Arc<Firmware>, measured: &mut Measured) {
         measured.add(format!("entry_delay_instructions.flood-{port}"), entry_delay(&meter.began));
     }
     measured.add("entry_delay_instructions.idle", idle);
-    bench.run_for_ms(50);
+    // The stack is silent for a second after it looked for the stranger in vain.
+    bench.run_for_ms(1100);
     assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "), "it answers again");
     measured.add("stack_bytes.flood", bench.stack_used(1) as f64);
     for report in bench.finish() {

@@ -1,0 +1,191 @@
+//! Faults injected while the motors are on: how soon the outputs are off, what is reported, and that only a command brings
+//! them back. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::pair::{Bench, for_boards};
+use board_bench::pc::{Pc, board_ip, board_mac, udp};
+use board_bench::wire::{Line, PC};
+use haptic_protocol::wire::Flow;
+use host_sim::scenes;
+
+/// Two instructions each: for ever, and one that is none.
+const FOR_EVER: u32 = 0xE7FE_E7FE;
+const NO_INSTRUCTION: u32 = 0xDE00_DE00;
+
+struct Campaign {
+    firmware: Arc<Firmware>,
+    rows: Vec<String>,
+}
+
+/// What a fault is to come to.
+struct Expected {
+    /// Within so many ms; `None`: the outputs stay on.
+    off_within_ms: Option<u64>,
+    /// In the answer to `status` afterwards.
+    reported: &'static str,
+    /// The board starts anew.
+    reset: bool,
+}
+
+/// Something done to board 1, at a stop. Done again every millisecond until the outputs are off, with the number of it.
+type Fault<'a> = &'a dyn Fn(&mut Bench, &Firmware, u64);
+
+impl Campaign {
+    fn bench(&self, boards: usize) -> Bench {
+        let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
+        scene.apply_override("safety.peer_lost_packets=12").expect("a good override");
+        scene.apply_override("safety.max_speed_m_per_s=2").expect("a good override");
+        let mut bench = Bench::start(&self.firmware, boards, Line::default());
+        bench.set_up(&for_boards(&scene)).expect("the boards take it");
+        bench.arm();
+        bench.run_for_ms(300);
+        bench
+    }
+
+    /// Injects, waits, asks, and arms again.
+    fn inject(&mut self, what: &str, boards: usize, expected: &Expected, fault: Fault<'_>, mend: Fault<'_>) {
+        let mut bench = self.bench(boards);
+        assert!(bench.stopped[0].bridges.on(), "{what}: the motors are on before");
+        let patience = expected.off_within_ms.unwrap_or(200);
+        let mut off_after = None;
+        for ms in 1..=patience {
+            fault(&mut bench, &self.firmware, ms);
+            bench.step();
+            if !bench.stopped[0].bridges.on() {
+                off_after = Some(ms);
+                break;
+            }
+        }
+        assert_eq!(off_after.is_some(), expected.off_within_ms.is_some(), "{what}: off after {off_after:?} ms");
+        for _ in 0..30 {
+            bench.step();
+            assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
+        }
+        assert_eq!(bench.stopped[0].resets > 0, expected.reset, "{what}: resets");
+        mend(&mut bench, &self.firmware, 0);
+        // A board that started anew brings its link up within this.
+        for _ in 0..1500 {
+            bench.step();
+            assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
+        }
+        bench.wire.send(PC, bench.now_ns(), &Pc::resolve(1));
+        bench.run_for_ms(5);
+        let status = bench.ask(1, "status");
+        assert!(status.contains(expected.reported), "{what}: {status}");
+        let mut refusal = "-".to_owned();
+        if expected.off_within_ms.is_some() {
+            let answer = bench.ask(1, "arm");
+            assert!(answer.starts_with("error"), "{what}: {answer}");
+            refusal = answer.trim_start_matches("error ").to_owned();
+            bench.run_for_ms(3);
+            assert!(!bench.stopped[0].bridges.on(), "{what}: on although refused");
+            assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
+            bench.run_for_ms(3);
+            assert!(!bench.stopped[0].bridges.on(), "{what}: clearing turned them on");
+            assert_eq!(bench.ask(1, "arm"), "ok armed", "{what}");
+            bench.run_for_ms(3);
+            assert!(bench.stopped[0].bridges.on(), "{what}: on after clear and arm");
+        }
+        let off = off_after.map_or("stay on".to_owned(), |ms| format!("{ms} ms"));
+        let row = format!("| {what} | {off} | {} | {refusal} |", expected.reported);
+        println!("{row}");
+        self.rows.push(row);
+        bench.finish();
+    }
+
+    /// Puts words at the start of a function, for as long as the outputs are on; `mend` puts back what was there.
+    fn break_code(&mut self, what: &str, expected: &Expected, symbol: &str, words: &[u32]) {
+        let firmware = self.firmware.clone();
+        let start = firmware.address(symbol);
+        assert_eq!(start % 4, 0, "{symbol} starts on a word");
+        let before: Vec<u32> = (0..).zip(words).map(|(nth, _)| firmware.word(start + 4 * nth)).collect();
+        let put = |bench: &mut Bench, words: &[u32]| {
+            let places = (0..).map(|nth| start + 4 * nth).zip(words.iter().copied());
+            bench.input(1).poke.extend(places);
+        };
+        let fault = |bench: &mut Bench, _: &Firmware, ms: u64| {
+            if ms == 1 {
+                put(bench, words);
+            }
+            // The board starts anew with sound code, as after a fault that passes.
+            if bench.stopped[0].resets > 0 {
+                put(bench, &before);
+            }
+        };
+        let mend = |_: &mut Bench, _: &Firmware, _: u64| {};
+        self.inject(what, 1, expected, &fault, &mend);
+    }
+}
+
+/// Where the encoder was put by the device, moved.
+fn move_encoder(bench: &mut Bench, by: i64) {
+    if let Some(counts) = &mut bench.input(1).counts {
+        counts[0] += by;
+    }
+}
+
+fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
+
+#[test]
+fn outputs_go_off_and_stay_off() {
+    let mut campaign = Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new() };
+    let faulted = |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: false };
+    let restarted = |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: true };
+
+    let jumped = |bench: &mut Bench, _: &Firmware, ms: u64| if ms == 1 { move_encoder(bench, 4000) };
+    campaign.inject("encoder jumped by 4000 counts", 1, &faulted(1, "fault 2"), &jumped, &nothing);
+
+    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 1.0;
+    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 0.0;
+    campaign.inject("peer silent (12 packets, as set)", 2, &faulted(112, "fault 5"), &silent, &heard);
+
+    let pulled = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(false);
+    let put_in = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(true);
+    campaign.inject("cable out (12 packets, as set)", 2, &faulted(112, "fault 5"), &pulled, &put_in);
+
+    let not_a_number = |bench: &mut Bench, _: &Firmware, ms: u64| {
+        if ms == 1 {
+            let mut bytes = [0; Flow::LEN];
+            let flow = Flow { tick: 1 << 20, ..Flow::default() };
+            flow.emit(&mut bytes).expect("it fits");
+            bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
+            let frame = udp((board_mac(2), board_ip(2), 7701), (board_mac(1), board_ip(1), 7701), &bytes);
+            bench.input(1).frames.push(frame);
+        }
+    };
+    let on = Expected { off_within_ms: None, reported: "refused 1", reset: false };
+    campaign.inject("packet with a NaN (refused on arrival)", 1, &on, &not_a_number, &nothing);
+
+    let pressed = |bench: &mut Bench, _: &Firmware, ms: u64| if ms == 1 { bench.input(1).press = Some(true) };
+    let released = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).press = Some(false);
+    campaign.inject("emergency stop pressed, later released", 1, &faulted(1, "disarmed"), &pressed, &released);
+
+    let panics = campaign.firmware.address_ending("4core9panicking5panic") as u32;
+    // ldr.w pc, [pc]; the address.
+    campaign.break_code("panic in a task", &restarted(6, "excludes"), "UART4", &[0xF000_F8DF, panics | 1]);
+    campaign.break_code("instruction that is none", &restarted(6, "refused an instruction"), "UART4", &[NO_INSTRUCTION]);
+    campaign.break_code("supervisor hangs", &restarted(32, "no progress"), "UART4", &[FOR_EVER]);
+    campaign.break_code("tick hangs", &restarted(32, "no progress"), "TIM6_DAC", &[FOR_EVER]);
+
+    table(&campaign.rows);
+}
+
+/// The table of docs/hardware.md.
+fn table(rows: &[String]) {
+    const BEGIN: &str = "<!-- faults: written by tests/board/tests/faults.rs -->\n";
+    const END: &str = "<!-- end of faults -->";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/hardware.md");
+    let text = std::fs::read_to_string(&path).expect("docs/hardware.md is there");
+    let (before, rest) = text.split_once(BEGIN).expect("docs/hardware.md has the mark of the table");
+    let (_, after) = rest.split_once(END).expect("docs/hardware.md has the end of the table");
+    let head = "| fault | outputs off after | status says | arming is refused with |\n|---|---|---|---|\n";
+    let new = format!("{before}{BEGIN}{head}{}\n{END}{after}", rows.join("\n"));
+    if std::env::var_os("HAPTIC_BLESS").is_some() {
+        std::fs::write(&path, new).expect("docs/hardware.md can be written");
+    } else {
+        assert!(text == new, "the table of docs/hardware.md is not this one; HAPTIC_BLESS=1 writes it:\n{}", rows.join("\n"));
+    }
+}
