@@ -3,8 +3,8 @@
 //! | file | chore |
 //! |---|---|
 //! | [`setup`] | installs what a fresh machine lacks |
-//! | [`test`] | everything that must pass before a change is taken |
-//! | [`bench`] | measures the tick and prints the README's tables |
+//! | [`mod@test`] | everything that must pass before a change is taken |
+//! | [`mod@bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
 //! | [`board`] | runs a scene on two virtual boards |
 //! | [`log`] | what a running board says, to a file |

@@ -37,11 +37,11 @@ pub(crate) fn growth<S: Scalar>(linear: &SceneFile, kick_m_per_s: f64, settle: u
 
 /// A²·sin²φ of the sum and of the difference of both objects' velocities, over three packets.
 fn squared_amplitudes<S: Scalar>(pair: &mut Pair<S>, ticks: u64) -> [f64; 2] {
-    let mut samples = [[0.0; 3]; 2];
-    for at in 0..3 {
+    let mut sample = || {
         (0..ticks).for_each(|_| pair.step());
         let [first, second] = pair.sides.each_ref().map(|side| side.state.observed().object.velocity.to_f64());
-        (samples[0][at], samples[1][at]) = (first + second, first - second);
-    }
-    samples.map(|[before, now, after]| now * now - after * before)
+        [first + second, first - second]
+    };
+    let [before, now, after] = [sample(), sample(), sample()];
+    [0, 1].map(|mode: usize| now[mode] * now[mode] - after[mode] * before[mode])
 }
