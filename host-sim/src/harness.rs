@@ -37,7 +37,10 @@ pub struct Harness<M: Models> {
     pub sides: [Side<M>; 2],
     period_s: f64,
     tick: u64,
-    packet: u64,
+    /// Ticks in a packet period.
+    ticks_per_packet: f64,
+    /// Peer 2's control period over the true one.
+    drift: f64,
 }
 
 /// The pair with models chosen by the scene, computing in `S`.
@@ -66,7 +69,8 @@ impl<M: Models> Harness<M> {
             sides: [side(0, &left)?, side(1, &right)?],
             period_s: file.peer.timing.control_period_s,
             tick: 0,
-            packet: 0,
+            ticks_per_packet: f64::from(file.peer.timing.ticks_per_packet),
+            drift: 1.0 + 1e-6 * file.world.network.clock_drift_ppm,
         })
     }
 
@@ -80,27 +84,49 @@ impl<M: Models> Harness<M> {
         self.tick as f64 * self.period_s
     }
 
-    /// One control period of both peers and devices.
+    /// One true control period: a tick of both peers and devices; of peer 2 now and then none or two, where its clock
+    /// drifts.
     #[inline]
     pub fn step(&mut self) {
-        let time_s = self.time_s();
-        let [left, right] = &mut self.sides;
-        if left.state.packet_due() {
-            // Both packets are made before either is taken in: a network without delay delivers within the tick.
-            let to_right = peer::outgoing(&left.scene, &left.state);
-            let to_left = peer::outgoing(&right.scene, &right.state);
-            let (to_left, to_right) =
-                (left.incoming.pass(self.packet, to_left), right.incoming.pass(self.packet, to_right));
-            self.packet += 1;
-            peer::exchange(&left.scene, &mut left.state, to_left);
-            peer::exchange(&right.scene, &mut right.state, to_right);
-        }
-        for side in [left, right] {
-            let sensors = side.plant.sensors();
-            let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
-            side.plant.step(time_s, &actuators);
+        if self.drift == 1.0 {
+            self.round([true, true]);
+        } else {
+            let ticks = |at: u64| (at as f64 / self.drift).floor() as u64;
+            let of_second = ticks(self.tick + 1) - ticks(self.tick);
+            self.round([true, of_second > 0]);
+            for _ in 1..of_second {
+                self.round([false, true]);
+            }
         }
         self.tick += 1;
+    }
+
+    /// One tick of the sides whose turn it is.
+    #[inline]
+    fn round(&mut self, turns: [bool; 2]) {
+        let (time_s, now) = (self.time_s(), self.tick as f64 / self.ticks_per_packet);
+        let [left, right] = &mut self.sides;
+        let [left_due, right_due] = [turns[0] && left.state.packet_due(), turns[1] && right.state.packet_due()];
+        // Both packets are made before either is taken in: a network without delay delivers within the tick.
+        if left_due {
+            right.incoming.send(now, peer::outgoing(&left.scene, &left.state));
+        }
+        if right_due {
+            left.incoming.send(now, peer::outgoing(&right.scene, &right.state));
+        }
+        for (side, due) in [(&mut *left, left_due), (&mut *right, right_due)] {
+            if due {
+                let incoming = side.incoming.take(now);
+                peer::exchange(&side.scene, &mut side.state, incoming);
+            }
+        }
+        for (side, turn) in [left, right].into_iter().zip(turns) {
+            if turn {
+                let sensors = side.plant.sensors();
+                let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
+                side.plant.step(time_s, &actuators);
+            }
+        }
     }
 
     /// The fault that stopped either peer, if any, with the peer's number (1 or 2).

@@ -37,8 +37,6 @@ pub struct Way<P> {
     delay_packets: u32,
     playout_packets: u32,
     packet_s: f64,
-    /// Sender's and receiver's packet period over the true one.
-    clocks: [f64; 2],
     impaired: Option<Fates>,
     /// Packets in flight: number, arrival in true packet periods.
     in_flight: VecDeque<(u64, f64, P)>,
@@ -53,15 +51,10 @@ impl<P: Copy> Way<P> {
     /// The direction's network as the scene describes it.
     pub fn new(scene: &SceneFile, direction: Direction) -> Self {
         let (network, timing) = (&scene.world.network, &scene.peer.timing);
-        let drift = 1.0 + 1e-6 * network.clock_drift_ppm;
         Self {
             delay_packets: network.one_way_delay_packets,
             playout_packets: network.playout_packets,
             packet_s: timing.control_period_s * f64::from(timing.ticks_per_packet),
-            clocks: match direction {
-                Direction::OneToTwo => [1.0, drift],
-                Direction::TwoToOne => [drift, 1.0],
-            },
             impaired: Fates::new(scene, direction),
             in_flight: VecDeque::new(),
             newest: None,
@@ -69,36 +62,34 @@ impl<P: Copy> Way<P> {
         }
     }
 
-    /// Takes the sender's packet of its `period`-th packet period and gives what the receiver gets in its own.
-    pub fn pass(&mut self, period: u64, packet: P) -> Option<P> {
+    /// Takes a packet that the sender sends at `now`, in packet periods.
+    pub fn send(&mut self, now: f64, packet: P) {
+        let number = self.counts.sent;
         self.counts.sent += 1;
-        let [sent, now] = self.clocks.map(|clock| period as f64 * clock);
-        let due = sent + f64::from(self.delay_packets);
-        match &mut self.impaired {
-            None => self.in_flight.push_back((period, due + f64::from(self.playout_packets), packet)),
-            Some(fates) => {
-                let copies = fates.next(period, sent * self.packet_s);
-                self.counts.lost += u64::from(copies.is_empty());
-                for copy in copies {
-                    let arrival = due + copy.delay_s / self.packet_s;
-                    let played = due + f64::from(self.playout_packets);
-                    if copy.corrupt {
-                        self.counts.corrupt += 1;
-                    } else if self.playout_packets == 0 {
-                        self.in_flight.push_back((period, arrival, packet));
-                    } else if arrival <= played + SLACK {
-                        self.in_flight.push_back((period, played, packet));
-                    } else {
-                        self.counts.dropped += 1;
-                    }
-                }
+        let due = now + f64::from(self.delay_packets);
+        let played = due + f64::from(self.playout_packets);
+        let Some(fates) = &mut self.impaired else {
+            self.in_flight.push_back((number, played, packet));
+            return;
+        };
+        let copies = fates.next(number, now * self.packet_s);
+        self.counts.lost += u64::from(copies.is_empty());
+        for copy in copies {
+            let arrival = due + copy.delay_s / self.packet_s;
+            if copy.corrupt {
+                self.counts.corrupt += 1;
+            } else if self.playout_packets == 0 {
+                self.in_flight.push_back((number, arrival, packet));
+            } else if arrival <= played + SLACK {
+                self.in_flight.push_back((number, played, packet));
+            } else {
+                self.counts.dropped += 1;
             }
         }
-        self.take(now)
     }
 
-    /// The newest packet that has arrived by `now` and was not overtaken.
-    fn take(&mut self, now: f64) -> Option<P> {
+    /// The newest packet that has arrived by `now`, in packet periods, and was not overtaken.
+    pub fn take(&mut self, now: f64) -> Option<P> {
         let mut taken: Option<(u64, P)> = None;
         let (newest, counts) = (&mut self.newest, &mut self.counts);
         self.in_flight.retain(|&(number, arrival, packet)| {
@@ -136,12 +127,18 @@ mod tests {
         Way::new(&SceneFile::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
     }
 
+    /// One packet period in which both ends are on time.
+    fn period(way: &mut Way<u64>, number: u64) -> Option<u64> {
+        way.send(number as f64, number);
+        way.take(number as f64)
+    }
+
     #[test]
     fn without_impairment_every_packet_arrives_after_the_delay() {
         for delay in [0_u64, 1, 5] {
             let mut way = way(&[&format!("network.one_way_delay_packets={delay}")]);
-            for period in 0..50 {
-                assert_eq!(way.pass(period, period), period.checked_sub(delay));
+            for number in 0..50_u64 {
+                assert_eq!(period(&mut way, number), number.checked_sub(delay));
             }
         }
     }
@@ -154,7 +151,7 @@ mod tests {
                 &format!("network.loss={loss}"),
                 &format!("network.loss_burst_packets={burst}"),
             ]);
-            let got: Vec<bool> = (0..200_000).map(|period| way.pass(period, period).is_some()).collect();
+            let got: Vec<bool> = (0..200_000).map(|number| period(&mut way, number).is_some()).collect();
             let lost = got.iter().filter(|got| !**got).count() as f64;
             let runs = got.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
             assert!((lost / 200_000.0 - loss).abs() < 0.02, "{lost} lost at {loss}");
@@ -176,8 +173,8 @@ mod tests {
             "network.loss=0.1",
         ]);
         let mut last = None;
-        for period in 0..20_000 {
-            if let Some(number) = way.pass(period, period) {
+        for sent in 0..20_000 {
+            if let Some(number) = period(&mut way, sent) {
                 assert!(last.is_none_or(|last| number > last), "{number} after {last:?}");
                 last = Some(number);
             }
@@ -192,18 +189,9 @@ mod tests {
     #[test]
     fn play_out_makes_the_delay_constant() {
         let mut way = way(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
-        for period in 0..5000 {
+        for number in 0..5000_u64 {
             // Uniform to 12 ms is never later than two packets of 8 ms.
-            assert_eq!(way.pass(period, period), u64::checked_sub(period, 3));
+            assert_eq!(period(&mut way, number), number.checked_sub(3));
         }
-    }
-
-    #[test]
-    fn clocks_that_drift_slip_by_whole_packets() {
-        let mut way = way(&["network.clock_drift_ppm=500"]);
-        let missed = (0..20_000).filter(|period| way.pass(*period, *period).is_none()).count();
-        // A receiver that is slow by 500 ppm skips one packet in 2000, and never waits after the first.
-        assert_eq!(missed, 1);
-        assert!((9..=11).contains(&way.counts().dropped), "{:?}", way.counts());
     }
 }

@@ -36,10 +36,7 @@ impl Spread {
     pub fn of(counts: impl IntoIterator<Item = u32>) -> Self {
         let mut sorted: Vec<u32> = counts.into_iter().collect();
         sorted.sort_unstable();
-        Self {
-            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0),
-            max: sorted.last().copied().unwrap_or(0),
-        }
+        Self { median: sorted.get(sorted.len() / 2).copied().unwrap_or(0), max: sorted.last().copied().unwrap_or(0) }
     }
 }
 

@@ -78,7 +78,11 @@ impl Firmware {
     pub fn word(&self, address: u64) -> u32 {
         let (start, bytes) = self.contents.range(..=address).next_back().expect("the word lies in a section");
         let at = (address - start) as usize;
-        bytes.get(at..).and_then(|bytes| bytes.first_chunk()).map(|bytes| u32::from_le_bytes(*bytes)).expect("all of it does")
+        bytes
+            .get(at..)
+            .and_then(|bytes| bytes.first_chunk())
+            .map(|bytes| u32::from_le_bytes(*bytes))
+            .expect("all of it does")
     }
 
     /// Where a function returns: the addresses of its `bx lr` and of what loads the program counter from the stack.

@@ -120,7 +120,11 @@ impl Driver<Nucleo> for Stepper {
         }
         let mut word = |address| {
             let register = address >= 0x4000_0000;
-            let word = if register { part.peek(stop.at, address, Width::W32).ok() } else { host.read(address, Width::W32).ok() };
+            let word = if register {
+                part.peek(stop.at, address, Width::W32).ok()
+            } else {
+                host.read(address, Width::W32).ok()
+            };
             word.expect("memory is there") as u32
         };
         self.peeked = inputs.peek.into_iter().map(&mut word).collect();

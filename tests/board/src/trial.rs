@@ -61,9 +61,14 @@ pub struct Trial {
 pub fn line(scene: &SceneFile) -> Result<Line, String> {
     let network = &scene.world.network;
     if network.one_way_delay_packets == 0 {
-        return Err("network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".to_owned());
+        return Err(
+            "network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".to_owned()
+        );
     }
-    if Fates::new(scene, Direction::OneToTwo).is_some() || network.clock_drift_ppm != 0.0 || network.playout_packets != 0 {
+    if Fates::new(scene, Direction::OneToTwo).is_some()
+        || network.clock_drift_ppm != 0.0
+        || network.playout_packets != 0
+    {
         return Err("the virtual wire only delays: of the table network, leave all but one_way_delay_packets alone; \
                     `host-sim cooperate` runs impaired networks"
             .to_owned());
@@ -111,7 +116,8 @@ pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<
     // What is still in the boards comes out.
     bench.run_for_ms(24);
     let after: u64 = (1..=2).map(|number| dropped(&mut bench, number)).sum();
-    let records = [1, 2].map(|number| bench.armed_ticks(number).iter().copied().take(ticks as usize).collect::<Vec<_>>());
+    let records =
+        [1, 2].map(|number| bench.armed_ticks(number).iter().copied().take(ticks as usize).collect::<Vec<_>>());
     let wire_lost = bench.wire.lost;
     let reports = bench.finish();
     let wall_s = wall.elapsed().as_secs_f64();
@@ -181,9 +187,8 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
             std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect()
         })
         .collect();
-    let named = |(at, column): (usize, &Column)| {
-        Column::new(column.name.clone(), rows.iter().map(|row| row[at]).collect())
-    };
+    let named =
+        |(at, column): (usize, &Column)| Column::new(column.name.clone(), rows.iter().map(|row| row[at]).collect());
     let table = Table::new(like.table.columns().iter().enumerate().map(named).collect()).expect("one value a row");
     Outcome {
         bounded: fault.is_none(),

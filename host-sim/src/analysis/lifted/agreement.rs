@@ -14,8 +14,12 @@ use super::super::verdict::{Analyser, delays_packets, pair_matrix};
 use super::constructed::network::Place;
 use super::constructed::peer::State;
 use super::constructed::{Constructed, construct};
+use super::driven::TOO_LARGE;
 use super::{Lifted, prune};
 use crate::scene::SceneFile;
+
+/// Rounding may put one on this side of the limit and the other on that.
+const ALMOST: f64 = 1e-6;
 
 /// What the comparison gave.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -33,6 +37,12 @@ pub struct Agreement {
 pub fn agreement(linear: &SceneFile) -> Result<Option<Agreement>, AnalysisError> {
     let Some(constructed) = construct(linear) else { return Ok(None) };
     let driven = pair_matrix(linear)?;
+    if !driven.matrix.is_finite() {
+        // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
+        let grown = !constructed.lifted.matrix.entries().iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST);
+        let apart = if grown { 0.0 } else { f64::INFINITY };
+        return Ok(Some(Agreement { matrix: apart, spectral_radius: apart }));
+    }
     let matrix = compare(linear, &driven, &constructed);
     let mut analyser = Analyser::default();
     let first = analyser.verdict(linear)?.spectral_radius;

@@ -28,7 +28,7 @@ use crate::scene::SceneFile;
 const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// 2²⁵⁰: an answer above it may have met a limit on its way.
-const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
+pub const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
 
 /// How exactly a translation must come back to be a rest mode, m.
 const UNMOVED_M: f64 = 1e-12;

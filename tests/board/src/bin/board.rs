@@ -48,8 +48,10 @@ fn main() -> ExitCode {
 /// The scene and its short name.
 fn load(arguments: &Arguments) -> Result<(SceneFile, String), Box<dyn std::error::Error>> {
     let named = arguments.scene.as_ref().filter(|path| !path.exists()).and_then(|path| path.to_str());
-    let name = arguments.scene.as_ref().and_then(|path| path.file_stem()?.to_str()).unwrap_or("paper-5.2-passive-wave-16ms");
-    let scene = match (&arguments.scene, named.is_some_and(|name| scenes::ALL.iter().any(|(known, _)| *known == name))) {
+    let name =
+        arguments.scene.as_ref().and_then(|path| path.file_stem()?.to_str()).unwrap_or("paper-5.2-passive-wave-16ms");
+    let scene = match (&arguments.scene, named.is_some_and(|name| scenes::ALL.iter().any(|(known, _)| *known == name)))
+    {
         (Some(path), false) => SceneFile::load(Some(path), &arguments.set)?,
         _ => {
             let mut scene = scenes::load(named.unwrap_or(name))?;
@@ -66,7 +68,9 @@ fn load(arguments: &Arguments) -> Result<(SceneFile, String), Box<dyn std::error
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     if !(arguments.seconds >= 1.0 && arguments.seconds <= 3600.0) {
-        return Err(format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into());
+        return Err(
+            format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()
+        );
     }
     let (scene, name) = load(arguments)?;
     let firmware = Arc::new(Firmware::release());
