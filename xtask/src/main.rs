@@ -33,6 +33,7 @@ Usage: cargo xtask COMMAND [--help]
 
   setup        install what building and testing need and this machine lacks
   test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
+  board-test   the release image on virtual boards: same bits as the simulator, budgets, faults (builds an emulator)
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
@@ -59,9 +60,10 @@ The one command: sets up what is missing and passes every test. Stops at the fir
 Usage: cargo xtask test
 
   set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
-  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, the release
-  image on virtual boards (tests/board), and the instructions of one tick against core/benches/instructions.txt (needs
-  valgrind, which apt-get installs if it can)
+  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, no
+  panic in the tick, README.md against what its commands print, and the instructions of one tick against
+  core/benches/instructions.txt (needs valgrind, which apt-get installs if it can). The virtual boards have a command of
+  their own, board-test: their emulator takes minutes to build.
 ";
 
 const BENCH_HELP: &str = "\
@@ -109,6 +111,13 @@ only if no panic is reachable. Then once more with a panic planted, which must f
 Usage: cargo xtask no-panic
 ";
 
+const BOARD_TEST_HELP: &str = "\
+Builds the release image and the virtual board, and runs everything in tests/board: the board's bits against the
+simulator's, the paper's three kinds of communications on two boards, budgets, faults. Minutes on a cold machine.
+
+Usage: cargo xtask board-test
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -137,6 +146,8 @@ fn main() -> ExitCode {
         ["readme", "--check"] => readme::readme(true),
         ["setup"] => setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
         ["test"] => test::test(),
+        ["board-test"] => test::board_test(),
+        ["board-test", "--help" | "-h"] => print(BOARD_TEST_HELP),
         ["bench"] => bench::bench(false),
         ["bench", "--quick"] => bench::bench(true),
         ["bench-check"] => instructions::check(false),

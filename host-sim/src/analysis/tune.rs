@@ -182,6 +182,9 @@ fn verified(
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
 fn first(linear: &SceneFile, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
+    if to <= 0.0 {
+        return Ok(Some(0.0));
+    }
     let sweep = Sweep::new(linear, Range { key: key.to_owned(), from: 0.0, to })?;
     let limit = along(&sweep, Effort { steps: 120, ..Effort::default() })?;
     if !limit.stable_at_start {
