@@ -108,3 +108,18 @@ fn files_hold_the_run() {
     let rows = csv::Reader::from_path(csv).expect("a table").into_records().count();
     assert_eq!(rows, 1000);
 }
+
+/// `stability tune` proposes gains as overrides that can be pasted, proved with their margin and tried out.
+#[test]
+fn tune_proposes_gains_that_hold() {
+    let report = json(&["stability", "tune", "--json", "--margin", "0.3", "--set", "coordination.comm=power"]);
+    let proposal = &report["proposal"];
+    for key in ["spectral_radius", "raised_spectral_radius"] {
+        assert!(proposal[key].as_f64().is_some_and(|radius| radius < 1.0), "{key} in {report}");
+    }
+    assert_eq!(report["trial"]["bounded"], true);
+    let set = report["set"].as_str().expect("a line of overrides");
+    let mut arguments = vec!["stability", "point", "--json", "--set", "coordination.comm=power"];
+    arguments.extend(set.split_whitespace());
+    assert_eq!(json(&arguments)["spectral_radius"], proposal["spectral_radius"]);
+}

@@ -82,7 +82,7 @@ impl Rendering {
             computing_ticks: self.computing_ticks.unwrap_or(0.5),
             delays_s: [0.0; 4],
         };
-        setup.check()?;
+        maps::check(&setup, self.sampling_period_s)?;
         if self.device_damping_n_s_per_m.is_none() || self.computing_ticks.is_none() {
             let papers = identify(self.device_mass_kg)?;
             setup.device.damping_n_s_per_m = self.device_damping_n_s_per_m.unwrap_or(papers.damping_n_s_per_m);
@@ -165,13 +165,15 @@ impl Report {
                 Sweep::Period => format!("period, {against}"),
             }
         };
-        println!("Largest stable stiffness (N/m), further crossings behind it, at these delays or periods (ms)\n");
+        println!(
+            "Largest stable stiffness (N/m), where it is stable again and ends behind it, at these delays or periods (ms)\n"
+        );
         let times = self.curves.first().map(|curve| curve.points.iter().step_by(5)).into_iter().flatten();
         let header = times.map(|point| significant(1e3 * point.time_s, 3));
         let mut table = TextTable::new(std::iter::once(String::new()).chain(header));
         for curve in &self.curves {
             let cells = curve.points.iter().step_by(5).map(|point| {
-                let crossings = point.crossings.iter().map(|crossing| significant(*crossing, 3));
+                let crossings = point.edges().into_iter().map(|crossing| significant(crossing, 3));
                 let crossings = crossings.collect::<Vec<_>>().join(" ");
                 if point.largest_stiffness_n_per_m.is_none() { "all".to_owned() } else { crossings }
             });

@@ -57,20 +57,22 @@ fn fate<S: Scalar>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: 
 /// never reach zero; and processors that compute subnormals in microcode slow down by a hundred cycles for each. Here
 /// everything decays into that range and may stay there for ever: nothing grows again, nothing becomes infinite, no branch
 /// or loop of the tick depends on it, and at most the state's own numbers (some sixteen of both peers) are subnormal at a
-/// time, which bounds what a tick can cost. The Cortex-M7 computes them at full speed. I32F32 has none: its last steps stay.
+/// time, which bounds what a tick can cost (measured here: 1.6 times as long). What is left at the end is subnormal in the
+/// power domain; a wave link stands still where its rest mode has come to rest. I32F32 has no subnormals.
 #[test]
 fn states_decay_through_the_subnormal_range() {
     for (comm, stiffness) in COMMS {
-        let single = fate::<f32>(comm, stiffness, 1e-30, f32::is_subnormal);
-        let double = fate::<f64>(comm, stiffness, 1e-300, f64::is_subnormal);
-        for (name, fate, least) in [("f32", single, f64::from(f32::MIN_POSITIVE)), ("f64", double, f64::MIN_POSITIVE)] {
+        let (single_kick, double_kick) = (1e-30, 1e-300);
+        let single = fate::<f32>(comm, stiffness, single_kick, f32::is_subnormal);
+        let double = fate::<f64>(comm, stiffness, double_kick, f64::is_subnormal);
+        for (name, fate, kick) in [("f32", single, single_kick), ("f64", double, double_kick)] {
             let Fate { numbers, ticks_subnormal, most_subnormal, left } = fate;
             println!(
                 "{comm} in {name}: subnormal numbers in {ticks_subnormal} of {TICKS} ticks, at most {most_subnormal} of \
                  {numbers}; at the end {left:e}"
             );
             assert!(ticks_subnormal > 100 && most_subnormal <= numbers && numbers <= 40);
-            assert!(left < 1e4 * least, "{left:e} is left");
+            assert!(left < if comm == "power" { 1e-8 } else { 1e-3 } * kick, "{left:e} is left of {kick:e}");
         }
     }
 }

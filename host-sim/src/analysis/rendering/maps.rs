@@ -43,6 +43,14 @@ pub struct Point {
     pub crossings: Vec<f64>,
 }
 
+impl Point {
+    /// Where stability ends and begins in turn, N/m: the crossings, after 0 where even the softest contact is unstable.
+    pub fn edges(&self) -> Vec<f64> {
+        let softest = self.largest_stiffness_n_per_m.filter(|largest| *largest == 0.0);
+        softest.into_iter().chain(self.crossings.iter().copied()).collect()
+    }
+}
+
 /// What a curve is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -64,14 +72,33 @@ pub struct Curve {
     pub points: Vec<Point>,
 }
 
+/// The stiffness around which to look, N/m, of a scene that can be looked at.
+fn scale(rendering: &Rendering) -> Result<f64, AnalysisError> {
+    rendering.check()?;
+    let near = largest_stiffness(rendering);
+    AnalysisError::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
+    Ok(near)
+}
+
+/// Whether both maps of the scene can be made: better said before the work than in the middle of it.
+///
+/// # Errors
+/// The first number that is in the way.
+pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisError> {
+    for (base, sweep) in sweeps(base) {
+        for time_s in RANGE_S {
+            scale(&at(&base, sweep, time_s, sampling_s))?;
+        }
+    }
+    Ok(())
+}
+
 /// Every crossing of the contact stiffness, N/m.
 ///
 /// # Errors
 /// A number that [`Rendering::check`] refuses; no damping anywhere; eigenvalues that do not converge.
 pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
-    rendering.check()?;
-    let near = largest_stiffness(rendering);
-    AnalysisError::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
+    let near = scale(rendering)?;
     let fifths = |octaves: std::ops::RangeInclusive<i32>| {
         (5 * octaves.start()..=5 * octaves.end()).map(|fifth| f64::from(fifth) / 5.0).collect::<Vec<_>>()
     };
@@ -151,13 +178,13 @@ pub fn sweeps(base: &Rendering) -> Vec<(Rendering, Sweep)> {
     sweeps
 }
 
-/// One row for every crossing: place (1…4, 0 for the sampling period), wall, delay or period, stiffness, whether it is the
-/// first, and the closed form.
+/// One row for every crossing: place (1…4, 0 for the sampling period), wall, delay or period, stiffness, whether it is
+/// stable just below, and the closed form. Where even the softest contact is unstable, a first row says so with stiffness 0.
 ///
 /// # Errors
 /// None: the columns are named apart.
 pub fn table(curves: &[Curve]) -> Result<Table, ReportError> {
-    let names = ["place", "wall", "time_s", "stiffness_n_per_m", "first", "closed_form_n_per_m"];
+    let names = ["place", "wall", "time_s", "stiffness_n_per_m", "stable_below", "closed_form_n_per_m"];
     let mut table = Table::with_names(&names)?;
     for Curve { sweep, wall, points } in curves {
         let place = match sweep {
@@ -166,9 +193,9 @@ pub fn table(curves: &[Curve]) -> Result<Table, ReportError> {
         };
         let flag = |yes: bool| f64::from(u8::from(yes));
         for point in points {
-            for (at, crossing) in point.crossings.iter().enumerate() {
-                let row = [place, flag(*wall), point.time_s, *crossing, flag(at == 0), point.closed_form_n_per_m];
-                table.push_row(&row)?;
+            for (at, crossing) in point.edges().into_iter().enumerate() {
+                let (stable_below, closed) = (flag(at % 2 == 0), point.closed_form_n_per_m);
+                table.push_row(&[place, flag(*wall), point.time_s, crossing, stable_below, closed])?;
             }
         }
     }

@@ -1,26 +1,28 @@
 //! Both maps on the axes of the architectures paper's Fig. 4: stiffness to the right, delay or sampling period upwards.
 
+use super::closed::longest_object_delay_s;
 use super::maps::{Curve, Sweep};
-use super::{Place, Rendering};
+use super::{Body, Place, Rendering};
 use crate::report::plot::{Dash, Figure, Panel, Series};
 
 /// The paper's axes: N/m and ms.
 const STIFFNESS: (f64, f64) = (0.0, 1000.0);
 const TIME_MS: (f64, f64) = (0.0, 80.0);
 
-/// Name, colour and dash of a curve. Curves that lie on each other are dashed differently, so that both are seen.
+/// Name, colour and dash of a curve. Of two curves that lie on each other the second is dotted, so that both are seen.
 fn look(curve: &Curve) -> (String, usize, Dash) {
     let against = if curve.wall { "wall" } else { "object" };
     match curve.sweep {
         Sweep::Period => (against.to_owned(), usize::from(!curve.wall), Dash::Solid),
         Sweep::Delay(place) => {
-            let color = match place {
-                _ if curve.wall => 0,
-                Place::DeviceToCollision | Place::CollisionToDevice => 1,
-                Place::CollisionToDynamics | Place::DynamicsToCollision => 2,
+            let [solid, dotted] = match place {
+                _ if curve.wall => [0, 4],
+                Place::DeviceToCollision | Place::CollisionToDevice => [1, 6],
+                Place::CollisionToDynamics | Place::DynamicsToCollision => [2, 3],
             };
             let first = matches!(place, Place::DeviceToCollision | Place::CollisionToDynamics);
-            (format!("{}, {against}", place.name()), color, if first { Dash::Solid } else { Dash::Dotted })
+            let (color, dash) = if first { (solid, Dash::Solid) } else { (dotted, Dash::Dotted) };
+            (format!("{}, {against}", place.name()), color, dash)
         }
     }
 }
@@ -47,7 +49,15 @@ pub fn figure(base: &Rendering, curves: &[Curve]) -> Figure {
     };
     let device = base.device;
     let object = base.object.map_or_else(String::new, |object| {
-        format!(" The object has {} kg and {} N·s/m; the wall does not move.", object.mass_kg, object.damping_n_s_per_m)
+        let Body { mass_kg, damping_n_s_per_m } = object;
+        let undamped = damping_n_s_per_m == 0.0 && base.contact_damping_n_s_per_m == 0.0;
+        let longest_ms = 1e3 * longest_object_delay_s(device, object);
+        let limit = if undamped {
+            format!(" Undamped, it is unstable on even the softest contact once its own delay exceeds m_o/b = {longest_ms:.0} ms.")
+        } else {
+            String::new()
+        };
+        format!(" The object has {mass_kg} kg and {damping_n_s_per_m} N·s/m; the wall does not move.{limit}")
     });
     Figure {
         title: "Largest stable stiffness of one haptic device (Buttolo, Oboe & Hannaford 1997, Figure 4)".to_owned(),
