@@ -247,28 +247,22 @@ impl SceneFile {
                 return Err(SceneError::Refused { place, refused });
             }
         };
-        if key == "network.trace" {
-            let Value::Text(file) = plain else {
+        // Keys that name a file: its path, and where a complaint about it belongs.
+        let file = || match plain {
+            Value::Text(file) => Ok(folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file))),
+            _ => {
                 let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
-                return Err(SceneError::Refused { place, refused });
-            };
-            let path = folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
-            let trace = NetworkTrace::read(&path)
-                .map_err(|message| SceneError::Trace { place: format!("{place}: {key}"), message })?;
-            self.network_trace = Some(Arc::new(trace));
+                Err(SceneError::Refused { place: place.clone(), refused })
+            }
+        };
+        let wrong = |message: String| SceneError::Trace { place: format!("{place}: {key}"), message };
+        if key == "network.trace" {
+            self.network_trace = Some(Arc::new(NetworkTrace::read(&file()?).map_err(wrong)?));
             return Ok(());
         }
         let outcome = match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
             Some((user @ ("1" | "2"), "trace")) => {
-                let Value::Text(file) = plain else {
-                    let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
-                    return Err(SceneError::Refused { place, refused });
-                };
-                let path = folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
-                let trace = Trace::read(&path).map_err(|error| SceneError::Trace {
-                    place: format!("{place}: {key}"),
-                    message: error.to_string(),
-                })?;
+                let trace = Trace::read(&file()?).map_err(|error| wrong(error.to_string()))?;
                 self.user_mut(user).trace = Some(trace);
                 return Ok(());
             }
