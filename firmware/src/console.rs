@@ -14,6 +14,7 @@ use embassy_net::Stack;
 use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_time::{Duration, Timer, with_timeout};
 use firmware_parts::exchange::Writer;
+use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
 use haptic_core::axis::velocity::VelocityName;
@@ -27,6 +28,7 @@ use static_cell::ConstStaticCell;
 
 use crate::board::{Number, bridges, pace};
 use crate::fault::Cause;
+use crate::storage::{self, Origin};
 use crate::tick::{self, Plan};
 use crate::{net, telemetry};
 
@@ -44,8 +46,12 @@ pub(crate) struct Console {
     pub(crate) cause: Cause,
     /// Nobody has acknowledged it yet.
     pub(crate) unacknowledged: bool,
+    /// Where the settings of this start came from.
+    pub(crate) origin: Origin,
+    /// What the tick runs.
+    pub(crate) applied: Kept,
     /// What `set` changes.
-    pub(crate) draft: Settings,
+    pub(crate) draft: Kept,
     /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
     /// Numbers the orders.
@@ -66,6 +72,10 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
     }
     if settings.axis.velocity == VelocityName::Measured {
         let _ = write!(why, "axis.velocity must be difference, filtered or adaptive: encoders measure no velocity");
+        return Err(why);
+    }
+    if let Err(refused) = haptic_core::axis::encoder::check(&settings) {
+        let _ = write!(why, "{refused}");
         return Err(why);
     }
     match Scene::build(&settings) {
@@ -102,11 +112,11 @@ impl Console {
                 None => write!(to, "error there is no key {key}"),
             },
             Request::Defaults => {
-                self.draft = crate::defaults();
+                self.draft = Kept::default();
                 write!(to, "ok the draft holds the defaults")
             }
             Request::Apply => self.apply(to).await,
-            Request::Save => write!(to, "error there is no store yet"),
+            Request::Save => self.save(to).await,
             Request::Stream(every) => {
                 telemetry::stream(from, every);
                 write!(to, "ok every {every} ticks")
@@ -123,7 +133,7 @@ impl Console {
         let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
         write!(
             to,
-            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; started: {}{}",
+            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; settings {} {}{}; started: {}{}",
             self.number as u8 + 1,
             number(&tick::TICKS),
             number(&tick::OVERRUNS),
@@ -131,6 +141,15 @@ impl Console {
             number(&net::DROPPED),
             number(&net::RECEIVED),
             number(&net::REFUSED),
+            self.origin.explain(),
+            number(&storage::SETTINGS_GENERATION),
+            if storage::BUSY.load(Ordering::Relaxed) {
+                ", saving"
+            } else if storage::FAILED.load(Ordering::Relaxed) {
+                ", not saved"
+            } else {
+                ""
+            },
             self.cause.stop.explain(),
             self.cause.place,
         )
@@ -155,6 +174,9 @@ impl Console {
             Command::Arm if !bridges::stop_released() => {
                 return write!(to, "error the emergency stop is pressed, or not connected");
             }
+            Command::Arm if storage::BUSY.load(Ordering::Acquire) => {
+                return write!(to, "error the settings are being saved");
+            }
             Command::Arm => {}
         }
         self.orders = self.orders.wrapping_add(1);
@@ -170,13 +192,29 @@ impl Console {
         }
     }
 
-    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
-        if status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 != "disarmed" {
+    /// What is applied goes to flash. An erase takes longer than an answer may: then `status` says how it ended.
+    async fn save(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
             return write!(to, "error disarm first");
         }
-        match plan(&self.draft, self.number) {
+        if !storage::save(&self.applied) {
+            return write!(to, "error the settings are being saved");
+        }
+        match carried_out(|| !storage::BUSY.load(Ordering::Acquire)).await {
+            false => write!(to, "ok saving, a few seconds: flash is being erased"),
+            true if storage::FAILED.load(Ordering::Relaxed) => write!(to, "error the flash does not take it"),
+            true => write!(to, "ok saved"),
+        }
+    }
+
+    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
+            return write!(to, "error disarm first");
+        }
+        match plan(&self.draft.settings, self.number) {
             Ok(plan) => {
                 self.plans.write(plan);
+                self.applied = self.draft;
                 write!(to, "ok applied")
             }
             Err(why) => write!(to, "error {why}"),
@@ -184,7 +222,11 @@ impl Console {
     }
 }
 
-/// Waits up to 50 ms for the tick to do something.
+fn disarmed() -> bool {
+    status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 == "disarmed"
+}
+
+/// Waits up to 50 ms for something to be done.
 async fn carried_out(done: impl Fn() -> bool) -> bool {
     for _ in 0..50 {
         if done() {
