@@ -175,10 +175,13 @@ impl Bench {
     /// Makes sure that a board (1 or 2) knows the PC and the PC has a session with it.
     ///
     /// # Panics
-    /// They do not meet within a second.
+    /// They do not meet within two seconds.
     pub fn meet(&mut self, number: usize) {
-        self.wire.send(PC, self.now_ns, &Pc::resolve(number));
-        for _ in 0..1000 {
+        for ms in 0..2000 {
+            // As a PC does that has something to send: a board that is not up yet does not hear it.
+            if ms % 100 == 0 {
+                self.wire.send(PC, self.now_ns, &Pc::resolve(number));
+            }
             self.step();
             if self.pc.reaches(number) {
                 return;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use board_bench::image::Firmware;
 use board_bench::pair::{Bench, for_boards};
-use board_bench::pc::{Pc, board_ip, board_mac, udp};
-use board_bench::wire::{Line, PC};
+use board_bench::pc::{board_ip, board_mac, udp};
+use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use host_sim::scenes;
 
@@ -71,8 +71,7 @@ impl Campaign {
             bench.step();
             assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
         }
-        bench.wire.send(PC, bench.now_ns(), &Pc::resolve(1));
-        bench.run_for_ms(5);
+        bench.meet(1);
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");
         let mut refusal = "-".to_owned();
