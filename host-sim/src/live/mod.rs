@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
 //! | [`key_file`] | the shared key, readable by its owner only |
 //! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
 //! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
@@ -10,6 +11,7 @@
 //! | [`restarts`] | two nodes in virtual time, one or the other restarting |
 //! | `socket` | a UDP socket that is polled |
 
+pub mod flood;
 pub mod key_file;
 pub mod node;
 pub mod pace;
