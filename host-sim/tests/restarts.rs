@@ -41,6 +41,7 @@ fn a_fifth_lost_the_rest_jittered_and_some_twice() {
 }
 
 #[test]
-fn positions_instead_of_waves() {
-    restarts(&[&["coordination.comm=power", "coordination.stiffness_n_per_m=310"][..], &BAD].concat());
+fn positions_instead_of_waves_through_a_play_out_buffer() {
+    let power = ["coordination.comm=power", "coordination.stiffness_n_per_m=310", "network.playout_packets=2"];
+    restarts(&[&power[..], &BAD].concat());
 }

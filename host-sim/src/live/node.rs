@@ -22,6 +22,7 @@ use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::playout::Playout;
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId};
 
 use crate::plant::Plant;
@@ -36,6 +37,8 @@ pub struct Node {
     link: Link,
     /// The newest flow since the last exchange.
     newest: Option<Flow>,
+    /// Flow that waits, where the scene asks for it (network.playout_packets).
+    playout: Option<Playout<Flow>>,
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
@@ -118,12 +121,14 @@ impl Node {
             entropy,
         })
         .map_err(|error| error.to_string())?;
+        let depth = scene.world.network.playout_packets;
         Ok(Self {
             scene: built,
             state,
             plant,
             link,
             newest: None,
+            playout: (depth > 0).then(|| Playout::new(depth, settings.timing.ticks_per_packet)),
             period_s,
             ticks: 0,
             armed_ticks: 0,
@@ -140,7 +145,12 @@ impl Node {
         // Before the flow is kept: it may be the first of another life of the other peer.
         self.heed(now_us);
         let Some(Incoming::Flow(flow)) = taken? else { return Ok(None) };
-        self.newest = Some(flow);
+        match &mut self.playout {
+            Some(playout) => {
+                playout.put(self.ticks, flow.tick, flow);
+            }
+            None => self.newest = Some(flow),
+        }
         Ok(Some(flow))
     }
 
@@ -150,6 +160,9 @@ impl Node {
             if notice == Notice::Disengaged {
                 self.state.part();
                 self.newest = None;
+                if let Some(playout) = &mut self.playout {
+                    playout.clear();
+                }
             }
             self.notices.push((now_us, notice));
         }
@@ -162,6 +175,9 @@ impl Node {
             send(&out[..len]);
         }
         self.heed(now_us);
+        if let Some(playout) = self.playout.as_mut().filter(|_| self.state.packet_due()) {
+            self.newest = playout.take(self.ticks);
+        }
         if self.state.mode() == Mode::Disarmed && self.newest.is_some() {
             self.state.command(&self.scene, Command::Arm);
             self.state.part();
@@ -234,6 +250,6 @@ impl Node {
         let link = format!("{:?}", self.link);
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?}", self.newest, self.state)
+        format!("{link} {:?} {:?} {:?}", self.newest, self.playout, self.state)
     }
 }
