@@ -58,7 +58,7 @@ pub(super) struct Peer {
 }
 
 /// A time in seconds on the command line.
-fn check_time(name: &str, value: f64) -> Result<(), Failure> {
+pub(super) fn check_time(name: &str, value: f64) -> Result<(), Failure> {
     if value > 0.0 && value <= 86_400.0 {
         return Ok(());
     }

@@ -7,11 +7,13 @@
 mod accuracy;
 mod campaign;
 mod cooperate;
+mod flood;
 mod keys;
 mod live;
 mod paper;
 mod precision;
 mod rendering;
+mod restarts;
 mod stability;
 mod tune;
 
@@ -58,6 +60,10 @@ enum Command {
     Relay(live::Relay),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
+    /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
+    Flood(flood::Flood),
+    /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
+    Restarts(restarts::Restarts),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -116,6 +122,8 @@ pub fn main() -> ExitCode {
         Command::Peer(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Trace(command) => command.run(),
+        Command::Flood(command) => command.run(),
+        Command::Restarts(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

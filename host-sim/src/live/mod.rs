@@ -2,12 +2,20 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
 //! | [`key_file`] | the shared key, readable by its owner only |
 //! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
-//! | [`peer`] | one peer: the same tick and exchange, a simulated device, a sealed link |
+//! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
+//! | [`peer`] | a node in real time on a UDP socket |
 //! | [`relay`] | a bad network between two peers |
+//! | [`restarts`] | two nodes in virtual time, one or the other restarting |
+//! | `socket` | a UDP socket that is polled |
 
+pub mod flood;
 pub mod key_file;
+pub mod node;
 pub mod pace;
 pub mod peer;
 pub mod relay;
+pub mod restarts;
+mod socket;
