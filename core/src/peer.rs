@@ -19,6 +19,7 @@ use crate::couple::{Coupled, Law, Packet};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::object::Integrator;
+use crate::render::{Impacts, Rendering};
 use crate::safety::{Command, Fault, Mode, Patience};
 use crate::scalar::Scalar;
 use crate::scene::{Models, Scene};
@@ -76,6 +77,7 @@ pub struct State<M: Models> {
     home: [M::Scalar; AXES],
     device: [Motion<M::Scalar>; AXES],
     object: Motion<M::Scalar>,
+    contact: <M::Contact as Model<M::Scalar>>::State,
     integrator: <M::Integrator as Model<M::Scalar>>::State,
     law: <M::Law as Model<M::Scalar>>::State,
     forces: [M::Scalar; AXES],
@@ -99,6 +101,7 @@ impl<M: Models> State<M> {
             home: device.map(|axis| axis.position),
             device,
             object: Motion::REST,
+            contact: scene.contact.initial(),
             integrator: scene.integrator.initial(),
             law: scene.law.initial(),
             forces: [M::Scalar::ZERO; AXES],
@@ -119,6 +122,7 @@ impl<M: Models> State<M> {
     fn engage(&mut self, scene: &Scene<M>) {
         let [free, ..] = self.device;
         self.object = Motion::at(scene.contact.clear_of(free.position));
+        self.contact = scene.contact.initial();
         self.integrator = scene.integrator.initial();
         self.law = scene.law.initial();
         scene.law.start(&mut self.law, self.object);
@@ -176,6 +180,11 @@ impl<M: Models> State<M> {
         &self.ledger
     }
 
+    /// Impacts since arming, where contact is impulsive.
+    pub fn impacts(&self, scene: &Scene<M>) -> Impacts<M::Scalar> {
+        scene.contact.impacts(&self.contact)
+    }
+
     /// Turns the motors off and latches the fault; the first one stays.
     fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Faulted(_)) {
@@ -185,10 +194,11 @@ impl<M: Models> State<M> {
     }
 }
 
-/// The dynamic state: object, integrator, coordination law and velocity estimators, in this order.
+/// The dynamic state: object, contact, integrator, coordination law and velocity estimators, in this order.
 impl<M: Models> StateVector<M::Scalar> for State<M> {
     fn visit(&mut self, each: &mut impl FnMut(&mut M::Scalar)) {
         self.object.visit(each);
+        self.contact.visit(each);
         self.integrator.visit(each);
         self.law.visit(each);
         for joint in &mut self.joints {
@@ -261,15 +271,16 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
         return Actuators::default();
     }
 
-    let object = state.object;
-    let contact_force = scene.contact.force(free, object);
+    let [commanded, ..] = state.forces;
+    let touch = scene.contact.touch(&mut state.contact, free, state.object, commanded);
+    let (object, contact_force) = (touch.object, touch.felt);
     let coupled = if state.engagement.is_engaged() {
         scene.law.couple(&mut state.law, object)
     } else {
         Coupled { desired: object, ..Coupled::default() }
     };
     state.ledger.book(&coupled, scene.period);
-    let next = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
+    let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
     if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
