@@ -34,6 +34,7 @@ use crate::render::Contact;
 use crate::safety::Guard;
 use crate::scalar::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::watch::Watch;
 
 /// Which models a scene holds.
 pub trait Models: Copy + core::fmt::Debug + PartialEq + 'static {
@@ -79,6 +80,7 @@ pub struct Scene<M: Models> {
     pub(crate) law: M::Law,
     pub(crate) ladder: Ladder<M::Scalar>,
     pub(crate) guard: Guard<M::Scalar>,
+    pub(crate) watch: Watch<M::Scalar>,
 }
 
 impl<M: Models> Scene<M> {
@@ -107,6 +109,7 @@ impl<M: Models> Scene<M> {
             law: M::Law::build(settings),
             ladder: Ladder::build(settings),
             guard: Guard::build(settings),
+            watch: Watch::build(settings),
         })
     }
 
