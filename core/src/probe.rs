@@ -74,6 +74,7 @@ pub struct Probe<S> {
     max_step_counts: i32,
     /// Work at which a verdict is passed, counts.
     verdict_counts: i32,
+    check: bool,
 }
 
 /// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
@@ -107,6 +108,7 @@ impl<S: Scalar> Probe<S> {
             max_travel_counts: limits.max_travel_counts as i32,
             max_step_counts: (limits.max_speed_counts_per_s * period_s + 1.0) as i32,
             verdict_counts: limits.check_counts as i32,
+            check: false,
         })
     }
 
@@ -120,7 +122,7 @@ impl<S: Scalar> Probe<S> {
         let built =
             Self::build(settings, &Request { joint, shape: Shape::Swing, duty, duration_s, frequency_hz: 0.0 })?;
         let travel = CHECK_TRAVEL * probe.check_counts;
-        Ok(Self { max_travel_counts: built.max_travel_counts.min(travel as i32), ..built })
+        Ok(Self { max_travel_counts: built.max_travel_counts.min(travel as i32), check: true, ..built })
     }
 
     /// The joint it pushes, 1 or 2.
@@ -158,29 +160,33 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
 
 /// How a probe ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
 pub enum End {
     /// There was none yet.
     #[default]
-    None = 0,
+    None,
     /// It has not.
-    Running = 1,
+    Running,
     /// Its time was over.
-    Done = 2,
+    Done,
     /// The device went as far as `probe.max_travel_counts` allows.
-    Travel = 3,
+    Travel,
     /// The device was faster than `probe.max_speed_counts_per_s`.
-    Speed = 4,
+    Speed,
     /// By command, or by a fault.
-    Stopped = 5,
+    Stopped,
 }
 
 impl End {
-    /// The end called by `number`.
-    pub fn from_number(number: u8) -> Option<Self> {
-        [Self::None, Self::Running, Self::Done, Self::Travel, Self::Speed, Self::Stopped]
-            .into_iter()
-            .find(|end| *end as u8 == number)
+    /// One word for a program.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Running => "running",
+            Self::Done => "done",
+            Self::Travel => "travel",
+            Self::Speed => "speed",
+            Self::Stopped => "stopped",
+        }
     }
 
     /// One sentence for a person.
@@ -210,6 +216,16 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// One word for a program.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agree => "agree",
+            Self::Disagree => "disagree",
+            Self::Still => "still",
+            Self::Unclear => "unclear",
+        }
+    }
+
     /// One sentence for a person.
     pub fn explain(self) -> &'static str {
         match self {
@@ -238,10 +254,17 @@ pub struct Outcome {
     pub least_counts: i32,
     /// Work at which a verdict is passed, counts.
     pub verdict_counts: i32,
+    /// It was the check before arming.
+    pub check: bool,
 }
 
 impl Outcome {
-    /// What it says about the signs of motor and encoder.
+    /// The check before arming was passed.
+    pub fn passed(&self) -> bool {
+        self.check && self.verdict() == Verdict::Agree
+    }
+
+    /// What a swing says about the signs of motor and encoder.
     pub fn verdict(&self) -> Verdict {
         let enough = self.verdict_counts;
         // Division by a constant: no panic.
@@ -276,6 +299,7 @@ impl<S: Scalar> Probing<S> {
             joint: probe.joint(),
             end: End::Running,
             verdict_counts: probe.verdict_counts,
+            check: probe.check,
             ..Outcome::default()
         };
         Self { probe, tick: 0, places: None, pushing: 0, work: 0, outcome }

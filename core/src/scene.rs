@@ -118,6 +118,11 @@ impl<M: Models> Scene<M> {
         self.ticks_per_packet
     }
 
+    /// Axes, and joints, in use.
+    pub fn axes(&self) -> usize {
+        self.axes
+    }
+
     /// The encoder, for whoever plays the device.
     pub fn encoder(&self) -> &Encoder<M::Scalar> {
         &self.encoder

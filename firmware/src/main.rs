@@ -82,7 +82,7 @@ mod image {
         defmt::info!("board {}: {=str}", board.number, cause.stop.explain());
 
         let settings = defaults();
-        let Ok(plan) = console::plan(&settings, board.number) else { defmt::panic!("the defaults are refused") };
+        let Ok(plan) = console::plan(&settings, board.number, 0) else { defmt::panic!("the defaults are refused") };
         static SHARED: StaticCell<Shared> = StaticCell::new();
         let tasks = tick::prepare(SHARED.init_with(|| Shared::new(plan)));
         pace::start(board.pace);
@@ -100,8 +100,12 @@ mod image {
             cause,
             unacknowledged: cause.stop.latches(),
             draft: settings,
+            applied: settings,
+            device: 0,
             plans: tasks.plans,
             orders: 0,
+            probes: tasks.probes,
+            probed: tasks.probed,
         };
         NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net::start(
             board.ethernet,
