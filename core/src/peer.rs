@@ -169,9 +169,21 @@ impl<M: Models> State<M> {
         self.probing.outcome()
     }
 
+    /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
+    /// a packet comes, which starts the coordination anew from no force, step by step. Without this a peer that is armed
+    /// takes the first packet in full: both were at rest where they met.
+    pub fn part(&mut self) {
+        self.engagement.part();
+    }
+
     /// The mode, with the fault that latched.
     pub fn mode(&self) -> Mode {
         self.mode
+    }
+
+    /// Whether the coordination acts: armed, and the other peer neither silent for too long nor parted from.
+    pub fn is_engaged(&self) -> bool {
+        self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
     /// Whether [`exchange`] is due before the next [`tick`].
@@ -216,7 +228,7 @@ pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scal
     let packet = Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
     // At rest where it stands: a wave line ends in its own impedance and takes everything in.
     let resting = Packet { motion: Motion::at(state.object.position), wave: M::Scalar::ZERO, ..packet };
-    match (state.mode == Mode::Armed && state.engagement.is_engaged(), packet.is_finite()) {
+    match (state.is_engaged(), packet.is_finite()) {
         (true, true) => packet,
         (false, true) => resting,
         (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },

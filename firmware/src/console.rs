@@ -15,6 +15,7 @@ use embassy_net::Stack;
 use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_time::{Duration, Timer, with_timeout};
 use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
 use haptic_core::axis::velocity::VelocityName;
@@ -29,6 +30,7 @@ use static_cell::ConstStaticCell;
 
 use crate::board::{Number, bridges, pace};
 use crate::fault::Cause;
+use crate::storage::{self, Origin};
 use crate::tick::{self, Plan};
 use crate::{net, telemetry};
 
@@ -46,11 +48,13 @@ pub(crate) struct Console {
     pub(crate) cause: Cause,
     /// Nobody has acknowledged it yet.
     pub(crate) unacknowledged: bool,
+    /// Where the settings of this start came from.
+    pub(crate) origin: Origin,
+    /// What the tick runs.
+    pub(crate) applied: Kept,
     /// What `set` changes.
-    pub(crate) draft: Settings,
-    /// What `apply` took last.
-    pub(crate) applied: Settings,
-    /// [`Plan::device`] of it.
+    pub(crate) draft: Kept,
+    /// [`Plan::device`] of what the tick runs.
     pub(crate) device: u32,
     /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
@@ -62,8 +66,8 @@ pub(crate) struct Console {
     pub(crate) probed: Reader<'static, Outcome>,
 }
 
-/// The settings as this board runs them, turned into what the tick takes; or why not. `device` is [`Plan::device`].
-pub(crate) fn plan(settings: &Settings, number: Number, device: u32) -> Result<Plan, Answer> {
+/// The settings as this board runs them, turned into what the tick takes; or why not.
+pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> {
     let mut settings = *settings;
     settings.contact.side = match number {
         Number::One => Side::Left,
@@ -78,11 +82,15 @@ pub(crate) fn plan(settings: &Settings, number: Number, device: u32) -> Result<P
         let _ = write!(why, "axis.velocity must be difference, filtered or adaptive: encoders measure no velocity");
         return Err(why);
     }
+    if let Err(refused) = haptic_core::axis::encoder::check(&settings) {
+        let _ = write!(why, "{refused}");
+        return Err(why);
+    }
     match Scene::build(&settings) {
         Ok(scene) => {
             // The object starts at zero, so the device starts where it is just clear of it.
             let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device })
+            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
         }
         Err(refused) => {
             let _ = write!(why, "{refused}");
@@ -102,8 +110,8 @@ impl Console {
         match request {
             Request::Status => self.status(to),
             Request::Command(command) => self.command(command, to).await,
-            Request::Check(joint) => self.probe(Probe::check(&self.applied, joint), to).await,
-            Request::Probe(probe) => self.probe(Probe::build(&self.applied, &probe), to).await,
+            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await,
+            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await,
             Request::Probed => self.probed(to),
             Request::Set(key, value) => match self.draft.set(key, value) {
                 Ok(()) => write!(to, "ok {key} = {value}"),
@@ -115,11 +123,11 @@ impl Console {
                 None => write!(to, "error there is no key {key}"),
             },
             Request::Defaults => {
-                self.draft = crate::defaults();
+                self.draft = Kept::default();
                 write!(to, "ok the draft holds the defaults")
             }
             Request::Apply => self.apply(to).await,
-            Request::Save => write!(to, "error there is no store yet"),
+            Request::Save => self.save(to).await,
             Request::Stream(every) => {
                 telemetry::stream(from, every);
                 write!(to, "ok every {every} ticks")
@@ -136,7 +144,7 @@ impl Console {
         let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
         write!(
             to,
-            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; started: {}{}",
+            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; settings {} {}{}; started: {}{}",
             self.number as u8 + 1,
             number(&tick::TICKS),
             number(&tick::OVERRUNS),
@@ -144,6 +152,15 @@ impl Console {
             number(&net::DROPPED),
             number(&net::RECEIVED),
             number(&net::REFUSED),
+            self.origin.explain(),
+            number(&storage::SETTINGS_GENERATION),
+            if storage::BUSY.load(Ordering::Relaxed) {
+                ", saving"
+            } else if storage::FAILED.load(Ordering::Relaxed) {
+                ", not saved"
+            } else {
+                ""
+            },
             self.cause.stop.explain(),
             self.cause.place,
         )
@@ -196,6 +213,8 @@ impl Console {
             Some(("clear first: ", "the emergency stop was pressed"))
         } else if !bridges::stop_released() {
             Some(("", "the emergency stop is pressed, or not connected"))
+        } else if storage::BUSY.load(Ordering::Acquire) {
+            Some(("", "the settings are being saved"))
         } else {
             None
         }
@@ -238,19 +257,33 @@ impl Console {
         Ok(())
     }
 
-    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
-        if status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 != "disarmed" {
+    /// What is applied goes to flash. An erase takes longer than an answer may: then `status` says how it ended.
+    async fn save(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
             return write!(to, "error disarm first");
         }
-        let same = (self.applied.axis.count == self.draft.axis.count)
-            && self.applied.encoder == self.draft.encoder
-            && self.applied.kinematics == self.draft.kinematics
-            && self.applied.motor == self.draft.motor;
-        let device = if same { self.device } else { self.device.wrapping_add(1) };
-        match plan(&self.draft, self.number, device) {
+        if !storage::save(&self.applied) {
+            return write!(to, "error the settings are being saved");
+        }
+        match carried_out(|| !storage::BUSY.load(Ordering::Acquire)).await {
+            false => write!(to, "ok saving, a few seconds: flash is being erased"),
+            true if storage::FAILED.load(Ordering::Relaxed) => write!(to, "error the flash does not take it"),
+            true => write!(to, "ok saved"),
+        }
+    }
+
+    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
+            return write!(to, "error disarm first");
+        }
+        match plan(&self.draft.settings, self.number) {
             Ok(plan) => {
-                self.plans.write(plan);
-                (self.applied, self.device) = (self.draft, device);
+                let (before, now) = (&self.applied.settings, &self.draft.settings);
+                let same = (before.axis.count == now.axis.count)
+                    && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);
+                self.device = if same { self.device } else { self.device.wrapping_add(1) };
+                self.plans.write(Plan { device: self.device, ..plan });
+                self.applied = self.draft;
                 write!(to, "ok applied")
             }
             Err(why) => write!(to, "error {why}"),
@@ -258,7 +291,11 @@ impl Console {
     }
 }
 
-/// Waits up to 50 ms for the tick to do something.
+fn disarmed() -> bool {
+    status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 == "disarmed"
+}
+
+/// Waits up to 50 ms for something to be done.
 async fn carried_out(done: impl Fn() -> bool) -> bool {
     for _ in 0..50 {
         if done() {

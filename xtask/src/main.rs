@@ -7,6 +7,7 @@
 //! | [`mod@bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
 //! | [`board`] | runs a scene on two virtual boards |
+//! | [`fuzz`] | runs the protocol's fuzz targets |
 //! | [`log`] | what a running board says, to a file |
 //! | [`no_panic`] | shows that no panic is reachable from the tick |
 //! | [`readme`] | writes what commands print into README.md |
@@ -16,6 +17,7 @@
 
 mod bench;
 mod board;
+mod fuzz;
 mod instructions;
 mod log;
 mod no_panic;
@@ -37,6 +39,7 @@ Usage: cargo xtask COMMAND [--help]
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
+  fuzz         run every fuzz target of the protocol for a minute, keep what it finds
   log          attach to a running board and keep what it says in out/board.log
   no-panic     show that no panic is reachable from the 1 kHz interrupt
   readme       write what the commands named in README.md print, and the pictures they draw, into it
@@ -97,6 +100,16 @@ Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S]
   --out      folder for CSV and pictures [default: out/board]
 ";
 
+const FUZZ_HELP: &str = "\
+Builds the fuzz targets of protocol/fuzz with the project's own toolchain and runs one after the other. Inputs that reach
+something new are merged into protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fails.
+
+Usage: cargo xtask fuzz [--seconds N] [--target NAME]
+
+  --seconds  time for each target, 1 to 86400 s [default: 60]
+  --target   one of wire, replay, link, session [default: all]
+";
+
 const LOG_HELP: &str = "\
 Attaches to a running board with probe-rs, without stopping or flashing it, and prints what it says; the same goes to
 out/board.log. The image must be the one that was flashed.
@@ -137,6 +150,8 @@ fn main() -> ExitCode {
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
         ["board", arguments @ ..] => board::board(arguments),
+        ["fuzz", "--help" | "-h"] => print(FUZZ_HELP),
+        ["fuzz", arguments @ ..] => fuzz::fuzz(arguments),
         ["log", "--help" | "-h"] => print(LOG_HELP),
         ["log"] => log::log(),
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),

@@ -12,6 +12,7 @@ mod live;
 mod paper;
 mod precision;
 mod rendering;
+mod restarts;
 mod stability;
 mod tune;
 
@@ -58,6 +59,8 @@ enum Command {
     Relay(live::Relay),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
+    /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
+    Restarts(restarts::Restarts),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -116,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Peer(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Trace(command) => command.run(),
+        Command::Restarts(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

@@ -2,12 +2,14 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`datagrams`] | every datagram of one direction, each when its time has come |
 //! | [`fate`] | what becomes of each packet: seeded from the scene, or read from a trace |
-//! | this | the way itself: packets in flight, and which one a peer gets |
+//! | this | a way of packets: packets in flight, and which one a peer gets |
 //!
 //! A peer asks once each packet period and gets the newest packet that has arrived; older ones, and second copies, are
 //! dropped, as a receiver with sequence numbers does. Corrupted packets do not pass the seal and are dropped too.
 
+pub mod datagrams;
 pub mod fate;
 
 use std::collections::VecDeque;
