@@ -3,6 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | [`exchange`] | the only memory that the 1 kHz interrupt and the tasks share |
+//! | [`kept`] | what a board keeps from one start to the next |
+//! | [`store`] | how that survives in flash, whatever happens to the power |
 //! | [`record`] | what one tick saw and did, and its bytes |
 //! | [`operator`] | the lines of text by which a person arms, stops and sets up a board |
 //! | [`status`] | mode, fault and progress in words that an interrupt can publish |
@@ -11,6 +13,8 @@
 #![no_std]
 
 pub mod exchange;
+pub mod kept;
 pub mod operator;
 pub mod record;
 pub mod status;
+pub mod store;

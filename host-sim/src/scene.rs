@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use haptic_core::axis::kinematics::KinematicsName;
 use haptic_core::axis::velocity::VelocityName;
-use haptic_core::render::Side;
+use haptic_core::render::{RenderingName, Side};
 use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value};
 
 use crate::network::fate::{Jitter, NetworkTrace};
@@ -331,6 +331,7 @@ impl SceneFile {
     /// nobody pushing. What the analyser proves things about.
     pub fn linear(&self) -> Self {
         let mut linear = self.clone();
+        linear.peer.contact.rendering = RenderingName::Continuous;
         linear.peer.contact.one_sided = false;
         linear.peer.contact.gap_m = 0.0;
         linear.peer.coordination.ledger = false;

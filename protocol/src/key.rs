@@ -28,8 +28,14 @@ impl Key {
         Self(bytes)
     }
 
-    /// The bytes, for the cipher.
-    pub(crate) fn bytes(&self) -> &[u8; Self::LEN] {
+    /// The key of line `number` of a server whose own key is this one: one key for each client, so that a client that is
+    /// opened gives up its own line and no other. Line 0 has the key itself.
+    pub fn line(&self, number: u32) -> Self {
+        if number == 0 { self.clone() } else { self.derive("line").with(&number.to_le_bytes()).end() }
+    }
+
+    /// The bytes, for the cipher, or for the key file of one line.
+    pub fn bytes(&self) -> &[u8; Self::LEN] {
         &self.0
     }
 

@@ -17,6 +17,8 @@
 //! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
 //! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
+//! | [`database`] | the objects of a world, with ids, versions and checksums |
+//! | [`roles`] | what peers of one architecture say to each other |
 //! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
@@ -121,6 +123,7 @@
 )]
 
 pub mod clock;
+pub mod database;
 pub mod ends;
 pub mod engagement;
 pub mod handshake;
@@ -130,6 +133,7 @@ pub mod parameters;
 pub mod playout;
 pub mod reliable;
 pub mod replay;
+pub mod roles;
 pub mod seal;
 pub mod session;
 pub mod wire;

@@ -3,7 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | [`clocks`] | 480 MHz from the ST-LINK's 8 MHz |
-//! | [`memory`] | ITCM, caches, protection, flash for settings |
+//! | [`memory`] | ITCM, caches, protection |
+//! | [`flash`] | settings and key, in the bank beside the program |
 //! | [`encoders`] | two quadrature counters |
 //! | [`bridges`] | two PWM bridges, their enable line, the emergency stop |
 //! | [`pace`] | the 1 kHz timer and the bell by which its interrupt wakes a task |
@@ -22,13 +23,13 @@ pub(crate) mod bridges;
 pub(crate) mod clocks;
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
+pub(crate) mod flash;
 pub(crate) mod memory;
 pub(crate) mod pace;
 pub(crate) mod reset;
 mod sections;
 
 use embassy_stm32::Peri;
-use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::peripherals::TIM6;
@@ -52,7 +53,7 @@ pub(crate) struct Board {
     /// Not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
     /// For the settings store.
-    pub(crate) flash: Flash<'static, Blocking>,
+    pub(crate) flash: flash::Settings,
     /// What [`ethernet::start`] takes.
     pub(crate) ethernet: ethernet::Pins,
     /// Blinks while the supervisor runs.
@@ -86,7 +87,7 @@ pub(crate) fn init() -> Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
         pace: p.TIM6,
         watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
-        flash: Flash::new_blocking(p.FLASH),
+        flash: flash::Settings::new(p.FLASH),
         ethernet: ethernet::Pins {
             eth: p.ETH,
             sma: p.ETH_SMA,

@@ -4,8 +4,9 @@
 //! |---|---|
 //! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
 //! | [`key_file`] | the shared key, readable by its owner only |
-//! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
 //! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
+//! | [`operator`] | a person's end of a board's command port |
+//! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
 //! | [`peer`] | a node in real time on a UDP socket |
 //! | [`relay`] | a bad network between two peers |
 //! | [`restarts`] | two nodes in virtual time, one or the other restarting |
@@ -14,6 +15,7 @@
 pub mod flood;
 pub mod key_file;
 pub mod node;
+pub mod operator;
 pub mod pace;
 pub mod peer;
 pub mod relay;

@@ -114,6 +114,14 @@ impl Bench {
     /// # Panics
     /// The tick does not start, or not at the same time on both.
     pub fn start(firmware: &Arc<Firmware>, boards: usize, line: Line) -> Self {
+        Self::start_with(firmware, boards, line, &[])
+    }
+
+    /// The same, with words in every board's flash that were there before: address and value.
+    ///
+    /// # Panics
+    /// As [`Bench::start`].
+    pub fn start_with(firmware: &Arc<Firmware>, boards: usize, line: Line, flash: &[(u64, u32)]) -> Self {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
@@ -128,7 +136,7 @@ impl Bench {
             period_s: 1e-3,
             ticks: 0,
         };
-        let paint = STACK.step_by(4).map(|address| (address, PAINT));
+        let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(flash.iter().copied());
         bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
         let entry = firmware.address("TIM6_DAC");
         bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
@@ -222,6 +230,15 @@ impl Bench {
         std::mem::take(&mut self.stopped[number - 1].peeked)
     }
 
+    /// What a board's flash holds in a range of addresses, word by word, without what is blank; now.
+    pub fn flash(&mut self, number: usize, range: Range<u64>) -> Vec<(u64, u32)> {
+        self.input(number).peek.extend(range.clone().step_by(4));
+        // Values are those of the stop that the board goes on from.
+        self.run_to(self.now_ns + 1000);
+        let words = std::mem::take(&mut self.stopped[number - 1].peeked);
+        range.step_by(4).zip(words).filter(|(_, word)| *word != u32::MAX).collect()
+    }
+
     /// Bytes of a board's stack that were ever in use.
     pub fn stack_used(&mut self, number: usize) -> u64 {
         let words = self.peek(number, STACK.step_by(4));
@@ -240,6 +257,11 @@ impl Bench {
         }
     }
 
+    /// So many microseconds in which nothing comes in and no device moves.
+    pub fn run_for_us(&mut self, us: u64) {
+        self.run_to(self.now_ns + 1000 * us);
+    }
+
     /// So many periods.
     pub fn run_for_ms(&mut self, periods: u64) {
         (0..periods).for_each(|_| self.step());
@@ -251,8 +273,7 @@ impl Bench {
     /// It does not answer within 100 ms.
     pub fn ask(&mut self, number: usize, line: &str) -> String {
         let before = self.pc.answers[number - 1].len();
-        self.wire.send(PC, self.now_ns, &Pc::say(number, line));
-        self.collect(number - 1);
+        self.send(number, line);
         for _ in 0..100 {
             self.step();
             if let Some(answer) = self.pc.answers[number - 1].get(before) {
@@ -262,8 +283,14 @@ impl Bench {
         panic!("board {number} does not answer {line:?}");
     }
 
+    /// Says a line to a board (1 or 2) and waits for nothing.
+    pub fn send(&mut self, number: usize, line: &str) {
+        self.wire.send(PC, self.now_ns, &Pc::say(number, line));
+        self.collect();
+    }
+
     /// What the PC sent goes in at the stop it was sent at.
-    fn collect(&mut self, _: usize) {
+    fn collect(&mut self) {
         for (port, inputs) in self.inputs.iter_mut().enumerate() {
             inputs.frames.extend(self.wire.receive(port, self.now_ns));
         }
@@ -304,9 +331,8 @@ impl Bench {
         }
         let before: Vec<usize> = self.pc.answers.iter().map(Vec::len).collect();
         for number in 1..=self.nodes.len() {
-            self.wire.send(PC, self.now_ns, &Pc::say(number, "arm"));
+            self.send(number, "arm");
         }
-        self.collect(0);
         self.run_for_ms(24);
         for (index, before) in before.into_iter().enumerate().take(self.nodes.len()) {
             let answer = self.pc.answers[index].get(before).map(String::as_str);
