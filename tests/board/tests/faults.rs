@@ -40,7 +40,7 @@ impl Campaign {
     fn bench(&self, boards: usize) -> Bench {
         let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
         scene.apply_override("safety.peer_lost_packets=12").expect("a good override");
-        for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.05", "safety.max_hand_power_w=20"] {
+        for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"] {
             scene.apply_override(limit).expect("a good override");
         }
         let mut bench = Bench::start(&self.firmware, boards, Line::default());
@@ -160,7 +160,7 @@ fn outputs_go_off_and_stay_off() {
             counts[0] = stood.get();
         }
     };
-    campaign.inject("encoder stuck (force changed by 2 N, as set)", 2, &faulted(3000, "fault 8"), &stuck, &nothing);
+    campaign.inject("encoder stuck (force changed by 0.8 N, as set)", 2, &faulted(4000, "fault 8"), &stuck, &nothing);
 
     let mirrored = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if let Some(counts) = &mut bench.input(1).counts {
