@@ -26,7 +26,7 @@ use crate::parameters::Parameters;
 use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
-use crate::wire::{Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
+use crate::wire::{Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Probe, Reply, Sample, Telemetry};
 
 mod error;
 mod incoming;
@@ -197,6 +197,12 @@ impl Link {
     pub fn send_telemetry(&mut self, now: u64, telemetry: &Telemetry, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         self.seal(now, &Message::Telemetry(*telemetry), out)
+    }
+
+    /// Seals a sample into `out` and gives the datagram's length; `None` while there is no session.
+    pub fn send_sample(&mut self, now: u64, sample: &Sample, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Sample(*sample), out)
     }
 
     /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.

@@ -4,7 +4,7 @@ use super::{Error, Link, Notice};
 use crate::clock::Clock;
 use crate::handshake::{self, Standing};
 use crate::reliable::{Receiver, Sender};
-use crate::wire::{self, Event, Flow, Greeting, GreetingKind, Header, Message, Telemetry};
+use crate::wire::{self, Event, Flow, Greeting, GreetingKind, Header, Message, Sample, Telemetry};
 
 /// What has come for the caller. Events wait in [`Link::take_event`], what the link itself needs it keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub enum Incoming {
     Flow(Flow),
     /// How the other peer is doing.
     Telemetry(Telemetry),
+    /// What an instrument of the other peer saw.
+    Sample(Sample),
 }
 
 impl Link {
@@ -108,6 +110,7 @@ impl Link {
                 return Some(Incoming::Flow(flow));
             }
             Message::Telemetry(telemetry) => return Some(Incoming::Telemetry(telemetry)),
+            Message::Sample(sample) => return Some(Incoming::Sample(sample)),
             Message::Event(event) => self.event(event),
             Message::Ack(ack) => self.sender.acknowledge(&ack),
             Message::Probe(wire::Probe { sent_us }) => self.probed = Some((sent_us, now)),

@@ -21,6 +21,7 @@ mod greeting;
 mod header;
 mod probe;
 mod reply;
+mod sample;
 mod telemetry;
 
 pub use ack::Ack;
@@ -30,6 +31,7 @@ pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
 pub use probe::Probe;
 pub use reply::Reply;
+pub use sample::Sample;
 pub use telemetry::Telemetry;
 
 /// The version this crate speaks: byte 0 of every datagram, now and in every version to come.
@@ -45,6 +47,7 @@ pub const MAX_MESSAGE: usize = Telemetry::LEN;
 pub const MAX_DATAGRAM: usize = Greeting::LEN;
 
 const _: () = assert!(Header::LEN + MAX_MESSAGE + TAG_LEN <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
+const _: () = assert!(Sample::MAX_LEN <= MAX_MESSAGE);
 
 /// Room for any datagram.
 pub type Datagram = [u8; MAX_DATAGRAM];
@@ -64,6 +67,8 @@ pub enum Message {
     Probe(Probe),
     /// The answer to a probe.
     Reply(Reply),
+    /// What an instrument saw.
+    Sample(Sample),
 }
 
 impl Message {
@@ -76,6 +81,7 @@ impl Message {
             Some(Ack::KIND) => Ack::parse(bytes).map(Self::Ack),
             Some(Probe::KIND) => Probe::parse(bytes).map(Self::Probe),
             Some(Reply::KIND) => Reply::parse(bytes).map(Self::Reply),
+            Some(Sample::KIND) => Sample::parse(bytes).map(Self::Sample),
             Some(kind) => Err(Error::UnknownKind { kind }),
             None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
         }
@@ -90,6 +96,7 @@ impl Message {
             Self::Ack(ack) => ack.emit(out),
             Self::Probe(probe) => probe.emit(out),
             Self::Reply(reply) => reply.emit(out),
+            Self::Sample(sample) => sample.emit(out),
         }
     }
 }

@@ -5,13 +5,15 @@
 //! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
 //! host-sim's harness, and what is compared is the board.
 //!
-//! Settings go to the boards as a person's would: lines of text over UDP, then `apply`, then `check`, then `arm`. For the
-//! check, and for any probe, the devices are let go of: [`Bench::let_go`].
+//! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `check`, then `arm`.
+//! For the check, and for any probe, the devices are let go of: [`Bench::let_go`]. Armed boards engage step by step once they
+//! hear each other; until they are engaged the hands hold still, and there the experiment begins: from rest and with the
+//! coordination acting in full, as host-sim begins its own.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use firmware_parts::record::Record;
+use firmware_parts::record::{ENGAGED, Record};
 use haptic_core::axis::encoder::Counts;
 use haptic_core::axis::motor::Duty;
 use haptic_core::axis::velocity::VelocityName;
@@ -25,7 +27,7 @@ use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Bridges;
-use crate::pc::Pc;
+use crate::pc::{Pc, key, key_in_flash};
 use crate::wire::{Line, PC, Wire};
 
 /// A control period, ns.
@@ -73,7 +75,6 @@ fn lines(settings: &Settings) -> Vec<String> {
 /// A device on a board.
 struct Device {
     plant: Plant,
-    started: bool,
     /// Where its encoders are, and the 16 bits that they last gave.
     counts: [i64; AXES],
     read: [u16; AXES],
@@ -82,7 +83,7 @@ struct Device {
 impl Device {
     /// At `counts`, as the encoders are when power comes on.
     fn new(plant: Plant) -> Self {
-        Self { plant, started: false, counts: [0; AXES], read: [0; AXES] }
+        Self { plant, counts: [0; AXES], read: [0; AXES] }
     }
 
     /// At `counts`, wherever it would be by itself.
@@ -131,7 +132,15 @@ pub struct Bench {
     pub meters: Vec<Meter>,
     now_ns: u64,
     period_s: f64,
-    /// Ticks that the devices have moved since arming.
+    /// Stops since power-on.
+    stops: u64,
+    /// Periods that armed boards are given to engage: a whole number of packets.
+    engaging: u64,
+    /// At which stop the motors of each board were first seen on.
+    on: Vec<Option<u64>>,
+    /// At which stop the devices began to move.
+    begun: Option<u64>,
+    /// Ticks that the devices have moved since then.
     pub ticks: u64,
 }
 
@@ -144,7 +153,7 @@ impl Bench {
         Self::start_with(firmware, boards, line, &[])
     }
 
-    /// The same, with words in every board's flash that were there before: address and value.
+    /// The same, with words in every board's flash that were there before, beside the key: address and value.
     ///
     /// # Panics
     /// As [`Bench::start`].
@@ -163,9 +172,14 @@ impl Bench {
             pc: Pc::default(),
             now_ns: 1000,
             period_s: 1e-3,
+            stops: 0,
+            engaging: 0,
+            on: vec![None; boards],
+            begun: None,
             ticks: 0,
         };
-        let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(flash.iter().copied());
+        let paint =
+            STACK.step_by(4).map(|address| (address, PAINT)).chain(key_in_flash(&key())).chain(flash.iter().copied());
         bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
         let entry = firmware.address("TIM6_DAC");
         bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
@@ -182,10 +196,24 @@ impl Bench {
         // The PHY is asked for its link every 500 ms.
         bench.run_for_ms(1000);
         for number in 1..=boards {
-            bench.wire.send(PC, bench.now_ns, &Pc::resolve(number));
+            bench.meet(number);
         }
-        bench.run_for_ms(5);
         bench
+    }
+
+    /// Makes sure that a board (1 or 2) knows the PC and the PC has a session with it.
+    ///
+    /// # Panics
+    /// They do not meet within a second.
+    pub fn meet(&mut self, number: usize) {
+        self.wire.send(PC, self.now_ns, &Pc::resolve(number));
+        for _ in 0..1000 {
+            self.step();
+            if self.pc.reaches(number) {
+                return;
+            }
+        }
+        panic!("board {number} and the operator do not meet");
     }
 
     /// Now, ns.
@@ -213,12 +241,20 @@ impl Bench {
             }
         }
         for frame in self.wire.receive(PC, until_ns) {
-            if let Some(answer) = self.pc.hear(&frame) {
+            if let Some(answer) = self.pc.hear(until_ns, &frame) {
                 self.wire.send(PC, until_ns, &answer);
             }
         }
+        self.talk();
+    }
+
+    /// What the PC has to say goes onto the wire, and what has arrived at the boards comes off it.
+    fn talk(&mut self) {
+        for frame in self.pc.talk(self.now_ns, self.nodes.len()) {
+            self.wire.send(PC, self.now_ns, &frame);
+        }
         for (port, inputs) in self.inputs.iter_mut().enumerate() {
-            inputs.frames.extend(self.wire.receive(port, until_ns));
+            inputs.frames.extend(self.wire.receive(port, self.now_ns));
         }
     }
 
@@ -232,15 +268,22 @@ impl Bench {
             }
             return;
         }
-        let armed = self.devices.iter().flatten().all(|device| device.started)
-            || self.stopped.iter().zip(&self.devices).all(|(s, d)| d.is_none() || s.bridges.on());
-        if !armed {
+        self.stops += 1;
+        for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
+            if on.is_none() && stopped.bridges.on() {
+                *on = Some(self.stops);
+            }
+        }
+        let all_on = self.on.iter().copied().try_fold(0, |last: u64, on| Some(last.max(on?)));
+        if self.begun.is_none() && all_on.is_some_and(|since| self.stops == since + self.engaging) {
+            self.begun = Some(self.stops);
+        }
+        if self.begun.is_none() {
             return;
         }
         let mut moved = false;
         for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
             let Some(device) = device else { continue };
-            device.started = true;
             moved = true;
             inputs.counts = Some(device.step(time_s, &stopped.bridges));
         }
@@ -302,11 +345,11 @@ impl Bench {
     /// Says a line to a board (1 or 2) and gives its answer.
     ///
     /// # Panics
-    /// It does not answer within 100 ms.
+    /// It does not answer within a second.
     pub fn ask(&mut self, number: usize, line: &str) -> String {
         let before = self.pc.answers[number - 1].len();
         self.send(number, line);
-        for _ in 0..100 {
+        for _ in 0..1000 {
             self.step();
             if let Some(answer) = self.pc.answers[number - 1].get(before) {
                 return answer.clone();
@@ -317,15 +360,8 @@ impl Bench {
 
     /// Says a line to a board (1 or 2) and waits for nothing.
     pub fn send(&mut self, number: usize, line: &str) {
-        self.wire.send(PC, self.now_ns, &Pc::say(number, line));
-        self.collect();
-    }
-
-    /// What the PC sent goes in at the stop it was sent at.
-    fn collect(&mut self) {
-        for (port, inputs) in self.inputs.iter_mut().enumerate() {
-            inputs.frames.extend(self.wire.receive(port, self.now_ns));
-        }
+        self.pc.say(number, line);
+        self.talk();
     }
 
     /// Brings every board to the scene and puts a device on it; disarmed still.
@@ -347,8 +383,30 @@ impl Bench {
                 }
             }
         }
-        // The scene is taken at the next packet boundary.
+        // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        self.meet()
+    }
+
+    /// Waits until two boards talk to each other under the settings that they have.
+    ///
+    /// # Errors
+    /// They do not.
+    fn meet(&mut self) -> Result<(), String> {
+        if self.nodes.len() == 2 {
+            let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
+            let steps = u64::from(safety.disengage_packets - safety.fade_packets);
+            let delay = u64::from(self.scene.world.network.one_way_delay_packets);
+            // Twice what it takes without losses.
+            self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);
+            let met = (0..100).any(|_| {
+                self.run_for_ms(10);
+                (1..=2).all(|number| self.ask(number, "status").contains("link running"))
+            });
+            if !met {
+                return Err(format!("the boards do not meet: {}", self.ask(1, "status")));
+            }
+        }
         Ok(())
     }
 
@@ -416,17 +474,18 @@ impl Bench {
         outcome
     }
 
-    /// Checks the signs of every board, starts the scene anew, asks for every tick, and arms all boards within one packet
-    /// period.
+    /// Checks the signs of every board, starts the scene anew, asks for every tick, arms all boards, and waits until they are
+    /// engaged and the devices have begun to move.
     ///
     /// # Panics
-    /// A board does not pass the check, or does not arm.
+    /// A board does not pass the check or does not arm, or two do not engage.
     pub fn arm(&mut self) {
         for number in 1..=self.nodes.len() {
             self.check(number).unwrap_or_else(|found| panic!("{found}"));
             assert_eq!(self.ask(number, "apply"), "ok applied");
         }
         self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
+        self.meet().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));
         }
@@ -434,19 +493,28 @@ impl Bench {
         for number in 1..=self.nodes.len() {
             self.send(number, "arm");
         }
-        self.run_for_ms(24);
-        for (index, before) in before.into_iter().enumerate().take(self.nodes.len()) {
-            let answer = self.pc.answers[index].get(before).map(String::as_str);
-            assert_eq!(answer, Some("ok armed"), "board {}", index + 1);
+        self.run_for_ms(self.engaging);
+        while self.ticks < 24 {
+            assert!(self.stops < 1_000_000, "the boards do not arm");
+            self.step();
+            for (index, before) in before.iter().enumerate().take(self.nodes.len()) {
+                let answer = self.pc.answers[index].get(*before).map(String::as_str);
+                assert!(matches!(answer, None | Some("ok armed")), "board {}: {answer:?}", index + 1);
+            }
         }
-        assert!(self.ticks > 0, "the boards armed in different packet periods");
+        for number in 1..=self.nodes.len() {
+            let first = self.armed_ticks(number).first().expect("its first ticks are here");
+            assert!(self.nodes.len() == 1 || first.flags() & ENGAGED != 0, "board {number} is not engaged");
+        }
     }
 
-    /// The ticks of a board (1 or 2) from the one that armed it.
+    /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
     pub fn armed_ticks(&self, number: usize) -> &[Record] {
         let records = &self.pc.records[number - 1];
-        let first = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
-        &records[first..]
+        let armed = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
+        let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
+        let first = records.get(armed).map_or(0, |record| record.tick() + held);
+        &records[armed + records[armed..].iter().take_while(|record| record.tick() < first).count()..]
     }
 
     /// Ends the run.
