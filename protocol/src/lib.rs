@@ -13,6 +13,7 @@
 //! | [`engagement`] | silence ladder: how far the coordination may act |
 //! | [`reliable`] | events that arrive once and in order, beside the flow that never waits |
 //! | [`playout`] | makes the delay constant |
+//! | [`lines`] | lines of text over those events: an operator's port |
 //! | [`clock`] | the other peer's clock, round trip and jitter |
 //! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
@@ -128,6 +129,7 @@ pub mod ends;
 pub mod engagement;
 pub mod handshake;
 pub mod key;
+pub mod lines;
 pub mod link;
 pub mod parameters;
 pub mod playout;

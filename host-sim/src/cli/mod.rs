@@ -10,6 +10,7 @@ mod cooperate;
 mod flood;
 mod keys;
 mod live;
+mod operator;
 mod paper;
 mod precision;
 mod rendering;
@@ -56,6 +57,8 @@ enum Command {
     Keygen(live::Keygen),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
+    /// Say lines to a board: arm, stop, set up; sealed.
+    Operator(operator::Operate),
     /// A bad network between two peers.
     Relay(live::Relay),
     /// Write down what a scene's network does to every packet.
@@ -120,6 +123,7 @@ pub fn main() -> ExitCode {
         Command::Campaign(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
+        Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
