@@ -14,7 +14,7 @@
 use core::fmt;
 
 mod ack;
-mod bytes;
+pub(crate) mod bytes;
 mod event;
 mod flow;
 mod greeting;
