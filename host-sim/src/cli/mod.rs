@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod campaign;
+mod collaborate;
 mod cooperate;
 mod flood;
 mod keys;
@@ -53,6 +54,8 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
     Campaign(campaign::Campaign),
+    /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
+    Collaborate(collaborate::Collaborate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
     /// One peer in real time over UDP, sealed; run two of them.
@@ -121,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
+        Command::Collaborate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Operator(command) => command.run(),
