@@ -7,13 +7,17 @@
 mod accuracy;
 mod campaign;
 mod cooperate;
+mod crowd;
 mod keys;
 mod live;
 mod paper;
 mod precision;
 mod rendering;
+mod serve;
 mod stability;
 mod tune;
+mod visit;
+mod world;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,6 +60,14 @@ enum Command {
     Peer(live::Peer),
     /// A bad network between two peers.
     Relay(live::Relay),
+    /// A server of a static world over UDP: the whole world, or one region of it.
+    Serve(serve::Serve),
+    /// A client of one or several servers: downloads a world and feels it.
+    Visit(visit::Visit),
+    /// Very many clients at one server: how many it holds, and where it bends.
+    Crowd(crowd::Crowd),
+    /// Every key of a world file, or what a world holds.
+    World(world::World),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
     /// Every key of a scene file: unit, default, range, meaning.
@@ -115,6 +127,10 @@ pub fn main() -> ExitCode {
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Relay(command) => command.run(),
+        Command::Serve(command) => command.run(),
+        Command::Visit(command) => command.run(),
+        Command::Crowd(command) => command.run(),
+        Command::World(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
