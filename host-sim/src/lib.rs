@@ -14,6 +14,8 @@
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`visit`] | a static environment: its servers and clients |
+//! | [`world`] | worlds that a server holds and a hand feels |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -32,3 +34,5 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod user;
+pub mod visit;
+pub mod world;

@@ -8,6 +8,7 @@ mod accuracy;
 mod campaign;
 mod collaborate;
 mod cooperate;
+mod crowd;
 mod flood;
 mod keys;
 mod live;
@@ -16,8 +17,11 @@ mod paper;
 mod precision;
 mod rendering;
 mod restarts;
+mod serve;
 mod stability;
 mod tune;
+mod visit;
+mod world;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -64,6 +68,14 @@ enum Command {
     Operator(operator::Operate),
     /// A bad network between two peers.
     Relay(live::Relay),
+    /// A server of a static world over UDP: the whole world, or one region of it.
+    Serve(serve::Serve),
+    /// A client of one or several servers: downloads a world and feels it.
+    Visit(visit::Visit),
+    /// Very many clients at one server: how many it holds, and where it bends.
+    Crowd(crowd::Crowd),
+    /// Every key of a world file, or what a world holds.
+    World(world::World),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
     /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
@@ -129,6 +141,10 @@ pub fn main() -> ExitCode {
         Command::Peer(command) => command.run(),
         Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
+        Command::Serve(command) => command.run(),
+        Command::Visit(command) => command.run(),
+        Command::Crowd(command) => command.run(),
+        Command::World(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),
