@@ -16,6 +16,7 @@
 //! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
 //! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
+//! | [`roles`] | what a peer is in a shared environment: whose dynamics engine moves the object |
 //! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
@@ -128,6 +129,7 @@ pub mod link;
 pub mod parameters;
 pub mod reliable;
 pub mod replay;
+pub mod roles;
 pub mod seal;
 pub mod session;
 pub mod wire;
