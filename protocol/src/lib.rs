@@ -19,7 +19,7 @@
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
 //! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
 //! | [`database`] | the objects of a world, with ids, versions and checksums |
-//! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball; carried by the events |
+//! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball, whose engine moves the object; carried by the events |
 //! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`static_scene`] | a server holds the environment, a client downloads it and renders locally |
 //! | [`collaborative`] | one at a time edits an object: a lock at a central server, or a token that goes round |
+//! | [`cooperative`] | one dynamics engine, at the server or at a client, and who has it |
 //!
 //! A role is a state machine without I/O, like everything in this crate: `receive` takes a message and who it is from, `poll`
 //! lets time pass, both put what is to be said into an [`Outbox`]. Time is µs on the peer's own clock, which may start
@@ -21,6 +22,7 @@ use heapless::Deque;
 use crate::wire::PeerId;
 
 pub mod collaborative;
+pub mod cooperative;
 pub mod static_scene;
 
 /// Event codes of the roles: what [`crate::wire::Event::code`] says.
