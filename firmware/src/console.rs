@@ -3,22 +3,24 @@
 //! One line, one answer, `ok …` or `error …`; [`crate::port`] brings them, sealed. Settings go into a draft first; `apply`
 //! checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary if it is disarmed, and to
 //! the link, which from then on wants a peer that was told the same. Arming is refused while anything stands against it,
-//! with the reason.
+//! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
+//! encoders, mechanism and motors that are set now.
 
 use core::fmt::Write;
 use core::sync::atomic::Ordering;
 
 use embassy_time::{Duration, Timer};
-use firmware_parts::exchange::Writer;
+use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::motion::Motion;
+use haptic_core::probe::{End, Outcome, Probe};
 use haptic_core::render::{Contact, Side};
 use haptic_core::safety::Command;
 use haptic_core::scene::Scene;
-use haptic_core::settings::{SetError, Settings};
+use haptic_core::settings::{Refused, SetError, Settings};
 use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
@@ -44,10 +46,16 @@ pub(crate) struct Console {
     pub(crate) applied: Kept,
     /// What `set` changes.
     pub(crate) draft: Kept,
+    /// [`Plan::device`] of what the tick runs.
+    pub(crate) device: u32,
     /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
     /// Numbers the orders.
     pub(crate) orders: u32,
+    /// Probes for the tick.
+    pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
+    /// What came of them.
+    pub(crate) probed: Reader<'static, Outcome>,
 }
 
 /// The settings as this board runs them, turned into what the tick takes; or why not.
@@ -74,7 +82,7 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
         Ok(scene) => {
             // The object starts at zero, so the device starts where it is just clear of it.
             let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST] })
+            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
         }
         Err(refused) => {
             let _ = write!(why, "{refused}");
@@ -96,6 +104,9 @@ impl Console {
         match request {
             Request::Status => self.status(to),
             Request::Command(command) => self.command(command, to).await,
+            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await,
+            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await,
+            Request::Probed => self.probed(to),
             Request::Set(key, value) => match self.draft.set(key, value) {
                 Ok(()) => write!(to, "ok {key} = {value}"),
                 Err(SetError::Unknown) => write!(to, "error there is no key {key}"),
@@ -160,19 +171,21 @@ impl Console {
                 self.unacknowledged = false;
                 tick::EMERGENCY.store(false, Ordering::Relaxed);
             }
-            Command::Arm if self.unacknowledged => {
-                return write!(to, "error clear first: {}", self.cause.stop.explain());
+            Command::Arm => {
+                if let Some((first, why)) = self.obstacle() {
+                    return write!(to, "error {first}{why}");
+                }
+                let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+                if mode == "disarmed" && !tick::CHECKED.load(Ordering::Relaxed) {
+                    return write!(
+                        to,
+                        "error check first: the signs of motor and encoder were not checked, every joint in use"
+                    );
+                }
+                if mode != "disarmed" {
+                    return write!(to, "error {mode}, fault {fault}");
+                }
             }
-            Command::Arm if tick::EMERGENCY.load(Ordering::Relaxed) => {
-                return write!(to, "error clear first: the emergency stop was pressed");
-            }
-            Command::Arm if !bridges::stop_released() => {
-                return write!(to, "error the emergency stop is pressed, or not connected");
-            }
-            Command::Arm if storage::BUSY.load(Ordering::Acquire) => {
-                return write!(to, "error the settings are being saved");
-            }
-            Command::Arm => {}
         }
         self.orders = self.orders.wrapping_add(1);
         let order = status::order(self.orders, command);
@@ -185,6 +198,58 @@ impl Console {
             (Command::Arm, "armed") | (Command::Clear, "disarmed") => write!(to, "ok {mode}"),
             _ => write!(to, "error {mode}, fault {fault}"),
         }
+    }
+
+    /// What stands against motors being on, before the tick is asked: what to do first, and why.
+    fn obstacle(&self) -> Option<(&'static str, &'static str)> {
+        if self.unacknowledged {
+            Some(("clear first: ", self.cause.stop.explain()))
+        } else if tick::EMERGENCY.load(Ordering::Relaxed) {
+            Some(("clear first: ", "the emergency stop was pressed"))
+        } else if !bridges::stop_released() {
+            Some(("", "the emergency stop is pressed, or not connected"))
+        } else if storage::BUSY.load(Ordering::Acquire) {
+            Some(("", "the settings are being saved"))
+        } else {
+            None
+        }
+    }
+
+    /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
+    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Answer) -> core::fmt::Result {
+        if let Some((first, why)) = self.obstacle() {
+            return write!(to, "error {first}{why}");
+        }
+        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+        if mode != "disarmed" {
+            return write!(to, "error {mode}, fault {fault}");
+        }
+        let probe = match probe {
+            Ok(probe) => probe,
+            Err(refused) => return write!(to, "error {refused}"),
+        };
+        let number = tick::BEGUN.load(Ordering::Relaxed).wrapping_add(1);
+        self.probes.write((number, probe));
+        if !carried_out(|| tick::BEGUN.load(Ordering::Acquire) == number).await {
+            return write!(to, "error the tick did not answer");
+        }
+        write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
+    }
+
+    fn probed(&mut self, to: &mut Answer) -> core::fmt::Result {
+        self.probed.fetch();
+        let outcome = *self.probed.get();
+        let Outcome { joint, end, most_counts, least_counts, verdict_counts, check } = outcome;
+        write!(to, "ok joint {joint} {}", end.name())?;
+        if matches!(end, End::None | End::Running) {
+            return write!(to, ": {}", end.explain());
+        }
+        write!(to, " work {most_counts} {least_counts} of {verdict_counts}: {}", end.explain())?;
+        if check {
+            let verdict = outcome.verdict();
+            write!(to, "; {}: {}", verdict.name(), verdict.explain())?;
+        }
+        Ok(())
     }
 
     /// What is applied goes to flash. An erase takes longer than an answer may: then `status` says how it ended.
@@ -208,7 +273,11 @@ impl Console {
         }
         match plan(&self.draft.settings, self.number) {
             Ok(plan) => {
-                self.plans.write(plan);
+                let (before, now) = (&self.applied.settings, &self.draft.settings);
+                let same = (before.axis.count == now.axis.count)
+                    && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);
+                self.device = if same { self.device } else { self.device.wrapping_add(1) };
+                self.plans.write(Plan { device: self.device, ..plan });
                 self.applied = self.draft;
                 net::TOLD.signal(self.draft.settings);
                 write!(to, "ok applied")

@@ -98,8 +98,11 @@ mod image {
             origin,
             applied: kept,
             draft: kept,
+            device: 0,
             plans: tasks.plans,
             orders: 0,
+            probes: tasks.probes,
+            probed: tasks.probed,
         };
         NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net::start(
             board.ethernet,

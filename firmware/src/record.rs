@@ -8,7 +8,7 @@
 //! | 0 | 4 | tick since boot |
 //! | 4 | 4 | encoder counts, 2 × u16 |
 //! | 8 | 4 | motor duties, 2 × i16, 1/32767 of full scale |
-//! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted |
+//! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted, 3 probing |
 //! | 13 | 1 | fault number, 0 none |
 //! | 14 | 1 | flags: 1 bridges enabled, 2 a packet went out, 4 a packet came in, 8 the tick before overran, 16 let go of the other peer, 32 coordination acts |
 //! | 15 | 1 | 0 |
@@ -125,7 +125,7 @@ impl Record {
     pub fn duties(&self) -> [i16; AXES] {
         [(self.0[2] as u16).cast_signed(), ((self.0[2] >> 16) as u16).cast_signed()]
     }
-    /// Mode (0 disarmed, 1 armed, 2 faulted).
+    /// Mode (0 disarmed, 1 armed, 2 faulted, 3 probing).
     pub fn mode(&self) -> u8 {
         self.0[3] as u8
     }

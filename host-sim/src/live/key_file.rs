@@ -16,15 +16,23 @@ use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 pub fn generate(path: &Path) -> Result<(), String> {
     let mut bytes = [0; Key::LEN];
     getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
-    let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-    write(path, format!("{digits}\n").as_bytes())
+    write(path, &Key::new(bytes))
 }
 
-/// Makes a new file that only its owner may read; an existing file is never overwritten.
+/// Writes a key to a new file that only its owner may read; an existing file is never overwritten.
 ///
 /// # Errors
 /// Why it could not be made, in one line.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+pub fn write(path: &Path, key: &Key) -> Result<(), String> {
+    let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
+    write_secret(path, format!("{digits}\n").as_bytes())
+}
+
+/// The same for a key in another form.
+///
+/// # Errors
+/// Why it could not be made, in one line.
+pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);

@@ -5,9 +5,10 @@
 //! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
 //! host-sim's harness, and what is compared is the board.
 //!
-//! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `arm`. Armed
-//! boards engage step by step once they hear each other; until they are engaged the hands hold still, and there the
-//! experiment begins: from rest and with the coordination acting in full, as host-sim begins its own.
+//! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `check`, then `arm`.
+//! For the check, and for any probe, the devices are let go of: [`Bench::let_go`]. Armed boards engage step by step once they
+//! hear each other; until they are engaged the hands hold still, and there the experiment begins: from rest and with the
+//! coordination acting in full, as host-sim begins its own.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -74,19 +75,42 @@ fn lines(settings: &Settings) -> Vec<String> {
 /// A device on a board.
 struct Device {
     plant: Plant,
+    /// Where its encoders are, and the 16 bits that they last gave.
     counts: [i64; AXES],
+    read: [u16; AXES],
 }
 
 impl Device {
+    /// At `counts`, as the encoders are when power comes on.
+    fn new(plant: Plant) -> Self {
+        Self { plant, counts: [0; AXES], read: [0; AXES] }
+    }
+
+    /// At `counts`, wherever it would be by itself.
+    fn at(plant: Plant, counts: [i64; AXES]) -> Self {
+        let mut device = Self::new(plant);
+        device.turn();
+        Self { counts, ..device }
+    }
+
     /// Where the encoders are now: the plant's 16-bit counts, unwrapped.
     fn turn(&mut self) -> [i64; AXES] {
         let Reading::Counts(counts) = self.plant.sensors::<f32>().reading else {
             panic!("a device on a board has encoders: see for_boards");
         };
-        for (whole, Counts(wrapped)) in self.counts.iter_mut().zip(counts) {
-            *whole += i64::from(wrapped.wrapping_sub(*whole as u16).cast_signed());
+        for ((whole, last), Counts(wrapped)) in self.counts.iter_mut().zip(&mut self.read).zip(counts) {
+            *whole += i64::from(wrapped.wrapping_sub(*last).cast_signed());
+            *last = wrapped;
         }
         self.counts
+    }
+
+    /// One period under what the bridges are told.
+    fn step(&mut self, time_s: f64, bridges: &Bridges) -> [i64; AXES] {
+        let actuators: Actuators<f32> =
+            Actuators { duties: duties(bridges), enable: bridges.on(), ..Actuators::default() };
+        self.plant.step(time_s, &actuators);
+        self.turn()
     }
 }
 
@@ -97,7 +121,10 @@ pub struct Bench {
     pub wire: Wire,
     /// Who talks to them.
     pub pc: Pc,
+    scene: SceneFile,
     devices: Vec<Option<Device>>,
+    /// The devices while nobody holds them; empty while somebody does.
+    loose: Vec<Device>,
     inputs: Vec<Inputs>,
     /// What each board did at the last stop.
     pub stopped: Vec<Stopped>,
@@ -134,7 +161,9 @@ impl Bench {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
+            scene: for_boards(&SceneFile::default()),
             devices: nodes.iter().map(|_| None).collect(),
+            loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
             inputs: each(),
             meters: nodes.iter().map(|_| Meter::new(firmware)).collect(),
@@ -236,6 +265,12 @@ impl Bench {
     pub fn step(&mut self) {
         self.run_to(self.now_ns + PERIOD_NS);
         let time_s = self.ticks as f64 * self.period_s;
+        if !self.loose.is_empty() {
+            for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+                inputs.counts = Some(device.step(time_s, &stopped.bridges));
+            }
+            return;
+        }
         self.stops += 1;
         for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
             if on.is_none() && stopped.bridges.on() {
@@ -253,10 +288,7 @@ impl Bench {
         for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
             let Some(device) = device else { continue };
             moved = true;
-            let actuators: Actuators<f32> =
-                Actuators { duties: duties(&stopped.bridges), enable: stopped.bridges.on(), ..Actuators::default() };
-            device.plant.step(time_s, &actuators);
-            inputs.counts = Some(device.turn());
+            inputs.counts = Some(device.step(time_s, &stopped.bridges));
         }
         self.ticks += u64::from(moved);
     }
@@ -341,9 +373,8 @@ impl Bench {
     /// What a board says against a setting.
     pub fn set_up(&mut self, scene: &SceneFile) -> Result<(), String> {
         self.period_s = scene.peer.timing.control_period_s;
-        self.devices = (0..self.nodes.len())
-            .map(|index| Some(Device { plant: Plant::new(scene, index), counts: [0; AXES] }))
-            .collect();
+        self.scene = scene.clone();
+        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(Plant::new(scene, index)))).collect();
         for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
             inputs.counts = Some(device.turn());
         }
@@ -356,13 +387,21 @@ impl Bench {
             }
         }
         // The scene is taken at the next packet boundary, and the peers meet again under it.
-        let packet = u64::from(scene.peer.timing.ticks_per_packet);
-        self.run_for_ms(2 * packet);
+        self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        self.meet()
+    }
+
+    /// Waits until two boards talk to each other under the settings that they have.
+    ///
+    /// # Errors
+    /// They do not.
+    fn meet(&mut self) -> Result<(), String> {
         if self.nodes.len() == 2 {
-            let safety = &scene.peer.safety;
+            let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
             let steps = u64::from(safety.disengage_packets - safety.fade_packets);
+            let delay = u64::from(self.scene.world.network.one_way_delay_packets);
             // Twice what it takes without losses.
-            self.engaging = packet * (2 * steps + 2 * u64::from(scene.world.network.one_way_delay_packets) + 8);
+            self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);
             let met = (0..100).any(|_| {
                 self.run_for_ms(10);
                 (1..=2).all(|number| self.ask(number, "status").contains("link running"))
@@ -374,11 +413,82 @@ impl Bench {
         Ok(())
     }
 
-    /// Asks every board for every tick, arms them all, and waits until they are engaged and the devices have begun to move.
+    /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
+    /// them, and what moves them is their own board.
+    pub fn let_go(&mut self, device: Option<&SceneFile>) {
+        let mut scene = device.unwrap_or(&self.scene).clone();
+        scene.users = Default::default();
+        let counts = |index: usize| self.devices[index].as_ref().map_or([0; AXES], |device| device.counts);
+        self.loose = (0..self.nodes.len()).map(|i| Device::at(Plant::new(&scene, i), counts(i))).collect();
+    }
+
+    /// Puts every device back where it was, and gives it back to its user.
+    pub fn take_hold(&mut self) {
+        /// Slow enough for any limit of speed in these tests, counts in a period.
+        const STRIDE: i64 = 100;
+        let mut loose = std::mem::take(&mut self.loose);
+        let home: Vec<[i64; AXES]> =
+            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], |device| device.counts)).collect();
+        let held = std::mem::take(&mut self.devices);
+        self.devices = held.iter().map(|_| None).collect();
+        while loose.iter().zip(&home).any(|(device, home)| device.counts != *home) {
+            for ((device, home), inputs) in loose.iter_mut().zip(&home).zip(&mut self.inputs) {
+                for (counts, home) in device.counts.iter_mut().zip(home) {
+                    *counts += (home - *counts).clamp(-STRIDE, STRIDE);
+                }
+                inputs.counts = Some(device.counts);
+            }
+            self.step();
+        }
+        self.devices = held;
+        self.run_to(self.now_ns + PERIOD_NS);
+    }
+
+    /// The answer to `probed` once the probe of a board is over.
     ///
     /// # Panics
-    /// A board does not arm, or two do not engage.
+    /// It takes longer than the longest probe.
+    pub fn probed(&mut self, number: usize) -> String {
+        for _ in 0..200 {
+            let answer = self.ask(number, "probed");
+            if !answer.contains(" running") {
+                return answer;
+            }
+            self.run_for_ms(50);
+        }
+        panic!("the probe of board {number} does not end");
+    }
+
+    /// Checks the signs of every joint in use, as a person does before arming: hands off, check, the device put back.
+    ///
+    /// # Errors
+    /// What a board found.
+    pub fn check(&mut self, number: usize) -> Result<(), String> {
+        self.let_go(None);
+        let mut outcome = Ok(());
+        for joint in 1..=self.scene.peer.axis.count {
+            let begun = self.ask(number, &format!("check {joint}"));
+            let answer = if begun.starts_with("ok") { self.probed(number) } else { begun };
+            if !answer.contains("; agree: ") {
+                outcome = Err(format!("board {number}, joint {joint}: {answer}"));
+            }
+        }
+        self.take_hold();
+        outcome
+    }
+
+    /// Checks the signs of every board, starts the scene anew, asks for every tick, arms all boards, and waits until they are
+    /// engaged and the devices have begun to move.
+    ///
+    /// # Panics
+    /// A board does not pass the check or does not arm, or two do not engage.
     pub fn arm(&mut self) {
+        for number in 1..=self.nodes.len() {
+            self.check(number).unwrap_or_else(|found| panic!("{found}"));
+            assert_eq!(self.ask(number, "apply"), "ok applied");
+        }
+        self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
+        self.meet().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));
         }
