@@ -27,6 +27,7 @@ use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Bridges;
+use crate::partner::Partner;
 use crate::pc::{Pc, key, key_in_flash};
 use crate::wire::{Line, PC, Wire};
 
@@ -121,6 +122,8 @@ pub struct Bench {
     pub wire: Wire,
     /// Who talks to them.
     pub pc: Pc,
+    /// Who stands in for board 2, if anyone.
+    pub partner: Option<Partner>,
     scene: SceneFile,
     devices: Vec<Option<Device>>,
     /// The devices while nobody holds them; empty while somebody does.
@@ -170,6 +173,7 @@ impl Bench {
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
+            partner: None,
             now_ns: 1000,
             period_s: 1e-3,
             stops: 0,
@@ -264,6 +268,14 @@ impl Bench {
     /// One period of boards and devices.
     pub fn step(&mut self) {
         self.run_to(self.now_ns + PERIOD_NS);
+        if let Some(partner) = &mut self.partner {
+            for frame in self.wire.receive(1, self.now_ns) {
+                partner.hear(self.now_ns, &frame);
+            }
+            for frame in partner.beat(self.now_ns) {
+                self.wire.send(1, self.now_ns, &frame);
+            }
+        }
         let time_s = self.ticks as f64 * self.period_s;
         if !self.loose.is_empty() {
             for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {

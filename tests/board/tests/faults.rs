@@ -171,8 +171,8 @@ fn outputs_go_off_and_stay_off() {
     };
     campaign.inject("encoder reversed (20 W, as set)", 2, &faulted(3000, "fault 9"), &mirrored, &nothing);
 
-    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 1.0;
-    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 0.0;
+    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = true;
+    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = false;
     campaign.inject("peer silent (12 packets, as set)", 2, &faulted(112, "fault 5"), &silent, &heard);
 
     let pulled = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(false);
