@@ -20,7 +20,7 @@ use crate::list::Model;
 use crate::motion::Motion;
 use crate::object::Integrator;
 use crate::probe::{End, Outcome, Probe, Probing};
-use crate::render::{Impacts, Rendering};
+use crate::render::{Impacts, Rendering, Strikes};
 use crate::safety::{Command, Fault, Mode, Patience};
 use crate::scalar::Scalar;
 use crate::scene::{Models, Scene};
@@ -80,7 +80,7 @@ pub struct State<M: Models> {
     home: [M::Scalar; AXES],
     device: [Motion<M::Scalar>; AXES],
     object: Motion<M::Scalar>,
-    contact: <M::Contact as Model<M::Scalar>>::State,
+    strikes: Strikes<M::Scalar>,
     integrator: <M::Integrator as Model<M::Scalar>>::State,
     law: <M::Law as Model<M::Scalar>>::State,
     forces: [M::Scalar; AXES],
@@ -106,7 +106,7 @@ impl<M: Models> State<M> {
             home: device.map(|axis| axis.position),
             device,
             object: Motion::REST,
-            contact: scene.contact.initial(),
+            strikes: Strikes::default(),
             integrator: scene.integrator.initial(),
             law: scene.law.initial(),
             forces: [M::Scalar::ZERO; AXES],
@@ -128,7 +128,7 @@ impl<M: Models> State<M> {
     fn engage(&mut self, scene: &Scene<M>) {
         let [free, ..] = self.device;
         self.object = Motion::at(scene.contact.clear_of(free.position));
-        self.contact = scene.contact.initial();
+        self.strikes = Strikes::default();
         self.integrator = scene.integrator.initial();
         self.law = scene.law.initial();
         scene.law.start(&mut self.law, self.object);
@@ -206,8 +206,8 @@ impl<M: Models> State<M> {
     }
 
     /// Impacts since arming, where contact is impulsive.
-    pub fn impacts(&self, scene: &Scene<M>) -> Impacts<M::Scalar> {
-        scene.contact.impacts(&self.contact)
+    pub fn impacts(&self) -> Impacts<M::Scalar> {
+        self.strikes.impacts()
     }
 
     /// Turns the motors off and latches the fault; the first one stays.
@@ -220,11 +220,10 @@ impl<M: Models> State<M> {
     }
 }
 
-/// The dynamic state: object, contact, integrator, coordination law and velocity estimators, in this order.
+/// The dynamic state: object, integrator, coordination law and velocity estimators, in this order.
 impl<M: Models> StateVector<M::Scalar> for State<M> {
     fn visit(&mut self, each: &mut impl FnMut(&mut M::Scalar)) {
         self.object.visit(each);
-        self.contact.visit(each);
         self.integrator.visit(each);
         self.law.visit(each);
         for joint in &mut self.joints {
@@ -298,8 +297,9 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     }
 
     let [commanded, ..] = state.forces;
-    let touch = scene.contact.touch(&mut state.contact, free, state.object, commanded);
-    let (object, contact_force) = (touch.object, touch.felt);
+    let mut object = state.object;
+    let touch = scene.contact.touch(&mut state.strikes, free, &mut object, commanded);
+    let contact_force = touch.felt;
     let coupled = if state.engagement.is_engaged() {
         scene.law.couple(&mut state.law, object)
     } else {

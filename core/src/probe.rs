@@ -12,10 +12,11 @@
 //! | `ramp` | from 0 to 1 | the force at which it breaks away |
 //! | `sine` | cos 2πft: velocity begins at zero, so it does not drift | friction and inertia |
 //!
-//! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work out of
-//! it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of motor
-//! and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is told
-//! apart: no verdict.
+//! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
+//! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
+//! motor and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is
+//! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
+//! count.
 //!
 //! Units: duty as a fraction of full scale, counts along the joint, s, Hz.
 //! Limits: duty steps as the shape does, without a slew limit; counts come from encoders, so a simulated device that gives
@@ -76,6 +77,9 @@ pub struct Probe<S> {
     verdict_counts: i32,
     check: bool,
 }
+
+/// Ticks after a change of sign that do not count; a force that follows its duty by two is still told right.
+const LATE_TICKS: u32 = 3;
 
 /// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
 const CHECK_TRAVEL: u32 = 20;
@@ -286,8 +290,9 @@ pub struct Probing<S> {
     tick: u32,
     /// Where the joint was when the probe began, and at the last tick, counts; none before the first tick.
     places: Option<(i32, i32)>,
-    /// Sign of the last duty, along the joint.
+    /// Sign of the last duty, along the joint, and for how many more ticks the force may still be the old one.
     pushing: i32,
+    late: u32,
     work: i32,
     outcome: Outcome,
 }
@@ -302,7 +307,7 @@ impl<S: Scalar> Probing<S> {
             check: probe.check,
             ..Outcome::default()
         };
-        Self { probe, tick: 0, places: None, pushing: 0, work: 0, outcome }
+        Self { probe, tick: 0, places: None, pushing: 0, late: 0, work: 0, outcome }
     }
 
     /// What came of it.
@@ -324,7 +329,10 @@ impl<S: Scalar> Probing<S> {
         let (start, last) = *self.places.get_or_insert((now, now));
         self.places = Some((start, now));
         let step = now.saturating_sub(last);
-        self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
+        if self.late == 0 {
+            self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
+        }
+        self.late = self.late.saturating_sub(1);
         self.outcome.most_counts = self.outcome.most_counts.max(self.work);
         self.outcome.least_counts = self.outcome.least_counts.min(self.work);
         if now.saturating_sub(start).saturating_abs() > self.probe.max_travel_counts {
@@ -341,7 +349,10 @@ impl<S: Scalar> Probing<S> {
         }
         let duty = self.probe.duty(self.tick);
         self.tick += 1;
-        self.pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
+        let pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
+        if pushing != self.pushing {
+            (self.pushing, self.late) = (pushing, LATE_TICKS);
+        }
         let mut duties = [Duty::OFF; AXES];
         if let Some(own) = duties.iter_mut().skip(self.probe.joint).next() {
             *own = duty;

@@ -16,6 +16,8 @@ struct Device {
     damping_n_s_per_m: f64,
     dry_n: f64,
     hand_n: f64,
+    /// Duties that have not become force yet.
+    on_the_way: Vec<i16>,
     motor: f64,
     encoder: f64,
     position_m: f64,
@@ -30,6 +32,7 @@ impl Device {
             damping_n_s_per_m,
             dry_n: 0.05,
             hand_n: 0.0,
+            on_the_way: Vec::new(),
             motor,
             encoder,
             position_m: 0.0,
@@ -43,6 +46,8 @@ impl Device {
 
     /// A millisecond in ten steps; 40 N at full duty.
     fn step(&mut self, Duty(duty): Duty) {
+        self.on_the_way.insert(0, duty);
+        let duty = self.on_the_way.pop().unwrap_or(0);
         let push = self.motor * 40.0 * f64::from(duty) / 32767.0 + self.hand_n;
         for _ in 0..10 {
             let viscous = self.damping_n_s_per_m * self.speed_m_per_s;
@@ -110,6 +115,22 @@ fn signs_are_told_apart_whichever_is_wrong() {
             assert_eq!((run.ticks, run.mode), (40, Mode::Disarmed));
             // 2 % of 40 N on 0.1 kg for 10 ms and as long again to stop: at most 0.8 mm, and back.
             assert!(run.farthest_counts <= 160 && run.largest_duty == 655, "{} counts", run.farthest_counts);
+        }
+    }
+}
+
+/// The force follows the duty late: the work seems less, and a verdict is passed all the same, the right one.
+#[test]
+fn a_late_force_is_no_wrong_sign() {
+    for late in 0..=2 {
+        for (motor, expected) in [(1.0, Verdict::Agree), (-1.0, Verdict::Disagree)] {
+            let delay = |tick: u32, device: &mut Device| {
+                if tick == 0 {
+                    device.on_the_way = vec![0; late];
+                }
+            };
+            let run = check(motor, 1.0, |_| (), delay);
+            assert_eq!(run.outcome.verdict(), expected, "{late} ticks late: {:?}", run.outcome);
         }
     }
 }

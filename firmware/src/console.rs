@@ -1,19 +1,15 @@
-//! The operator's port: lines of text over UDP that arm, stop and set up the board ([`firmware_parts::operator`]).
+//! The console: what the operator's lines do ([`firmware_parts::operator`]): arm, stop and set up the board.
 //!
-//! One datagram to port 7702, one answer back, `ok …` or `error …`, with the line's `#tag` in front. Settings go into a
-//! draft first; `apply` checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary
-//! if it is disarmed. Arming is refused while anything stands against it, with the reason: so it is until the signs of every
-//! joint's motor and encoder were checked (`check 1`, `check 2`), with the encoders, mechanism and motors that are set now.
-//!
-//! Limits: nothing here is sealed or authenticated. Whoever can reach the port can arm the motors, so it belongs on a
-//! cable or a switch of its own.
+//! One line, one answer, `ok …` or `error …`; [`crate::port`] brings them, sealed. Settings go into a draft first; `apply`
+//! checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary if it is disarmed, and to
+//! the link, which from then on wants a peer that was told the same. Arming is refused while anything stands against it,
+//! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
+//! encoders, mechanism and motors that are set now.
 
 use core::fmt::Write;
 use core::sync::atomic::Ordering;
 
-use embassy_net::Stack;
-use embassy_net::udp::{PacketMetadata, UdpSocket};
-use embassy_time::{Duration, Timer, with_timeout};
+use embassy_time::{Duration, Timer};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
@@ -25,8 +21,7 @@ use haptic_core::render::{Contact, Side};
 use haptic_core::safety::Command;
 use haptic_core::scene::Scene;
 use haptic_core::settings::{Refused, SetError, Settings};
-use heapless::String;
-use static_cell::ConstStaticCell;
+use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
 use crate::fault::Cause;
@@ -34,11 +29,8 @@ use crate::storage::{self, Origin};
 use crate::tick::{self, Plan};
 use crate::{net, telemetry};
 
-/// Port of the operator.
-const PORT: u16 = 7702;
-
-/// Longest answer, bytes.
-type Answer = String<240>;
+/// An answer.
+type Answer = Line;
 
 /// What the operator works on.
 pub(crate) struct Console {
@@ -100,13 +92,15 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
 }
 
 impl Console {
-    /// Does what a line asks for, and answers.
-    async fn answer(
-        &mut self,
-        request: Request<'_>,
-        from: embassy_net::IpEndpoint,
-        to: &mut Answer,
-    ) -> core::fmt::Result {
+    /// Does what a line says, and answers. An answer that does not fit is cut: the first words say what matters.
+    pub(crate) async fn hear(&mut self, line: &str, to: &mut Answer) {
+        let _ = match operator::parse(line) {
+            Ok(request) => self.answer(request, to).await,
+            Err(misread) => write!(to, "error {}", misread.explain()),
+        };
+    }
+
+    async fn answer(&mut self, request: Request<'_>, to: &mut Answer) -> core::fmt::Result {
         match request {
             Request::Status => self.status(to),
             Request::Command(command) => self.command(command, to).await,
@@ -129,11 +123,11 @@ impl Console {
             Request::Apply => self.apply(to).await,
             Request::Save => self.save(to).await,
             Request::Stream(every) => {
-                telemetry::stream(from, every);
+                telemetry::stream(every);
                 write!(to, "ok every {every} ticks")
             }
             Request::Capture(ticks) => {
-                telemetry::capture(from, ticks);
+                telemetry::capture(ticks);
                 write!(to, "ok the next {ticks} ticks")
             }
         }
@@ -144,7 +138,7 @@ impl Console {
         let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
         write!(
             to,
-            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; settings {} {}{}; started: {}{}",
+            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; link {}; settings {} {}{}; started: {}{}",
             self.number as u8 + 1,
             number(&tick::TICKS),
             number(&tick::OVERRUNS),
@@ -152,6 +146,7 @@ impl Console {
             number(&net::DROPPED),
             number(&net::RECEIVED),
             number(&net::REFUSED),
+            net::stage(),
             self.origin.explain(),
             number(&storage::SETTINGS_GENERATION),
             if storage::BUSY.load(Ordering::Relaxed) {
@@ -284,6 +279,7 @@ impl Console {
                 self.device = if same { self.device } else { self.device.wrapping_add(1) };
                 self.plans.write(Plan { device: self.device, ..plan });
                 self.applied = self.draft;
+                net::TOLD.signal(self.draft.settings);
                 write!(to, "ok applied")
             }
             Err(why) => write!(to, "error {why}"),
@@ -304,39 +300,4 @@ async fn carried_out(done: impl Fn() -> bool) -> bool {
         Timer::after(Duration::from_millis(1)).await;
     }
     done()
-}
-
-/// Listens and answers.
-#[embassy_executor::task]
-pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
-    static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static TX_META: ConstStaticCell<[PacketMetadata; 4]> = ConstStaticCell::new([PacketMetadata::EMPTY; 4]);
-    static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), &mut [], &mut []);
-    if socket.bind(PORT).is_err() {
-        defmt::panic!("the operator's port cannot be bound");
-    }
-    // Answers go out by a socket of their own: dropping answers that nobody takes must not drop orders that came in.
-    let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
-    let mut bytes = [0; 256];
-    loop {
-        let Ok(received) = with_timeout(Duration::from_millis(20), socket.recv_from(&mut bytes)).await else {
-            answers.tend();
-            continue;
-        };
-        let Ok((length, from)) = received else { continue };
-        let (tag, request) = operator::parse(bytes.get(..length).unwrap_or_default());
-        let mut answer = Answer::new();
-        if !tag.is_empty() {
-            let _ = write!(answer, "#{tag} ");
-        }
-        // An answer that does not fit is cut: the first words say what matters.
-        let _ = match request {
-            Ok(request) => console.answer(request, from.endpoint, &mut answer).await,
-            Err(misread) => write!(answer, "error {}", misread.explain()),
-        };
-        defmt::info!("operator: {=str}", answer.as_str());
-        answers.send(answer.as_bytes(), from.endpoint).await;
-    }
 }

@@ -7,9 +7,10 @@
 //! |---|---|
 //! | `board/` | the only folder that knows the chip |
 //! | `tick.rs` | the 1 kHz interrupt |
-//! | `net.rs` | the 8 ms exchange with the other board |
-//! | `console.rs` | the operator's port: arm, stop, settings |
-//! | `telemetry.rs` | what the ticks did, over UDP |
+//! | `net.rs` | the 8 ms exchange with the other peer, sealed |
+//! | `port.rs` | the operator's port, sealed |
+//! | `console.rs` | what the operator's lines do: arm, stop, settings |
+//! | `telemetry.rs` | what the ticks did, for the operator |
 //! | `storage.rs` | saves settings to flash |
 //! | `supervisor.rs` | feeds the watchdog while everything makes progress |
 //! | `fault.rs` | when the program cannot go on |
@@ -28,6 +29,8 @@ mod console;
 mod fault;
 #[cfg(target_os = "none")]
 mod net;
+#[cfg(target_os = "none")]
+mod port;
 #[cfg(target_os = "none")]
 mod storage;
 #[cfg(target_os = "none")]

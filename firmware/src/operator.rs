@@ -1,7 +1,6 @@
 //! The lines of text by which a person, or a program on the PC, arms, stops and sets up a board.
 //!
-//! One datagram holds one line, so that `nc -u` is enough: a word, its arguments, and optionally `#tag` in front, which
-//! the answer repeats. Nothing here moves a motor but `check`, `probe` and `arm`; `disarm` is always accepted.
+//! A word and its arguments. Nothing here moves a motor but `check`, `probe` and `arm`; `disarm` is always accepted.
 //!
 //! | line | does |
 //! |---|---|
@@ -13,7 +12,7 @@
 //! | `set key value`, `get key` | one setting of the draft, as scene files spell it |
 //! | `defaults`, `apply` | draft back to defaults; draft checked and taken, only while disarmed |
 //! | `save` | what is applied goes to flash, only while disarmed |
-//! | `stream n`, `stream off` | every n-th tick to the sender; nothing any more |
+//! | `stream n`, `stream off` | every n-th tick to the operator; nothing any more |
 //! | `capture n` | the next n ticks, every one |
 
 use haptic_core::probe::{self, Shape};
@@ -52,7 +51,7 @@ pub enum Request<'a> {
 /// Why a line is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misread {
-    /// It is no text, or empty.
+    /// It is empty.
     Empty,
     /// Its first word is not known.
     Word,
@@ -86,18 +85,11 @@ pub fn value(text: &str) -> Value<'_> {
     }
 }
 
-/// The tag (empty without one) and what the line asks for.
-pub fn parse(datagram: &[u8]) -> (&str, Result<Request<'_>, Misread>) {
-    let Ok(line) = core::str::from_utf8(datagram) else { return ("", Err(Misread::Empty)) };
-    let line = line.trim();
-    let (tag, line) = match line.strip_prefix('#') {
-        Some(rest) => rest.split_once(' ').unwrap_or((rest, "")),
-        None => ("", line),
-    };
-    (tag, request(line))
-}
-
-fn request(line: &str) -> Result<Request<'_>, Misread> {
+/// What the line asks for.
+///
+/// # Errors
+/// It is none.
+pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
     let word = words.next().ok_or(Misread::Empty)?;
     let arguments = [words.next(), words.next(), words.next()];
@@ -154,45 +146,40 @@ mod tests {
 
     #[test]
     fn lines_are_read_as_written() {
-        assert_eq!(parse(b"arm\n"), ("", Ok(Request::Command(Command::Arm))));
-        assert_eq!(parse(b"#7 status"), ("7", Ok(Request::Status)));
-        assert_eq!(
-            parse(b"#x set coordination.comm wave\r\n"),
-            ("x", Ok(Request::Set("coordination.comm", Value::Text("wave"))))
-        );
-        assert_eq!(parse(b"set object.mass_kg 0.3").1, Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
-        assert_eq!(parse(b"set contact.one_sided true").1, Ok(Request::Set("contact.one_sided", Value::Flag(true))));
-        assert_eq!(parse(b"stream off").1, Ok(Request::Stream(0)));
-        assert_eq!(parse(b"capture 500").1, Ok(Request::Capture(500)));
-        assert_eq!(parse(b"check 2").1, Ok(Request::Check(2)));
+        assert_eq!(parse("arm\n"), Ok(Request::Command(Command::Arm)));
+        assert_eq!(parse(" status "), Ok(Request::Status));
+        assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
+        assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
+        assert_eq!(parse("set contact.one_sided true"), Ok(Request::Set("contact.one_sided", Value::Flag(true))));
+        assert_eq!(parse("stream off"), Ok(Request::Stream(0)));
+        assert_eq!(parse("capture 500"), Ok(Request::Capture(500)));
+        assert_eq!(parse("check 2"), Ok(Request::Check(2)));
         let sine = probe::Request { joint: 1, shape: Shape::Sine, duty: -0.05, duration_s: 2.0, frequency_hz: 7.5 };
-        assert_eq!(parse(b"#9 probe 1 sine -0.05 2 7.5"), ("9", Ok(Request::Probe(sine))));
+        assert_eq!(parse("probe 1 sine -0.05 2 7.5"), Ok(Request::Probe(sine)));
         let pulse = probe::Request { shape: Shape::Pulse, frequency_hz: 0.0, ..sine };
-        assert_eq!(parse(b"probe 1 pulse -0.05 2").1, Ok(Request::Probe(pulse)));
+        assert_eq!(parse("probe 1 pulse -0.05 2"), Ok(Request::Probe(pulse)));
     }
 
     #[test]
     fn what_is_no_line_says_why() {
-        assert_eq!(parse(b"").1, Err(Misread::Empty));
-        assert_eq!(parse(b"\xFF\xFE").1, Err(Misread::Empty));
-        assert_eq!(parse(b"#5").1, Err(Misread::Empty));
-        assert_eq!(parse(b"launch").1, Err(Misread::Word));
-        assert_eq!(parse(b"set a").1, Err(Misread::Arguments));
-        assert_eq!(parse(b"stream x").1, Err(Misread::Arguments));
+        assert_eq!(parse(""), Err(Misread::Empty));
+        assert_eq!(parse("launch"), Err(Misread::Word));
+        assert_eq!(parse("set a"), Err(Misread::Arguments));
+        assert_eq!(parse("stream x"), Err(Misread::Arguments));
         for line in ["probe", "probe 1 push 0.1 1", "probe 1 sine 0.1", "probe 1 sine 0.1 1 5 9", "check", "check one"]
         {
-            assert_eq!(parse(line.as_bytes()).1, Err(Misread::Arguments), "{line}");
+            assert_eq!(parse(line), Err(Misread::Arguments), "{line}");
         }
     }
 
     #[test]
     fn stopping_is_never_misread_for_what_follows_it() {
-        assert_eq!(parse(b"disarm!").1, Err(Misread::Word));
-        assert_eq!(parse(b"disarm now please").1, Ok(Request::Command(Command::Disarm)));
+        assert_eq!(parse("disarm!"), Err(Misread::Word));
+        assert_eq!(parse("disarm now please"), Ok(Request::Command(Command::Disarm)));
     }
 
     #[test]
     fn arming_takes_no_arguments() {
-        assert_eq!(parse(b"arm everything").1, Err(Misread::Arguments));
+        assert_eq!(parse("arm everything"), Err(Misread::Arguments));
     }
 }

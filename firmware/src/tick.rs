@@ -51,13 +51,22 @@ pub(crate) struct Outgoing {
     pub(crate) packet: Packet<f32>,
 }
 
+/// What the network has for the tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Received {
+    /// Which life of the link it came by ([`LIFE`]).
+    pub(crate) life: u32,
+    /// From the other peer.
+    pub(crate) packet: Packet<f32>,
+}
+
 /// Records that may wait for telemetry: 64 ms at full rate.
 pub(crate) const RECORDS: usize = 64;
 
 /// The memory that the tick and the tasks share.
 pub(crate) struct Shared {
     plans: Latest<Plan>,
-    incoming: Latest<Packet<f32>>,
+    incoming: Latest<Received>,
     outgoing: Latest<Outgoing>,
     records: Queue<Record, RECORDS>,
     probes: Latest<(u32, Probe<f32>)>,
@@ -69,7 +78,7 @@ pub(crate) struct Tasks {
     /// New scenes, taken while disarmed.
     pub(crate) plans: Writer<'static, Plan>,
     /// Packets from the other peer.
-    pub(crate) incoming: Writer<'static, Packet<f32>>,
+    pub(crate) incoming: Writer<'static, Received>,
     /// Packets for the other peer.
     pub(crate) outgoing: Reader<'static, Outgoing>,
     /// What the ticks did.
@@ -85,7 +94,7 @@ impl Shared {
     pub(crate) fn new(plan: Plan) -> Self {
         Self {
             plans: Latest::new(plan),
-            incoming: Latest::new(Packet::default()),
+            incoming: Latest::new(Received::default()),
             outgoing: Latest::new(Outgoing::default()),
             records: Queue::default(),
             probes: Latest::new((0, Probe::default())),
@@ -104,6 +113,8 @@ pub(crate) static DONE: AtomicU32 = AtomicU32::new(0);
 pub(crate) static BEGUN: AtomicU32 = AtomicU32::new(0);
 /// The signs of every joint in use were checked and agree. Set by the tick.
 pub(crate) static CHECKED: AtomicBool = AtomicBool::new(false);
+/// How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. Set by tasks.
+pub(crate) static LIFE: AtomicU32 = AtomicU32::new(0);
 /// Mode and fault ([`status::pack`]). Set by the tick.
 pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot. Set by the tick.
@@ -120,7 +131,7 @@ pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
 /// What the tick owns.
 struct Loop {
     plans: Reader<'static, Plan>,
-    incoming: Reader<'static, Packet<f32>>,
+    incoming: Reader<'static, Received>,
     outgoing: Writer<'static, Outgoing>,
     records: Producer<'static, Record, RECORDS>,
     probes: Reader<'static, (u32, Probe<f32>)>,
@@ -130,6 +141,7 @@ struct Loop {
     device: u32,
     state: State<Models>,
     tick: u32,
+    life: u32,
     until_record: u32,
     driving: bool,
     overrun: bool,
@@ -159,6 +171,7 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
         device,
         state,
         tick: 0,
+        life: 0,
         until_record: 0,
         driving: false,
         overrun: false,
@@ -204,7 +217,13 @@ impl Loop {
         let mut incoming = None;
         if self.state.packet_due() {
             self.boundary();
-            incoming = self.incoming.take();
+            let life = LIFE.load(Ordering::Acquire);
+            if life != self.life {
+                self.life = life;
+                self.state.part();
+                flags |= record::PARTED;
+            }
+            incoming = self.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
             flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
             let packet = peer::exchange(&self.plans.get().scene, &mut self.state, incoming);
             let armed = self.state.mode() == Mode::Armed;
@@ -221,6 +240,9 @@ impl Loop {
         if actuators.enable {
             bridges::drive(actuators.duties);
             flags |= record::ENABLED;
+            if self.state.is_engaged() {
+                flags |= record::ENGAGED;
+            }
         } else {
             bridges::off();
             self.judge();
@@ -306,7 +328,12 @@ impl Loop {
 
     #[inline(always)]
     fn command(&mut self, command: Command) {
+        let before = self.state.mode();
         self.state.command(&self.plans.get().scene, command);
+        if before != Mode::Armed && self.state.mode() == Mode::Armed {
+            // Nobody is there until he is heard.
+            self.state.part();
+        }
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 //! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
 //! A scene with neither gap nor side has no contact detection at all.
 
-use super::{Impacts, Rendering, Touch};
+use super::{Rendering, Strikes, Touch};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
@@ -108,11 +108,8 @@ impl<S: Scalar> Rendering<S> for Contact<S> {
         self.clear_of(position)
     }
     #[inline]
-    fn touch(&self, (): &mut (), device: Motion<S>, object: Motion<S>, _: S) -> Touch<S> {
-        let force = self.force(device, object);
-        Touch { object, pushing: force, felt: force }
-    }
-    fn impacts(&self, (): &()) -> Impacts<S> {
-        Impacts::default()
+    fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, _: S) -> Touch<S> {
+        let force = self.force(device, *object);
+        Touch { pushing: force, felt: force }
     }
 }

@@ -23,7 +23,6 @@ use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
 use crate::sum::Sum;
-use crate::vector::StateVector;
 
 /// Ticks after an impact until the device's velocity tells of its pulse: one of delay, one of pulse.
 pub const SETTLING: u32 = 2;
@@ -44,7 +43,7 @@ pub struct Impulsive<S> {
 
 /// The step before, and the account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ImpulsiveState<S> {
+pub struct Strikes<S> {
     /// Where device and object were at the last tick, m; none before the first.
     before: Option<[S; 2]>,
     /// Ticks until velocities tell again.
@@ -57,14 +56,20 @@ pub struct ImpulsiveState<S> {
     lost: Sum<S>,
 }
 
-impl<S> StateVector<S> for ImpulsiveState<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.before.iter_mut().flatten().for_each(each);
+impl<S: Scalar> Strikes<S> {
+    /// Impacts so far; none where contact is continuous.
+    pub fn impacts(&self) -> Impacts<S> {
+        Impacts {
+            count: self.count,
+            wanted_n_s: self.wanted.total(),
+            delivered_n_s: self.delivered.total(),
+            lost_j: self.lost.total(),
+        }
     }
 }
 
 impl<S: Scalar> Model<S> for Impulsive<S> {
-    type State = ImpulsiveState<S>;
+    type State = ();
 
     fn check(settings: &Settings) -> Result<(), Refused<'static>> {
         if settings.contact.one_sided {
@@ -92,7 +97,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         self.contact.clear_of(position)
     }
 
-    fn touch(&self, state: &mut ImpulsiveState<S>, device: Motion<S>, object: Motion<S>, commanded: S) -> Touch<S> {
+    fn touch(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
         if state.pulse != S::ZERO {
             // The device feels the reaction; of a force the other way nothing was delivered.
             let toward = if state.pulse < S::ZERO { -commanded } else { commanded };
@@ -100,7 +105,6 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         }
         state.pulse = S::ZERO;
         let past = self.contact.past(device.position - object.position);
-        let mut moved = object;
         state.settling = state.settling.saturating_sub(1);
         if past > S::ZERO && state.settling == 0 {
             let against = self.contact.past(object.velocity - device.velocity);
@@ -112,8 +116,8 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
                 let gap = state.before.map_or(S::ZERO, |[device, object]| self.contact.past(object - device));
                 let after = if gap > S::ZERO { past.ratio(past + gap) } else { S::ZERO };
                 let change = self.contact.past(share * change);
-                moved.velocity = object.velocity + change;
-                moved.position = object.position + after * self.period * change;
+                object.velocity = object.velocity + change;
+                object.position = object.position + after * self.period * change;
                 state.pulse = self.contact.past(self.rate * impulse);
                 state.settling = SETTLING;
                 state.count = state.count.saturating_add(1);
@@ -121,16 +125,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
                 state.lost.add(lost_j);
             }
         }
-        state.before = Some([device.position, moved.position]);
-        Touch { object: moved, pushing: S::ZERO, felt: state.pulse }
-    }
-
-    fn impacts(&self, state: &ImpulsiveState<S>) -> Impacts<S> {
-        Impacts {
-            count: state.count,
-            wanted_n_s: state.wanted.total(),
-            delivered_n_s: state.delivered.total(),
-            lost_j: state.lost.total(),
-        }
+        state.before = Some([device.position, object.position]);
+        Touch { pushing: S::ZERO, felt: state.pulse }
     }
 }

@@ -17,12 +17,11 @@ use crate::motion::Motion;
 use crate::scalar::Scalar;
 
 pub use contact::{Contact, Side};
+pub use impulsive::Strikes;
 
 /// What contact does in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch<S> {
-    /// The object, moved on by impacts.
-    pub object: Motion<S>,
     /// Force that pushes the object through this tick, N.
     pub pushing: S,
     /// Force on the object whose reaction the device feels, N.
@@ -42,14 +41,13 @@ pub struct Impacts<S> {
     pub lost_j: S,
 }
 
-/// A way to render contact.
+/// A way to render contact. What it remembers is the same for all, so that a scene of springs pays for no other.
 pub trait Rendering<S: Scalar>: Model<S> {
     /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
     fn clear_of(&self, position: S) -> S;
-    /// One tick: the contact of device and object, given the force (N) that the device was last commanded.
-    fn touch(&self, state: &mut Self::State, device: Motion<S>, object: Motion<S>, commanded: S) -> Touch<S>;
-    /// Impacts so far; none where contact is continuous.
-    fn impacts(&self, state: &Self::State) -> Impacts<S>;
+    /// One tick: the contact of device and object, given the force (N) that the device was last commanded. Impacts move
+    /// the object on.
+    fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
 }
 
 list! {
@@ -59,6 +57,5 @@ list! {
         "impulsive" => Impulsive(impulsive::Impulsive<S>),
     }
     fn clear_of(&self; position: S) -> S;
-    fn touch(&self, [&mut] state; device: Motion<S>, object: Motion<S>, commanded: S) -> Touch<S>;
-    fn impacts(&self, [&] state) -> Impacts<S>;
+    fn touch(&self; strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
 }

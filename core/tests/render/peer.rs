@@ -81,7 +81,7 @@ fn every_speed<S: Scalar>(within: f64) {
             for _ in 0..ticks {
                 rig.tick();
             }
-            let impacts = rig.state.impacts(&rig.scene);
+            let impacts = rig.state.impacts();
             assert!(impacts.count >= 1, "missed at {speed} m/s in {}", S::NAME);
             if impacts.count > 1 {
                 continue;
@@ -111,13 +111,13 @@ fn a_pulse_within_the_limits_gives_the_device_its_impulse() {
         settings.contact.restitution = restitution;
         let (speed, mass) = (0.1, 0.1);
         let mut rig = Rig::<f64>::new(&settings, speed);
-        while rig.state.impacts(&rig.scene).count == 0 {
+        while rig.state.impacts().count == 0 {
             rig.tick();
         }
         for _ in 0..4 {
             rig.tick();
         }
-        let impacts = rig.state.impacts(&rig.scene);
+        let impacts = rig.state.impacts();
         let exchanged = (1.0 + restitution) * 0.1 * 0.3 / 0.4 * speed;
         // Plastic, they stay together: what is left of their approach is rounding, and may be one more impact.
         assert!(impacts.count == 1 || restitution == 0.0);
@@ -136,11 +136,11 @@ fn saturation_is_accounted() {
     let mut settings = settings();
     settings.safety.max_force_n = 5.0;
     let mut rig = Rig::<f64>::new(&settings, 1.0);
-    while rig.state.impacts(&rig.scene).count == 0 {
+    while rig.state.impacts().count == 0 {
         rig.tick();
     }
     rig.tick();
-    let impacts = rig.state.impacts(&rig.scene);
+    let impacts = rig.state.impacts();
     assert!((impacts.wanted_n_s - 0.15).abs() < 1e-12, "{impacts:?}");
     assert!((impacts.delivered_n_s - 5e-3).abs() < 1e-12, "{impacts:?}");
     assert!(rig.peak_n <= 5.0);
@@ -161,7 +161,7 @@ fn a_heavy_object_stops_the_device() {
             rig.tick();
             deepest = deepest.max(rig.device.position - rig.object().position);
         }
-        let account = rig.state.impacts(&rig.scene);
+        let account = rig.state.impacts();
         assert!(impacts.contains(&account.count), "{account:?}");
         assert!((account.delivered_n_s - 0.1 * (0.9 - rig.device.velocity)).abs() < 1e-9, "{account:?}");
         assert!(rig.device.velocity <= end + 1e-3 && deepest < 0.01, "{:?} {deepest}", rig.device);

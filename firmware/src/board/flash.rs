@@ -20,6 +20,7 @@ use embassy_stm32::pac::flash::regs::{Ccr, Sr};
 use embassy_stm32::peripherals::FLASH;
 use embassy_time::{Duration, Timer};
 use firmware_parts::store::{Broken, Medium, SECTOR, Word};
+use haptic_protocol::key::Key;
 
 /// First byte of the bank.
 const BANK: u32 = 0x0810_0000;
@@ -70,10 +71,14 @@ fn read(address: u32) -> Option<Word> {
     (!lost).then_some(bytes)
 }
 
-/// The first two words of the key's sector.
-pub(crate) fn key() -> Option<[Word; 2]> {
+/// The key that the peers share, if the board was given one.
+pub(crate) fn key() -> Option<Key> {
     let start = &raw const _key_start as u32;
-    Some([read(start)?, read(start + WORD)?])
+    let mut image = [0; Key::IMAGE];
+    for (nth, bytes) in (0..).zip(image.chunks_exact_mut(size_of::<Word>())) {
+        bytes.copy_from_slice(&read(start + WORD * nth)?);
+    }
+    Key::from_image(&image)
 }
 
 /// Unlocks the bank, every error of before forgotten; locks it again when dropped.

@@ -8,6 +8,7 @@ use clap::Args;
 use super::{Failure, SceneArgs, print_json};
 use crate::live::{key_file, peer, relay};
 use crate::network::fate::NetworkTrace;
+use crate::visit::host::MOST_LINES;
 
 /// Arguments of `keygen`.
 #[derive(Debug, Args)]
@@ -15,6 +16,12 @@ pub(super) struct Keygen {
     /// File to make; an existing one is left alone.
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// The key of one client of a server, made from the server's.
+    #[arg(long, value_name = "NUMBER", requires = "of", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    line: Option<u32>,
+    /// The server's key file.
+    #[arg(long, value_name = "FILE", requires = "line")]
+    of: Option<PathBuf>,
 }
 
 impl Keygen {
@@ -23,7 +30,10 @@ impl Keygen {
     /// # Errors
     /// It exists, or cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        key_file::generate(&self.file)?;
+        match (self.line, &self.of) {
+            (Some(line), Some(of)) => key_file::write(&self.file, &key_file::read(of)?.line(line))?,
+            _ => key_file::generate(&self.file)?,
+        }
         println!("wrote {}: copy it to the other peer over a way that you trust", self.file.display());
         Ok(())
     }

@@ -14,15 +14,23 @@ use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 /// # Errors
 /// Why it could not be made, in one line.
 pub fn generate(path: &Path) -> Result<(), String> {
-    let failed = |cause: &dyn std::fmt::Display| format!("cannot make the key file {}: {cause}", path.display());
     let mut bytes = [0; Key::LEN];
-    getrandom::fill(&mut bytes).map_err(|cause| failed(&cause))?;
+    getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
+    write(path, &Key::new(bytes))
+}
+
+/// Writes a key to a new file that only its owner may read; an existing file is never overwritten.
+///
+/// # Errors
+/// Why it could not be made, in one line.
+pub fn write(path: &Path, key: &Key) -> Result<(), String> {
+    let failed = |cause: &dyn std::fmt::Display| format!("cannot make the key file {}: {cause}", path.display());
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]
     options.mode(0o600);
     let mut file = options.open(path).map_err(|cause| failed(&cause))?;
-    let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
     writeln!(file, "{digits}").map_err(|cause| failed(&cause))
 }
 

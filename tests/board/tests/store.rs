@@ -108,6 +108,7 @@ fn power_may_go_at_any_word_and_during_an_erase() {
 fn nothing_is_written_while_armed() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = board(&firmware, &[]);
+    assert_eq!(bench.check(1), Ok(()));
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     assert_eq!(bench.ask(1, "save"), "error disarm first");
     assert_eq!(bench.ask(1, "apply"), "error disarm first");
