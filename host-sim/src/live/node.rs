@@ -74,6 +74,7 @@ fn parameters(settings: &Settings) -> Result<Parameters, String> {
     Ok(parameters)
 }
 
+/// On the wire as in core. Neither room knows the other, so whoever joins them spells this out (the board does, too).
 fn flow_of(packet: Packet<f32>, engaged: bool, tick: u32) -> Flow {
     Flow {
         engaged,
