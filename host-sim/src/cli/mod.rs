@@ -62,6 +62,8 @@ enum Command {
     Collaborate(collaborate::Collaborate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
+    /// The key as a board keeps it in flash, for `cargo xtask provision`.
+    KeyImage(live::KeyImage),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
     /// Say lines to a board: arm, stop, set up; sealed.
@@ -138,6 +140,7 @@ pub fn main() -> ExitCode {
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
         Command::Keygen(command) => command.run(),
+        Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
