@@ -10,6 +10,7 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
+//! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -20,6 +21,7 @@ extern crate alloc;
 
 pub mod accuracy;
 pub mod analysis;
+pub mod calibrate;
 pub mod cli;
 pub mod experiment;
 pub mod harness;

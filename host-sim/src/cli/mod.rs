@@ -5,6 +5,7 @@
 //! change.
 
 mod accuracy;
+mod calibrate;
 mod campaign;
 mod cooperate;
 mod keys;
@@ -52,6 +53,8 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
     Campaign(campaign::Campaign),
+    /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
+    Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
     /// One peer in real time over UDP, sealed; run two of them.
@@ -88,6 +91,11 @@ impl SceneArgs {
         SceneFile::load(self.scene.as_deref(), &self.set)
     }
 
+    /// Whether any of it was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || !self.set.is_empty()
+    }
+
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
@@ -118,6 +126,7 @@ pub fn main() -> ExitCode {
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Operator(command) => command.run(),

@@ -385,14 +385,14 @@ impl Bench {
         }
         // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
-        self.meet()
+        self.reunite()
     }
 
     /// Waits until two boards talk to each other under the settings that they have.
     ///
     /// # Errors
     /// They do not.
-    fn meet(&mut self) -> Result<(), String> {
+    fn reunite(&mut self) -> Result<(), String> {
         if self.nodes.len() == 2 {
             let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
             let steps = u64::from(safety.disengage_packets - safety.fade_packets);
@@ -485,7 +485,7 @@ impl Bench {
             assert_eq!(self.ask(number, "apply"), "ok applied");
         }
         self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
-        self.meet().unwrap_or_else(|found| panic!("{found}"));
+        self.reunite().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));
         }
