@@ -44,7 +44,7 @@ impl Ring {
         if ballot.epoch < self.record.promised {
             out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
         } else if ballot > self.record.ballot && self.keep(ballot, state) {
-                self.take_token(now, out);
+            self.take_token(now, out);
         }
     }
 
