@@ -76,7 +76,7 @@ impl Serve {
         }
         let counts = report.counts;
         println!(
-            "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at the end",
+            "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at once",
             counts.received, counts.sent, counts.refused, counts.asks, counts.parts, counts.presences, report.clients
         );
         println!(

@@ -23,7 +23,7 @@ pub struct Report {
     pub served_s: f64,
     /// Checksum of the world.
     pub world: String,
-    /// Clients with a session at the end.
+    /// Most clients with a session at once.
     pub clients: usize,
     /// Datagrams and what they were.
     pub counts: Counts,
@@ -74,7 +74,7 @@ pub fn run(
     let since = |start: Instant| start.elapsed().as_nanos() as u64;
     let (mut answer, mut turnaround) = (Histogram::default(), Histogram::default());
     let (mut bytes, mut unsent, mut next_tick_us) = ([0; 2048], 0_u64, 0);
-    let mut computed = None;
+    let (mut computed, mut clients) = (None, 0);
     let mut warm = false;
     // When the queue was last seen empty, ns.
     let mut empty_ns = 0;
@@ -85,6 +85,7 @@ pub fn run(
         if now_us >= next_tick_us {
             next_tick_us = now_us + PACKET_US;
             host.tick(now_us, |to, datagram| unsent += u64::from(socket.send_to(datagram, to).is_err()));
+            clients = clients.max(host.clients());
             if !warm && 1e-9 * now_ns as f64 >= warm_up_s {
                 warm = true;
                 computed = computed_s().map(|computed| (computed, Instant::now()));
@@ -127,7 +128,7 @@ pub fn run(
     Ok(Report {
         served_s: start.elapsed().as_secs_f64(),
         world: format!("{:016x}", host.server().world()),
-        clients: host.clients(),
+        clients,
         counts: host.counts(),
         answer: answer.quantiles(),
         turnaround: turnaround.quantiles(),
