@@ -10,6 +10,7 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
+//! | [`collaborate`] | one at a time edits: lock and token ring on trial |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -23,6 +24,7 @@ extern crate alloc;
 pub mod accuracy;
 pub mod analysis;
 pub mod cli;
+pub mod collaborate;
 pub mod experiment;
 pub mod harness;
 pub mod live;

@@ -27,7 +27,8 @@ use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
 use crate::wire::{
-    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Part, Presence, Probe, Reply, Telemetry,
+    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Part, Presence, Probe, Reply, Sample,
+    Telemetry,
 };
 
 mod error;
@@ -230,6 +231,12 @@ impl Link {
     pub fn send_presence(&mut self, now: u64, presence: &Presence, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         self.seal(now, &Message::Presence(*presence), out)
+    }
+
+    /// Seals a sample into `out` and gives the datagram's length; `None` while there is no session.
+    pub fn send_sample(&mut self, now: u64, sample: &Sample, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Sample(*sample), out)
     }
 
     /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.

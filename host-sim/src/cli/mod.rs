@@ -6,13 +6,17 @@
 
 mod accuracy;
 mod campaign;
+mod collaborate;
 mod cooperate;
 mod crowd;
+mod flood;
 mod keys;
 mod live;
+mod operator;
 mod paper;
 mod precision;
 mod rendering;
+mod restarts;
 mod serve;
 mod stability;
 mod tune;
@@ -54,10 +58,14 @@ enum Command {
     Accuracy(accuracy::Accuracy),
     /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
     Campaign(campaign::Campaign),
+    /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
+    Collaborate(collaborate::Collaborate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
+    /// Say lines to a board: arm, stop, set up; sealed.
+    Operator(operator::Operate),
     /// A bad network between two peers.
     Relay(live::Relay),
     /// A server of a static world over UDP: the whole world, or one region of it.
@@ -70,6 +78,10 @@ enum Command {
     World(world::World),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
+    /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
+    Flood(flood::Flood),
+    /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
+    Restarts(restarts::Restarts),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -124,14 +136,18 @@ pub fn main() -> ExitCode {
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
+        Command::Collaborate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
+        Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Visit(command) => command.run(),
         Command::Crowd(command) => command.run(),
         Command::World(command) => command.run(),
         Command::Trace(command) => command.run(),
+        Command::Flood(command) => command.run(),
+        Command::Restarts(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

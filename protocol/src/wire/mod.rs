@@ -24,6 +24,7 @@ mod part;
 mod presence;
 mod probe;
 mod reply;
+mod sample;
 mod telemetry;
 
 pub use ack::Ack;
@@ -36,6 +37,7 @@ pub use part::{Page, Part, Payload};
 pub use presence::{Presence, Sighting};
 pub use probe::Probe;
 pub use reply::Reply;
+pub use sample::Sample;
 pub use telemetry::Telemetry;
 
 /// The version this crate speaks: byte 0 of every datagram, now and in every version to come.
@@ -52,6 +54,7 @@ pub const MAX_DATAGRAM: usize = Greeting::LEN;
 
 const _: () = assert!(Header::LEN + MAX_MESSAGE + TAG_LEN <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
 const _: () = assert!(Part::MAX_LEN <= MAX_MESSAGE && Presence::MAX_LEN <= MAX_MESSAGE && Ask::LEN <= MAX_MESSAGE);
+const _: () = assert!(Sample::MAX_LEN <= MAX_MESSAGE);
 
 /// Room for any datagram.
 pub type Datagram = [u8; MAX_DATAGRAM];
@@ -78,6 +81,8 @@ pub enum Message {
     Part(Part),
     /// Where clients are.
     Presence(Presence),
+    /// What an instrument saw.
+    Sample(Sample),
 }
 
 impl Message {
@@ -93,6 +98,7 @@ impl Message {
             Some(Ask::KIND) => Ask::parse(bytes).map(Self::Ask),
             Some(Part::KIND) => Part::parse(bytes).map(Self::Part),
             Some(Presence::KIND) => Presence::parse(bytes).map(Self::Presence),
+            Some(Sample::KIND) => Sample::parse(bytes).map(Self::Sample),
             Some(kind) => Err(Error::UnknownKind { kind }),
             None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
         }
@@ -110,6 +116,7 @@ impl Message {
             Self::Ask(ask) => ask.emit(out),
             Self::Part(part) => part.emit(out),
             Self::Presence(presence) => presence.emit(out),
+            Self::Sample(sample) => sample.emit(out),
         }
     }
 }

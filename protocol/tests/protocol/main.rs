@@ -1,6 +1,7 @@
 //! The protocol as a peer sees it: two links, the wire between them, and everything that can go wrong there.
 
 mod clock;
+mod cooperative;
 mod database;
 mod events;
 mod handshake;

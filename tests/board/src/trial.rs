@@ -178,7 +178,7 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
     let variance = mean(&|_, two| (f64::from(two.coordination_n()) - force).powi(2));
     let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
         let stopped = [one, two].into_iter().position(|record| record.fault() != 0)?;
-        Some((tick, stopped + 1, fault([one, two][stopped].fault())?))
+        Some((tick, stopped + 1, Fault::from_number([one, two][stopped].fault())?))
     });
     let every = (ticks / like.table.len().max(1)).max(1);
     let rows: Vec<Vec<f64>> = (pairs().enumerate().step_by(every))
@@ -210,12 +210,4 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
         // What is not formed here is not shown either; the boards' states are compared tick by tick: see twin.
         ..like.clone()
     }
-}
-
-/// The fault called by a number.
-pub fn fault(number: u8) -> Option<Fault> {
-    use Fault::*;
-    [NonFiniteInput, EncoderJump, Overspeed, ForceSaturated, PeerLost, TickOverrun, Diverged]
-        .into_iter()
-        .find(|fault| fault.number() == number)
 }

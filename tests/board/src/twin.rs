@@ -67,6 +67,9 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
         |tick| {
             let board = &records[tick as usize];
             let incoming = board.incoming();
+            if board.flags() & record::PARTED != 0 {
+                state.part();
+            }
             if board.flags() & record::SENT != 0 {
                 peer::exchange(&scene, &mut state, incoming);
             }
