@@ -167,8 +167,8 @@ fn print(document: &Document) {
     }
     println!(
         "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
-         more than 99.9 % of the packets are answered. Turnaround: from the earliest time that a datagram can have been in the socket's queue to\n\
-         its last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays included.\n\
+         more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the system to the last answer\n\
+         sent; answer: from the datagram in hand; round trip: at the client, its own delays included.\n\
          Where the rate falls the load is short of a core: what bends first then is the load and not the server."
     );
     println!(

@@ -118,6 +118,30 @@ fn a_server_process_that_ends_takes_nothing_with_it() {
 }
 
 #[test]
+fn two_clients_that_tell_each_other_straight() {
+    let keys = Keys::new("friends", 2);
+    let pair = keys.0.join("pair.key").display().to_string();
+    assert!(host_sim(&["keygen", &pair]).status().expect("host-sim runs").success());
+    let (one, two, nobody) = (free(), free(), format!("1={}", free()));
+    let join = |line, arguments: &[&str]| visit(&keys, line, arguments);
+    let visit = |line: u32, listen: &str, friend: String| {
+        let place = format!("--from-m=0.{line},0.1");
+        let at = format!("--to-m=0.{line},0.1");
+        let own = ["--server", &nobody, "--listen", listen, "--duration-s", "1.5", "--friend-key-file", &pair];
+        join(line, &[&own[..], &["--friend", &friend, &place, &at]].concat())
+    };
+    let (first, second) = (visit(1, &one, format!("2={two}")), visit(2, &two, format!("1={one}")));
+    for (line, child) in [(1, first), (2, second)] {
+        let seen = report(child);
+        // No server, and aware all the same.
+        assert!(seen["complete_after_s"].is_null() && seen["objects"] == 0, "{seen}");
+        assert_eq!(seen["others"][0]["line"], 3 - line, "{seen}");
+        let x = seen["others"][0]["position_m"][0].as_f64().expect("a number");
+        assert!((x - 0.1 * f64::from(3 - line)).abs() < 1e-6, "{seen}");
+    }
+}
+
+#[test]
 fn a_small_crowd_is_answered() {
     let output = host_sim(&["crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
         .output()
