@@ -134,9 +134,11 @@ impl Peer {
             if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
         );
         println!(
-            "round trip {} us, jitter {} us; datagrams: {} taken, {} missing, {} refused",
+            "round trip {} us, jitter {} us, the other clock {} us ahead and {:.1} ppm faster; datagrams: {} taken, {} missing, {} refused",
             report.round_trip_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
             report.jitter_us,
+            report.clock_offset_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
+            report.clock_drift_ppm,
             report.datagrams_taken,
             report.datagrams_missing,
             report.datagrams_refused

@@ -5,6 +5,7 @@
 //! change.
 
 mod accuracy;
+mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
@@ -60,6 +61,8 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
+    Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
     /// The key as a board keeps it in flash, for `cargo xtask provision`.
@@ -108,6 +111,11 @@ impl SceneArgs {
         SceneFile::load(self.scene.as_deref(), &self.set)
     }
 
+    /// Whether any of it was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || !self.set.is_empty()
+    }
+
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
@@ -139,6 +147,7 @@ pub fn main() -> ExitCode {
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
