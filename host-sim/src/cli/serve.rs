@@ -70,13 +70,20 @@ impl Serve {
         let mut host = Host::new(key, number, self.lines, *world, region, entropy)?;
         let socket = serve::listen(self.listen)?;
         eprintln!("server {number} of {place}, {objects} objects, listens on {}", self.listen);
-        let report = serve::run(&socket, &mut host, 0.0, |served_s| served_s >= self.duration_s)?;
+        let report = serve::run(
+            &socket,
+            &mut host,
+            std::time::Instant::now(),
+            0.0,
+            |_| 0,
+            |served_s| served_s >= self.duration_s,
+        )?;
         if self.json {
             return print_json(&report);
         }
         let counts = report.counts;
         println!(
-            "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at the end",
+            "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at once",
             counts.received, counts.sent, counts.refused, counts.asks, counts.parts, counts.presences, report.clients
         );
         println!(

@@ -5,12 +5,12 @@
 //! neighbourhood of the world, walks about in it, and says where it is 125 times a second; the clients' packets are spread
 //! evenly over the packet period. Each is answered at once with the places of others.
 //!
-//! **What is told**: the server's own turnaround ([`super::serve`]), the round trip from a client's packet to the answer that
-//! names it, how many were answered, and how late the load itself was: above a fraction of the packet period the figures
-//! say something about the load and not about the server.
+//! **What is told**: the server's turnaround, from when a client handed its packet to the system ([`super::serve`]), the round trip from a client's packet to the answer that
+//! names it, and how many were answered. A load that is late by more than half a millisecond does not catch up in a burst that
+//! no independent clients would make; it goes on from there, and the packets per second that it managed are told.
 
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use haptic_protocol::database::Scope;
@@ -22,6 +22,7 @@ use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, PeerId, Presence, Si
 use serde::Serialize;
 
 use super::histogram::{Histogram, Quantiles};
+use super::pace::realtime;
 use super::serve;
 use crate::visit::host::Host;
 use crate::visit::{CLIENT, PACKET_US, parameters};
@@ -35,6 +36,9 @@ const UNDER_WAY: usize = 64;
 const NEAR: usize = 32;
 /// How far around itself a client of the crowd looks, m.
 const RADIUS_M: f32 = 0.1;
+
+/// A load that is later than this does not catch up, ns.
+const LATE_NS: u64 = 500_000;
 
 /// One client of the crowd.
 struct Client {
@@ -55,8 +59,10 @@ pub struct Report {
     pub complete: u32,
     /// Time of the measurement, s.
     pub measured_s: f64,
-    /// Packets of clients, as many as were to be sent.
+    /// Packets of clients.
     pub packets: u64,
+    /// Packets a second of each client; 125 if the load was never late.
+    pub rate_hz: f64,
     /// Packets that were answered.
     pub answered: u64,
     /// Objects' places that the answers carried.
@@ -67,6 +73,8 @@ pub struct Report {
     pub load_late: Quantiles,
     /// Share of one core that the load used.
     pub load_cpu_share: Option<f64>,
+    /// The load ran at a real-time priority.
+    pub load_realtime_priority: bool,
     /// What the server saw.
     pub server: serve::Report,
 }
@@ -97,10 +105,13 @@ pub fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64) -> Result<
     socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
     let mut host = Host::new(key.clone(), SERVER, clients, world.clone(), None, || entropy().unwrap_or([1; Key::LEN]))?;
     let done = AtomicBool::new(false);
+    let (start, sent) = (Instant::now(), (0..clients).map(|_| AtomicU64::new(0)).collect::<Vec<_>>());
+    let last_sent = |line: u32| sent.get(line as usize - 1).map_or(0, |sent| sent.load(Ordering::Relaxed));
     std::thread::scope(|scope| {
-        let serving =
-            scope.spawn(|| serve::run(&server_socket, &mut host, warm_up_s, |_| done.load(Ordering::Relaxed)));
-        let load = Load::new(&socket, &key, clients).map(|load| load.run(warm_up_s, seconds));
+        let serving = scope.spawn(|| {
+            serve::run(&server_socket, &mut host, start, warm_up_s, last_sent, |_| done.load(Ordering::Relaxed))
+        });
+        let load = Load::new(&socket, &key, start, &sent).map(|load| load.run(warm_up_s, seconds));
         done.store(true, Ordering::Relaxed);
         let server = serving.join().map_err(|_| "the server's thread ended".to_owned())??;
         Ok(load?.report(server))
@@ -110,6 +121,8 @@ pub fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64) -> Result<
 /// The crowd and what is measured of it.
 struct Load<'a> {
     socket: &'a UdpSocket,
+    /// When each client last sent, ns.
+    sent: &'a [AtomicU64],
     clients: Vec<Client>,
     sessions: std::collections::HashMap<u32, usize>,
     start: Instant,
@@ -120,12 +133,14 @@ struct Load<'a> {
     round_trip: Histogram,
     late: Histogram,
     cpu_share: Option<f64>,
+    realtime_priority: bool,
     measured_s: f64,
 }
 
 impl<'a> Load<'a> {
-    fn new(socket: &'a UdpSocket, key: &Key, count: u32) -> Result<Self, String> {
-        let clients: Result<_, String> = (1..=count)
+    fn new(socket: &'a UdpSocket, key: &Key, start: Instant, sent: &'a [AtomicU64]) -> Result<Self, String> {
+        let count = sent.len();
+        let clients: Result<_, String> = (1..=count as u32)
             .map(|line| {
                 let link = Link::new(Config {
                     key: key.line(line),
@@ -149,9 +164,10 @@ impl<'a> Load<'a> {
             .collect();
         Ok(Self {
             socket,
+            sent,
             clients: clients?,
             sessions: std::collections::HashMap::new(),
-            start: Instant::now(),
+            start,
             measured: None,
             packets: 0,
             answered: 0,
@@ -159,6 +175,7 @@ impl<'a> Load<'a> {
             round_trip: Histogram::default(),
             late: Histogram::default(),
             cpu_share: None,
+            realtime_priority: false,
             measured_s: 0.0,
         })
     }
@@ -168,14 +185,15 @@ impl<'a> Load<'a> {
     }
 
     fn run(mut self, warm_up_s: f64, seconds: f64) -> Self {
+        self.realtime_priority = realtime();
         let period_ns = 1_000 * PACKET_US;
         let count = self.clients.len() as u64;
         let (warm_ns, end_ns) = ((1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
         let mut computed = None;
-        let mut next = 0_u64;
+        let (mut next, mut slipped_ns) = (0_u64, self.now_ns());
         loop {
             // Packet number `next` of the crowd: the clients in turn, evenly over each packet period.
-            let due_ns = next / count * period_ns + next % count * period_ns / count;
+            let due_ns = slipped_ns + next / count * period_ns + next % count * period_ns / count;
             self.wait(due_ns);
             let now_ns = self.now_ns();
             if now_ns >= end_ns {
@@ -185,8 +203,10 @@ impl<'a> Load<'a> {
                 self.measured = Some(Instant::now());
                 computed = serve::computed_s();
             }
+            let late_ns = now_ns.saturating_sub(due_ns);
+            slipped_ns += if late_ns > LATE_NS { late_ns } else { 0 };
             if self.measured.is_some() {
-                self.late.add(now_ns.saturating_sub(due_ns));
+                self.late.add(late_ns);
             }
             self.exchange((next % count) as usize);
             next += 1;
@@ -228,6 +248,7 @@ impl<'a> Load<'a> {
         let Some(client) = self.clients.get_mut(at) else { return };
         let mut out = [0; MAX_DATAGRAM];
         let send = |bytes: &[u8]| drop(self.socket.send(bytes));
+        self.sent[at].store(now_ns, Ordering::Relaxed);
         client.tick = client.tick.wrapping_add(1);
         // Once around a circle of 5 cm in 10 s.
         let angle = std::f32::consts::TAU * client.tick as f32 / 1_250.0;
@@ -291,6 +312,7 @@ impl<'a> Load<'a> {
         }
         let mut out = [0; MAX_DATAGRAM];
         while let Some(len) = client.link.poll(now_ns / 1_000, &mut out) {
+            self.sent[at].store(now_ns, Ordering::Relaxed);
             drop(self.socket.send(&out[..len]));
         }
     }
@@ -301,11 +323,13 @@ impl<'a> Load<'a> {
             complete: self.clients.iter().filter(|client| client.complete).count() as u32,
             measured_s: self.measured_s,
             packets: self.packets,
+            rate_hz: self.packets as f64 / (self.measured_s * self.clients.len() as f64).max(1e-9),
             answered: self.answered,
             sightings: self.sightings,
             round_trip: self.round_trip.quantiles(),
             load_late: self.late.quantiles(),
             load_cpu_share: self.cpu_share,
+            load_realtime_priority: self.realtime_priority,
             server,
         }
     }

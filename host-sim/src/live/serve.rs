@@ -1,9 +1,9 @@
 //! A server of a static world over UDP: one thread, one socket, no queue of its own.
 //!
 //! **Turnaround** is measured in two ways. `answer`: from the datagram in hand to its last answer handed to the system.
-//! `turnaround`: the same, and how long it may have waited in the socket's queue at the most: since the queue was last
-//! seen empty. Queues are first in, first out, so what is taken came after that. Real-time priority is asked for and
-//! reported; the thread is not pinned (`taskset` does that).
+//! `turnaround`: the same, and how long it may have waited in the socket's queue at the most. A queue is first in, first out,
+//! so a datagram came after the queue was last seen empty; and after its client sent it, where that is known ([`super::crowd`]).
+//! Real-time priority is asked for and reported; the thread is not pinned (`taskset` does that).
 
 use std::io::ErrorKind;
 use std::net::{SocketAddr, UdpSocket};
@@ -23,7 +23,7 @@ pub struct Report {
     pub served_s: f64,
     /// Checksum of the world.
     pub world: String,
-    /// Clients with a session at the end.
+    /// Most clients with a session at once.
     pub clients: usize,
     /// Datagrams and what they were.
     pub counts: Counts,
@@ -57,24 +57,26 @@ pub fn listen(address: SocketAddr) -> Result<UdpSocket, String> {
     Ok(socket)
 }
 
-/// Serves until `stop` says so; it is asked once a packet period with the time served, s. Times before `warm_up_s` are not
-/// in the quantiles.
+/// Serves until `stop` says so; it is asked once a packet period with the time served since `start`, s. Times before
+/// `warm_up_s` are not in the quantiles. `sent_ns` is asked with a line for when its client last sent, ns since `start`; 0 if
+/// that is not known.
 ///
 /// # Errors
 /// The socket fails, in one line.
 pub fn run(
     socket: &UdpSocket,
     host: &mut Host<SocketAddr>,
+    start: Instant,
     warm_up_s: f64,
+    sent_ns: impl Fn(u32) -> u64,
     mut stop: impl FnMut(f64) -> bool,
 ) -> Result<Report, String> {
     let failed = |cause: std::io::Error| format!("the socket failed: {cause}");
     let realtime_priority = realtime();
-    let start = Instant::now();
     let since = |start: Instant| start.elapsed().as_nanos() as u64;
     let (mut answer, mut turnaround) = (Histogram::default(), Histogram::default());
     let (mut bytes, mut unsent, mut next_tick_us) = ([0; 2048], 0_u64, 0);
-    let mut computed = None;
+    let (mut computed, mut clients) = (None, 0);
     let mut warm = false;
     // When the queue was last seen empty, ns.
     let mut empty_ns = 0;
@@ -85,6 +87,7 @@ pub fn run(
         if now_us >= next_tick_us {
             next_tick_us = now_us + PACKET_US;
             host.tick(now_us, |to, datagram| unsent += u64::from(socket.send_to(datagram, to).is_err()));
+            clients = clients.max(host.clients());
             if !warm && 1e-9 * now_ns as f64 >= warm_up_s {
                 warm = true;
                 computed = computed_s().map(|computed| (computed, Instant::now()));
@@ -113,13 +116,13 @@ pub fn run(
             Err(error) => return Err(failed(error)),
         };
         let taken_ns = since(start);
-        host.receive(taken_ns / 1_000, from, &mut bytes[..len], |to, datagram| {
+        let line = host.receive(taken_ns / 1_000, from, &mut bytes[..len], |to, datagram| {
             unsent += u64::from(socket.send_to(datagram, to).is_err());
         });
         if warm {
             let done_ns = since(start);
             answer.add(done_ns - taken_ns);
-            turnaround.add(done_ns - empty_ns);
+            turnaround.add(done_ns - line.map_or(0, &sent_ns).max(empty_ns).min(taken_ns));
         }
     }
     let cpu_share =
@@ -127,7 +130,7 @@ pub fn run(
     Ok(Report {
         served_s: start.elapsed().as_secs_f64(),
         world: format!("{:016x}", host.server().world()),
-        clients: host.clients(),
+        clients,
         counts: host.counts(),
         answer: answer.quantiles(),
         turnaround: turnaround.quantiles(),

@@ -203,6 +203,35 @@ fn a_new_version_is_felt_after_the_hand_has_left_the_old_one() {
 }
 
 #[test]
+fn where_two_servers_differ_the_higher_version_is_felt() {
+    let mut sim = Sim::new(&["loss=0.3"]);
+    let old = rooms();
+    let mut new = old.clone();
+    let mut ledge = *new.get(1).expect("the ledge");
+    let Shape::Wall(wall) = &mut ledge.shape else { panic!("the ledge is a wall") };
+    wall.stiffness_n_per_m = 500.0;
+    ledge.version += 1;
+    new.put(ledge).expect("room");
+    sim.serve(1, old, Some(0));
+    sim.serve(2, new, Some(1));
+    sim.visit(1, 1, None);
+    let press = |sim: &mut Sim, x: f64| {
+        for _ in 0..2_000 {
+            sim.step(|_| [Motion::at(x), Motion::at(0.0)]);
+        }
+        sim.step(|_| [Motion::at(x), Motion::at(-0.11)])[&1][1]
+    };
+    let close = |force: f64, want: f64| assert!((force - want).abs() < 1e-3, "{force} N, not {want} N");
+    close(press(&mut sim, -0.3), 10.0);
+    // Within the margin of the other room both are known; in that room only the new one; and back.
+    close(press(&mut sim, -0.06), 5.0);
+    close(press(&mut sim, 0.3), 5.0);
+    close(press(&mut sim, -0.06), 5.0);
+    close(press(&mut sim, -0.3), 10.0);
+    assert_eq!(sim.visitors[&1].moves(), 2);
+}
+
+#[test]
 fn clients_are_aware_of_each_other_by_the_server_of_their_room() {
     let mut sim = Sim::new(&["loss=0.3"]);
     let mut world = rooms();

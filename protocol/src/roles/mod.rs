@@ -10,6 +10,7 @@
 //! lets time pass, both put what is to be said into an [`Outbox`]. Time is µs on the peer's own clock, which may start
 //! anywhere and must not go backwards. Messages have fixed little-endian layouts of at most 48 bytes and travel as
 //! [`crate::wire::Event`]s, whose `code` names the role; a decoder takes any bytes and never panics.
+//! The static world is too large for events: it has message kinds of its own, and its client asks again for what did not come.
 //!
 //! **What a role needs from its carrier**: that a message is what its sender said and that the sender is who it seems to be.
 //! A sealed [`crate::link::Link`] promises both. No role counts on a message to arrive, once, in order or soon: whatever

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use haptic_protocol::database::{Body, Bounds, Database, Object, Region, Scope, Shape};
+use haptic_protocol::database::{Body, Bounds, Database, Manifest, Object, Region, Scope, Shape};
 use haptic_protocol::roles::static_scene::{BURST, Board, Download, Roam, Server, Taken};
-use haptic_protocol::wire::{Ask, Part, Payload, Presence, Sighting, Topic};
+use haptic_protocol::wire::{Ask, Page, Part, Payload, Presence, Sighting, Topic};
 
 use crate::world::Rng;
 
@@ -256,6 +256,53 @@ fn a_question_about_anything_is_answered_within_bounds() {
     // Region 0 ends at 100 and its margin at 105: nothing beyond is given away.
     wireless_finish(&server, &mut client);
     assert!(client.objects().all(|object| object.id <= 3 * 105) && client.objects().count() == 106);
+}
+
+/// A server that says anything at all, in any order: no panic, bounded memory, and nothing is held but what has a right record.
+#[test]
+fn any_parts_in_any_order() {
+    let mut rng = Rng(15);
+    for _ in 0..300 {
+        let mut client = Download::<4>::default();
+        let mut now = 0;
+        for _ in 0..200 {
+            now += rng.below(200_000);
+            let object = body(rng.below(6) as u32, rng.below(3) as u32, rng.below(9) as f32);
+            let mut record = object.emit().unwrap();
+            let checksum = u64::from_le_bytes(*record.last_chunk().unwrap());
+            let payload = match rng.below(4) {
+                0 => Payload::Manifest(Manifest {
+                    version: rng.below(2) as u32,
+                    objects: rng.below(12) as u16,
+                    regions: rng.below(3) as u8,
+                    margin_m: 0.0,
+                }),
+                1 => Payload::Region(rng.bytes()),
+                2 => {
+                    let (mask, mut checksums) = (rng.next() as u8, rng.bytes::<8>().map(u64::from));
+                    checksums[rng.below(8) as usize] = checksum;
+                    Payload::Page(Page { mask, checksums })
+                }
+                _ => {
+                    if rng.chance(0.2) {
+                        record[rng.below(64) as usize] ^= 1;
+                    }
+                    Payload::Object(record)
+                }
+            };
+            let part = Part { number: rng.below(3) as u16, tag: rng.below(2) as u8, world: rng.below(2), payload };
+            client.take(&part);
+            if rng.chance(0.1) {
+                client.look(Scope::Region(rng.below(3) as u8));
+            }
+            if let Some(ask) = client.poll(now, rng.below(100_000)) {
+                assert!(ask.wanted.iter().count() <= BURST && ask.wanted.iter().count() > 0);
+            }
+            assert!(client.objects().count() <= 4);
+            let ids: Vec<u32> = client.objects().map(|object| object.id).collect();
+            assert!(ids.is_sorted_by(|a, b| a < b), "{ids:?}");
+        }
+    }
 }
 
 fn wireless_finish(server: &Server<300>, client: &mut Download<300>) {
