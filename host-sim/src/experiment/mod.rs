@@ -5,6 +5,8 @@ pub mod campaign;
 pub mod figures;
 pub mod paper;
 pub mod precision;
+pub mod record;
+pub mod replay;
 pub mod run;
 
 pub use run::{Options, Outcome, run};

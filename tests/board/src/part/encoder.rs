@@ -60,6 +60,13 @@ impl EncoderTimer {
         self.next = Some(context.schedule(VirtualNanos(context.now().0 + self.every_ns)));
     }
 
+    /// After a reset, of the chip or of the timer alone, which dropped our events: the encoder is where it was going.
+    fn settle(&mut self) {
+        self.position = self.target();
+        self.pending.clear();
+        self.next = None;
+    }
+
     fn levels(position: i64) -> [Level; 2] {
         let level = |high| if high { Level::High } else { Level::Low };
         let phase = position.rem_euclid(4);
@@ -119,14 +126,11 @@ impl Device for EncoderTimer {
         Device::on_access(&mut self.timer, token, value, f, c);
     }
     fn reset(&mut self) {
-        // The chip starts anew; the encoder is where it was, and its levels are on the pins as before, which a new timer
-        // would not know.
         Device::reset(&mut self.timer);
-        self.position = self.target();
-        self.pending.clear();
-        self.next = None;
+        self.settle();
     }
     fn reset_line(&mut self, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
         Device::reset_line(&mut self.timer, f, c);
+        self.settle();
     }
 }
