@@ -20,6 +20,7 @@ use crate::list::Model;
 use crate::motion::Motion;
 use crate::object::Integrator;
 use crate::probe::{End, Outcome, Probe, Probing};
+use crate::render::{Impacts, Rendering, Strikes};
 use crate::safety::{Command, Fault, Mode, Patience};
 use crate::scalar::Scalar;
 use crate::scene::{Models, Scene};
@@ -79,6 +80,7 @@ pub struct State<M: Models> {
     home: [M::Scalar; AXES],
     device: [Motion<M::Scalar>; AXES],
     object: Motion<M::Scalar>,
+    strikes: Strikes<M::Scalar>,
     integrator: <M::Integrator as Model<M::Scalar>>::State,
     law: <M::Law as Model<M::Scalar>>::State,
     forces: [M::Scalar; AXES],
@@ -104,6 +106,7 @@ impl<M: Models> State<M> {
             home: device.map(|axis| axis.position),
             device,
             object: Motion::REST,
+            strikes: Strikes::default(),
             integrator: scene.integrator.initial(),
             law: scene.law.initial(),
             forces: [M::Scalar::ZERO; AXES],
@@ -125,6 +128,7 @@ impl<M: Models> State<M> {
     fn engage(&mut self, scene: &Scene<M>) {
         let [free, ..] = self.device;
         self.object = Motion::at(scene.contact.clear_of(free.position));
+        self.strikes = Strikes::default();
         self.integrator = scene.integrator.initial();
         self.law = scene.law.initial();
         scene.law.start(&mut self.law, self.object);
@@ -199,6 +203,11 @@ impl<M: Models> State<M> {
     /// Energy that crossed the network port since arming.
     pub fn ledger(&self) -> &Ledger<M::Scalar> {
         &self.ledger
+    }
+
+    /// Impacts since arming, where contact is impulsive.
+    pub fn impacts(&self) -> Impacts<M::Scalar> {
+        self.strikes.impacts()
     }
 
     /// Turns the motors off and latches the fault; the first one stays.
@@ -287,15 +296,17 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
         return if state.mode == Mode::Probing { probe(state) } else { Actuators::default() };
     }
 
-    let object = state.object;
-    let contact_force = scene.contact.force(free, object);
+    let [commanded, ..] = state.forces;
+    let mut object = state.object;
+    let touch = scene.contact.touch(&mut state.strikes, free, &mut object, commanded);
+    let contact_force = touch.felt;
     let coupled = if state.engagement.is_engaged() {
         scene.law.couple(&mut state.law, object)
     } else {
         Coupled { desired: object, ..Coupled::default() }
     };
     state.ledger.book(&coupled, scene.period);
-    let next = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
+    let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
     if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {

@@ -13,7 +13,7 @@ use crate::couple::wave::Decode;
 use crate::couple::{AnyLaw, LawName};
 use crate::list::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
-use crate::render::Side;
+use crate::render::{AnyRendering, RenderingName, Side};
 
 /// A setting that is one of a fixed list of names.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -304,6 +304,8 @@ settings! {
 
     /// Contact between the device and the local copy of the shared object.
     contact: Contact {
+        #[doc = "How contact is rendered: as a spring and a damper, or as impacts."]
+        rendering: RenderingName = RenderingName::Continuous, Allowed::Names(RenderingName::NAMES), "";
         #[doc = "Contact stiffness K_LC."]
         stiffness_n_per_m: f64 = 1000.0, number(0.0, 1e6), "N/m";
         #[doc = "Contact damping B_LC."]
@@ -314,6 +316,10 @@ settings! {
         gap_m: f64 = 0.0, number(0.0, 1.0), "m";
         #[doc = "Side of the object the device is on; of a pair, user 1 is on the left and user 2 on the right."]
         side: Side = Side::Left, Allowed::Names(Side::NAMES), "";
+        #[doc = "Impulsive rendering: share of the speed of approach with which device and object part."]
+        restitution: f64 = 1.0, number(0.0, 1.0), "";
+        #[doc = "Impulsive rendering: mass with which the device takes part in an impact."]
+        device_mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg";
     }
 
     /// The local copy of the shared virtual object.
@@ -451,6 +457,7 @@ impl Settings {
         self.check_ranges()?;
         crate::axis::check(self)?;
         Ladder::<f64>::check(self)?;
+        AnyRendering::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;
         AnyLaw::<f64>::check(self)
     }

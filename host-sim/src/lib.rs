@@ -10,10 +10,13 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
+//! | [`collaborate`] | one at a time edits: lock and token ring on trial |
 //! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`visit`] | a static environment: its servers and clients |
+//! | [`world`] | worlds that a server holds and a hand feels |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -23,6 +26,7 @@ pub mod accuracy;
 pub mod analysis;
 pub mod calibrate;
 pub mod cli;
+pub mod collaborate;
 pub mod experiment;
 pub mod harness;
 pub mod live;
@@ -32,3 +36,5 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod user;
+pub mod visit;
+pub mod world;

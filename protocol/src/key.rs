@@ -28,6 +28,12 @@ impl Key {
         Self(bytes)
     }
 
+    /// The key of line `number` of a server whose own key is this one: one key for each client, so that a client that is
+    /// opened gives up its own line and no other. Line 0 has the key itself.
+    pub fn line(&self, number: u32) -> Self {
+        if number == 0 { self.clone() } else { self.derive("line").with(&number.to_le_bytes()).end() }
+    }
+
     /// Bytes of [`Key::image`].
     pub const IMAGE: usize = 64;
 
@@ -49,8 +55,8 @@ impl Key {
 
     const MARK: &[u8; 8] = b"haptkey1";
 
-    /// The bytes, for the cipher.
-    pub(crate) fn bytes(&self) -> &[u8; Self::LEN] {
+    /// The bytes, for the cipher, or for the key file of one line.
+    pub fn bytes(&self) -> &[u8; Self::LEN] {
         &self.0
     }
 
