@@ -16,6 +16,7 @@ mod live;
 mod operator;
 mod paper;
 mod precision;
+mod record;
 mod rendering;
 mod restarts;
 mod serve;
@@ -87,6 +88,8 @@ enum Command {
     Flood(flood::Flood),
     /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
     Restarts(restarts::Restarts),
+    /// What one peer of a scene reads, for the same peer on another processor.
+    Record(record::Record),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -160,6 +163,7 @@ pub fn main() -> ExitCode {
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),
+        Command::Record(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {
