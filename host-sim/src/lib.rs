@@ -10,6 +10,7 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
+//! | [`cooperative`] | many users, one object, one dynamics engine: at a server or on its way to a client |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -21,6 +22,7 @@ extern crate alloc;
 pub mod accuracy;
 pub mod analysis;
 pub mod cli;
+pub mod cooperative;
 pub mod experiment;
 pub mod harness;
 pub mod live;
