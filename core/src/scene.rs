@@ -35,6 +35,7 @@ use crate::render::{AnyRendering, Rendering};
 use crate::safety::Guard;
 use crate::scalar::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::watch::Watch;
 
 /// Which models a scene holds.
 pub trait Models: Copy + core::fmt::Debug + PartialEq + 'static {
@@ -83,6 +84,7 @@ pub struct Scene<M: Models> {
     pub(crate) law: M::Law,
     pub(crate) ladder: Ladder<M::Scalar>,
     pub(crate) guard: Guard<M::Scalar>,
+    pub(crate) watch: Watch<M::Scalar>,
 }
 
 impl<M: Models> Scene<M> {
@@ -112,12 +114,18 @@ impl<M: Models> Scene<M> {
             law: M::Law::build(settings),
             ladder: Ladder::build(settings),
             guard: Guard::build(settings),
+            watch: Watch::build(settings),
         })
     }
 
     /// Ticks per packet, M.
     pub fn ticks_per_packet(&self) -> u32 {
         self.ticks_per_packet
+    }
+
+    /// Axes, and joints, in use.
+    pub fn axes(&self) -> usize {
+        self.axes
     }
 
     /// The encoder, for whoever plays the device.

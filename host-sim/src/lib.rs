@@ -10,10 +10,14 @@
 //! | [`network`] | packets on their way |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
+//! | [`collaborate`] | one at a time edits: lock and token ring on trial |
+//! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`cooperative`] | many users, one object, one dynamics engine: at a server or on its way to a client |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`visit`] | a static environment: its servers and clients |
+//! | [`world`] | worlds that a server holds and a hand feels |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -21,7 +25,9 @@ extern crate alloc;
 
 pub mod accuracy;
 pub mod analysis;
+pub mod calibrate;
 pub mod cli;
+pub mod collaborate;
 pub mod cooperative;
 pub mod experiment;
 pub mod harness;
@@ -32,3 +38,5 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod user;
+pub mod visit;
+pub mod world;

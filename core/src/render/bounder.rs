@@ -21,7 +21,7 @@ use crate::scalar::Scalar;
 /// The share of b/θ that is used.
 pub const MARGIN: f64 = 0.8;
 /// Time constant of falling stiffness, s.
-pub const FALL_S: f64 = 0.02;
+pub const FALL_S: f64 = 0.1;
 /// Time constant of rising stiffness, s.
 pub const RISE_S: f64 = 0.5;
 /// Round trip that is assumed before one is measured, s.

@@ -93,6 +93,16 @@ pub struct Outcome {
     pub table: Table,
 }
 
+impl Outcome {
+    /// Energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1 the
+    /// network makes energy.
+    pub fn energy_out_over_in(&self) -> f64 {
+        let [first, second] = self.energy;
+        let ratio = |out: f64, into: f64| if into > 0.0 { out / into } else { 0.0 };
+        ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j))
+    }
+}
+
 /// The columns that are recorded, each peer's by its number.
 const PEER_COLUMNS: [&str; 8] = [
     "device_{}_m",

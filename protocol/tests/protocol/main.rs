@@ -2,13 +2,16 @@
 
 mod clock;
 mod cooperative;
+mod database;
 mod events;
 mod handshake;
 mod ladder;
+mod lines;
 mod memory;
 mod parsers;
 mod replay;
 mod restarts;
+mod static_scene;
 mod tamper;
 mod vectors;
 mod world;

@@ -1,0 +1,135 @@
+//! `host-sim collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::{Failure, print_json, progress_bar};
+use crate::collaborate::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
+use crate::report::text::TextTable;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SchemeName {
+    /// A central server.
+    Lock,
+    /// A token that goes round.
+    Ring,
+    /// One after the other.
+    Both,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MistakeName {
+    /// Some clocks count a quarter of the time.
+    SlowClock,
+    /// Records are not there after a crash.
+    Amnesia,
+    /// The server does not look under which grant a release was made.
+    NoFence,
+    /// One vote for a new token counts for everybody's.
+    NoMajority,
+}
+
+/// Arguments of `collaborate`.
+#[derive(Debug, Args)]
+pub(super) struct Collaborate {
+    /// Who says whose turn it is.
+    #[arg(long, value_enum, default_value = "both")]
+    scheme: SchemeName,
+    /// Users; by default 2, 3, 5 and 8 in turn.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=i64::from(MOST_USERS)))]
+    users: Option<u8>,
+    /// Runs of each kind, a seed each.
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    runs: u64,
+    /// Seed of the first run.
+    #[arg(long, default_value_t = 1, value_name = "K")]
+    seed: u64,
+    /// Put a mistake in on purpose, to see that it is found.
+    #[arg(long, value_enum)]
+    mistake: Option<MistakeName>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Row {
+    scheme: Scheme,
+    users: u8,
+    #[serde(flatten)]
+    verdict: Verdict,
+}
+
+impl Collaborate {
+    /// Runs and prints what the checker says.
+    ///
+    /// # Errors
+    /// None but a mistake that the scheme cannot have.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let schemes: &[Scheme] = match self.scheme {
+            SchemeName::Lock => &[Scheme::Lock],
+            SchemeName::Ring => &[Scheme::Ring],
+            SchemeName::Both => &[Scheme::Lock, Scheme::Ring],
+        };
+        let mistake = self.mistake.map(|name| match name {
+            MistakeName::SlowClock => Mistake::SlowClock,
+            MistakeName::Amnesia => Mistake::Amnesia,
+            MistakeName::NoFence => Mistake::NoFence,
+            MistakeName::NoMajority => Mistake::NoMajority,
+        });
+        if !schemes.iter().all(|scheme| mistake.is_none_or(|mistake| mistake.fits(*scheme))) {
+            let allowed = "no-fence only with --scheme lock, no-majority only with --scheme ring";
+            return Err(format!("--mistake is not allowed with this --scheme: {allowed}").into());
+        }
+        let users = self.users.map_or_else(|| vec![2, 3, 5, 8], |users| vec![users]);
+        let each = self.runs / users.len() as u64 + u64::from(!self.runs.is_multiple_of(users.len() as u64));
+        let bar = progress_bar(each * (users.len() * schemes.len()) as u64, "collaborate");
+        let rows: Vec<Row> = schemes
+            .iter()
+            .flat_map(|scheme| users.iter().map(move |users| (*scheme, *users)))
+            .map(|(scheme, users)| {
+                let trial = Trial { scheme, users, seed: self.seed, mistake };
+                Row { scheme, users, verdict: collaborate::campaign(&trial, each, &|| bar.inc(1)) }
+            })
+            .collect();
+        bar.finish_and_clear();
+        if self.json {
+            return print_json(&rows);
+        }
+        let mut table = TextTable::new([
+            "scheme",
+            "users",
+            "runs",
+            "two owners",
+            "lost update",
+            "no progress",
+            "published",
+            "interrupted",
+            "crashes",
+            "messages",
+            "lost",
+            "wait ms",
+            "bound ms",
+        ]);
+        for Row { scheme, users, verdict } in &rows {
+            let scheme = if *scheme == Scheme::Lock { "lock" } else { "ring" };
+            let mut cells = vec![scheme.to_owned(), users.to_string()];
+            cells.extend(
+                [verdict.runs, verdict.two_owners, verdict.lost_update, verdict.no_progress, verdict.published]
+                    .map(|count| count.to_string()),
+            );
+            cells.extend(
+                [verdict.interrupted, verdict.crashes, verdict.messages, verdict.lost].map(|count| count.to_string()),
+            );
+            cells.extend([verdict.longest_wait_ms, verdict.wait_bound_ms].map(|ms| format!("{ms:.0}")));
+            table.push(cells);
+        }
+        println!("{table}");
+        for Row { scheme, users, verdict } in &rows {
+            if let Some((seed, what)) = &verdict.first_failure {
+                println!("{scheme:?}, {users} users, seed {seed}: {what}");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,220 @@
+//! Server and clients of a lock as the world sees them. Peer 0 is the server.
+
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::collaborative::lock::{self, Client, Message, Notice, Phase, Record, Server};
+use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
+use haptic_protocol::wire::{Event, PeerId};
+
+use super::hand::{Hand, LONGEST_EDIT_US};
+use super::history::History;
+use super::world::{Cast, Dice, Peer};
+use super::{MOST_USERS, Mistake, Trial};
+
+/// The object.
+const OBJECT: u16 = 7;
+/// Lease of a lock, µs.
+const LEASE_US: u32 = 300_000;
+
+const CLIENTS: usize = MOST_USERS as usize;
+
+/// Server or client.
+pub enum LockPeer {
+    /// The server.
+    Server(Box<ServerPeer>),
+    /// A client and its user.
+    Client(Box<ClientPeer>),
+}
+
+/// The server and what it has stored.
+pub struct ServerPeer {
+    server: Server<CLIENTS>,
+    stored: Record<CLIENTS>,
+    out: Outbox<Message, 32>,
+    no_fence: bool,
+}
+
+/// A client and its user.
+pub struct ClientPeer {
+    client: Client,
+    hand: Hand,
+    patient: bool,
+    /// What the user makes of the object.
+    edited: Option<Value>,
+    out: Outbox<Message, 8>,
+    published: u64,
+    interrupted: u64,
+}
+
+fn lease() -> Lease {
+    // In range, or nothing here would work at all.
+    Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A server and the trial's users.
+pub fn peers(trial: &Trial) -> Cast<LockPeer> {
+    let mut dice = Dice::new(!trial.seed);
+    let server = Server::new(lease(), Value::default());
+    let stored = server.record().clone();
+    let no_fence = trial.mistake == Some(Mistake::NoFence);
+    let mut peers = vec![LockPeer::Server(Box::new(ServerPeer { server, stored, out: Outbox::new(), no_fence }))];
+    peers.extend((0..trial.users).map(|_| {
+        LockPeer::Client(Box::new(ClientPeer {
+            client: client(&mut dice),
+            hand: Hand::new(0, &mut dice),
+            patient: false,
+            edited: None,
+            out: Outbox::new(),
+            published: 0,
+            interrupted: 0,
+        }))
+    }));
+    let users = u64::from(trial.users);
+    Cast {
+        peers,
+        wait_bound_us: Box::new(move |delay_us| lock::wait_bound_us(lease(), users, LONGEST_EDIT_US, delay_us)),
+    }
+}
+
+fn client(dice: &mut Dice) -> Client {
+    Client::new(PeerId(0), lease(), dice.below(1 << 32) as u32, Value::default())
+}
+
+impl ServerPeer {
+    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, history: &mut History) -> Result<(), String> {
+        match message {
+            Some((from, Message::Release { fence, value })) if self.no_fence && fence != 0 => {
+                // As if the server did not look who it is from, and under which grant.
+                let (holder, fence) = (self.server.holder().unwrap_or(from), self.server.record().fence);
+                self.server.receive(now, holder, &Message::Release { fence, value }, &mut self.out);
+            }
+            Some((from, message)) => self.server.receive(now, from, &message, &mut self.out),
+            None => self.server.poll(now, &mut self.out),
+        }
+        self.stored.clone_from(self.server.record());
+        history.official(&self.server.copy().value)
+    }
+}
+
+impl ClientPeer {
+    fn step(
+        &mut self,
+        now: u64,
+        message: Option<(PeerId, Message)>,
+        history: &mut History,
+        dice: &mut Dice,
+    ) -> Result<(), String> {
+        match message {
+            Some((from, message)) => self.client.receive(now, from, &message, &mut self.out),
+            None => self.client.poll(now, &mut self.out),
+        }
+        while let Some(notice) = self.client.take_notice() {
+            match notice {
+                Notice::Published { version } => {
+                    let value = self.edited.take().ok_or_else(|| format!("version {version} was never edited"))?;
+                    history.publish(&value)?;
+                    self.published += 1;
+                    self.hand.plan(now, dice, self.patient);
+                    if self.patient {
+                        self.hand.rest();
+                    }
+                }
+                Notice::Expired | Notice::TooLate { .. } => {
+                    self.interrupted += 1;
+                    self.hand.stops();
+                }
+                Notice::Granted | Notice::Changed { .. } => {}
+            }
+        }
+        match (self.hand.wish(now), self.client.phase()) {
+            (Wish::Edit, Phase::Idle) => self.client.ask(now),
+            (Wish::Leave, Phase::Asking) => {
+                self.client.withdraw(&mut self.out);
+                self.hand.plan(now, dice, self.patient);
+            }
+            (wish, Phase::Owner { .. }) if self.client.owns(now) && (self.hand.edits(now) || wish == Wish::Leave) => {
+                let value = history.edit(&self.client.copy().value)?;
+                self.edited = Some(value);
+                self.client.release(now, Some(value), &mut self.out).map_err(|error| error.to_string())?;
+            }
+            (Wish::Leave, Phase::Idle) if self.hand.is_gone(now) => self.hand.plan(now, dice, self.patient),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+impl Peer for LockPeer {
+    fn step(
+        &mut self,
+        now: u64,
+        message: Option<(PeerId, &Event)>,
+        history: &mut History,
+        dice: &mut Dice,
+    ) -> Result<(), String> {
+        let message = message.and_then(|(from, event)| match Message::parse(event) {
+            Ok((OBJECT, message)) => Some((from, message)),
+            _ => None,
+        });
+        match self {
+            Self::Server(peer) => peer.step(now, message, history),
+            Self::Client(peer) => peer.step(now, message, history, dice),
+        }
+    }
+
+    fn take(&mut self) -> Option<(PeerId, Event)> {
+        let (to, message) = match self {
+            Self::Server(peer) => peer.out.take()?,
+            Self::Client(peer) => peer.out.take()?,
+        };
+        Some((to, message.event(OBJECT).ok()?))
+    }
+
+    fn owns(&self, now: u64) -> bool {
+        matches!(self, Self::Client(peer) if peer.client.owns(now))
+    }
+
+    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice) {
+        match self {
+            Self::Server(peer) => {
+                let record = if forgets {
+                    Server::<CLIENTS>::new(lease(), Value::default()).record().clone()
+                } else {
+                    peer.stored.clone()
+                };
+                peer.server = Server::restore(lease(), now, record);
+                peer.out = Outbox::new();
+            }
+            Self::Client(peer) => {
+                peer.client = client(dice);
+                peer.edited = None;
+                peer.hand.plan(now, dice, peer.patient);
+                peer.out = Outbox::new();
+            }
+        }
+    }
+
+    fn insist(&mut self, now: u64) -> bool {
+        let Self::Client(peer) = self else { return false };
+        peer.patient = true;
+        peer.hand.insist(now);
+        true
+    }
+
+    fn counts(&self) -> (u64, u64) {
+        match self {
+            Self::Server(_) => (0, 0),
+            Self::Client(peer) => (peer.published, peer.interrupted),
+        }
+    }
+
+    fn is_settled(&self) -> bool {
+        true
+    }
+
+    fn value(&self) -> Option<Value> {
+        Some(match self {
+            Self::Server(peer) => peer.server.copy().value,
+            Self::Client(peer) => peer.client.copy().value,
+        })
+    }
+}

@@ -1,0 +1,339 @@
+//! One run: peers with clocks of their own, a bad network, crashes and partitions, all from one seed.
+//!
+//! True time is µs. Each pair of peers has its own [`Fates`], so that what the scene files can do to packets is what happens
+//! here. A peer's record is stored after every step, before what it said leaves: a crash comes between steps, and what it
+//! had said may be lost with it. Messages cross as the bytes of their events.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use haptic_protocol::roles::collaborative::Value;
+use haptic_protocol::wire::{Event, PeerId};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+use super::history::History;
+use super::{Mistake, Trial};
+use crate::network::fate::{Direction, Fates, Generator, Jitter};
+use crate::scene::Network;
+
+/// End of the time in which things go wrong, µs.
+const TROUBLE_US: u64 = 4_000_000;
+/// How often a peer looks at the time, µs.
+const POLL_US: u64 = 4_000;
+/// One-way delay when nothing is wrong: this and up to this much jitter, µs.
+const DELAY_US: u64 = 5_000;
+/// Longest delay of a message that is held back, µs: several leases.
+const HELD_BACK_US: u64 = 1_200_000;
+/// Longest time a peer is down, µs.
+const DOWN_US: u64 = 1_500_000;
+
+/// A stream of random numbers.
+#[derive(Clone, Debug)]
+pub struct Dice(Xoshiro256PlusPlus);
+
+impl Dice {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    /// Below `end`.
+    pub fn below(&mut self, end: u64) -> u64 {
+        self.0.next_u64() % end.max(1)
+    }
+
+    /// True this often.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        ((self.0.next_u64() >> 11) as f64) * (-53.0_f64).exp2() < probability
+    }
+}
+
+/// A peer of either scheme as the world sees it.
+pub trait Peer {
+    /// Does what is to be done at `now` of its own clock, with a message if one has come.
+    ///
+    /// # Errors
+    /// What the checker says.
+    fn step(
+        &mut self,
+        now: u64,
+        message: Option<(PeerId, &Event)>,
+        history: &mut History,
+        dice: &mut Dice,
+    ) -> Result<(), String>;
+    /// What it says.
+    fn take(&mut self) -> Option<(PeerId, Event)>;
+    /// Whether it may edit.
+    fn owns(&self, now: u64) -> bool;
+    /// Starts anew, from its record unless that is lost, too.
+    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice);
+    /// Everything is well from now on; whether this peer has a user who must get to publish.
+    fn insist(&mut self, now: u64) -> bool;
+    /// Publications so far, and rights to edit that ended before.
+    fn counts(&self) -> (u64, u64);
+    /// Whether it is where it wanted to be, in the end.
+    fn is_settled(&self) -> bool;
+    /// What the object is to this peer, if it follows it.
+    fn value(&self) -> Option<Value>;
+}
+
+/// What went wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trouble {
+    /// Two peers may edit at one instant.
+    TwoOwners,
+    /// The history is not one branch.
+    LostUpdate,
+    /// Somebody waited longer than the protocol's bound.
+    NoProgress,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// The first thing that went wrong.
+    pub trouble: Option<(Trouble, String)>,
+    /// Updates that their authors were told are published.
+    pub published: u64,
+    /// Rights that ended before their owner had finished.
+    pub interrupted: u64,
+    /// Crashes.
+    pub crashes: u64,
+    /// Messages sent.
+    pub messages: u64,
+    /// Messages that never arrived.
+    pub lost: u64,
+    /// Longest wait for a publication after the trouble, µs.
+    pub longest_wait_us: u64,
+    /// The protocol's bound, µs.
+    pub wait_bound_us: u64,
+}
+
+/// Peers, and how long a user may have to wait once all is well: a function of the one-way delay, µs.
+pub struct Cast<P> {
+    /// The peers, numbered from 0.
+    pub peers: Vec<P>,
+    /// The bound.
+    pub wait_bound_us: Box<dyn Fn(u64) -> u64>,
+}
+
+/// A clock that starts anywhere and runs fast or slow.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    start_us: u64,
+    rate: f64,
+}
+
+impl Clock {
+    fn at(self, true_us: u64) -> u64 {
+        self.start_us + (true_us as f64 * self.rate) as u64
+    }
+}
+
+struct World<P> {
+    peers: Vec<P>,
+    clocks: Vec<Clock>,
+    /// Until when each peer is down, true µs.
+    down_until: Vec<u64>,
+    fates: Vec<Fates>,
+    /// Peers on the other side, while the network is apart.
+    apart: u64,
+    flying: BinaryHeap<Reverse<(u64, u64)>>,
+    letters: Vec<Option<(usize, usize, Event)>>,
+    dice: Dice,
+    history: History,
+    run: Run,
+}
+
+impl<P: Peer> World<P> {
+    fn new(trial: &Trial, cast: Cast<P>) -> Self {
+        let mut dice = Dice::new(trial.seed);
+        let count = cast.peers.len();
+        // Within what a lease allows; the first peer's is beyond, if that is the mistake.
+        let slow = trial.mistake == Some(Mistake::SlowClock);
+        let clocks = (0..count)
+            .map(|_| Clock {
+                start_us: dice.below(1 << 40),
+                rate: if slow && dice.chance(0.5) { 0.25 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
+            })
+            .collect();
+        let network = Network {
+            loss: dice.below(40) as f64 * 0.01,
+            duplicate: dice.below(30) as f64 * 0.01,
+            jitter: Jitter::Uniform,
+            jitter_s: dice.below(60) as f64 * 1e-3,
+            reorder: dice.below(10) as f64 * 0.01,
+            reorder_depth_packets: 1000,
+            ..Network::default()
+        };
+        let packet_s = HELD_BACK_US as f64 * 1e-9;
+        let fates = (0..count * count)
+            .map(|_| {
+                let network = Network { seed: dice.below(1 << 32) as u32, ..network };
+                Fates::Seeded(Box::new(Generator::new(network, Direction::OneToTwo, packet_s)))
+            })
+            .collect();
+        let wait_bound_us = (cast.wait_bound_us)(2 * DELAY_US);
+        Self {
+            peers: cast.peers,
+            clocks,
+            down_until: vec![0; count],
+            fates,
+            apart: 0,
+            flying: BinaryHeap::new(),
+            letters: Vec::new(),
+            dice,
+            history: History::default(),
+            run: Run { wait_bound_us, ..Run::default() },
+        }
+    }
+
+    /// A peer does what is to be done, and what it says goes out.
+    fn step(&mut self, now: u64, at: usize, message: Option<(usize, Event)>) {
+        let message = message.as_ref().map(|(from, event)| (PeerId(*from as u8), event));
+        let clock = self.clocks[at].at(now);
+        if let Err(what) = self.peers[at].step(clock, message, &mut self.history, &mut self.dice) {
+            self.wrong(Trouble::LostUpdate, now, &what);
+        }
+        while let Some((to, event)) = self.peers[at].take() {
+            self.send(now, at, usize::from(to.0), event);
+        }
+        if self.owns(now, at)
+            && let Some(other) = (0..self.peers.len()).find(|other| *other != at && self.owns(now, *other))
+        {
+            self.wrong(Trouble::TwoOwners, now, &format!("peers {at} and {other} both own the object"));
+        }
+    }
+
+    fn owns(&self, now: u64, at: usize) -> bool {
+        self.down_until[at] <= now && self.peers[at].owns(self.clocks[at].at(now))
+    }
+
+    fn send(&mut self, now: u64, from: usize, to: usize, event: Event) {
+        self.run.messages += 1;
+        let number = self.letters.len() as u64;
+        let arrivals: Vec<u64> = if now < TROUBLE_US {
+            let fates = &mut self.fates[from * self.peers.len() + to];
+            fates.next(number, now as f64 * 1e-6).iter().map(|arrival| (arrival.delay_s * 1e6) as u64).collect()
+        } else {
+            vec![self.dice.below(DELAY_US)]
+        };
+        let cut = (self.apart >> from ^ self.apart >> to) & 1 == 1;
+        if cut || arrivals.is_empty() {
+            self.run.lost += 1;
+            return;
+        }
+        for delay in arrivals {
+            self.flying.push(Reverse((now + DELAY_US + delay, self.letters.len() as u64)));
+            self.letters.push(Some((from, to, event)));
+        }
+    }
+
+    fn wrong(&mut self, trouble: Trouble, now: u64, what: &str) {
+        if self.run.trouble.is_none() {
+            self.run.trouble = Some((trouble, format!("{what}, {} ms into the run", now / 1000)));
+        }
+    }
+
+    /// What has arrived by `now`.
+    fn deliver(&mut self, now: u64) {
+        while let Some(Reverse((due, letter))) = self.flying.pop() {
+            if due > now {
+                self.flying.push(Reverse((due, letter)));
+                return;
+            }
+            let Some((from, to, event)) = self.letters[letter as usize].take() else { continue };
+            if self.down_until[to] > due {
+                self.run.lost += 1;
+            } else {
+                self.step(due, to, Some((from, event)));
+            }
+        }
+    }
+
+    /// Somebody crashes, or the network falls apart or comes together, now and then.
+    fn disturb(&mut self, now: u64, crashes: f64, partitions: f64) {
+        if self.dice.chance(partitions) {
+            self.apart = if self.apart == 0 { self.dice.below(1 << self.peers.len()) } else { 0 };
+        }
+        for at in 0..self.peers.len() {
+            if self.down_until[at] <= now && self.dice.chance(crashes) {
+                self.run.crashes += 1;
+                self.down_until[at] = (now + 20_000 + self.dice.below(DOWN_US)).min(TROUBLE_US);
+            }
+        }
+    }
+}
+
+/// One run to its end.
+pub fn run<P: Peer>(trial: &Trial, cast: Cast<P>) -> Run {
+    let mut world = World::new(trial, cast);
+    let forgets = trial.mistake == Some(Mistake::Amnesia);
+    let count = world.peers.len();
+    let crashes = world.dice.below(100) as f64 * 3e-5;
+    let partitions = world.dice.below(100) as f64 * 1e-4;
+    let bound = world.run.wait_bound_us;
+    let mut waits: Vec<Option<u64>> = vec![None; count];
+    let mut before = vec![0; count];
+    let mut now = 0;
+    while world.run.trouble.is_none() {
+        now += POLL_US;
+        world.deliver(now);
+        if now < TROUBLE_US {
+            world.disturb(now, crashes, partitions);
+        }
+        for at in 0..count {
+            let until = world.down_until[at];
+            if until > now {
+                continue;
+            }
+            if until > 0 {
+                world.down_until[at] = 0;
+                let clock = world.clocks[at].at(now);
+                world.peers[at].restart(clock, forgets, &mut world.dice);
+            }
+            world.step(now, at, None);
+        }
+        if now == TROUBLE_US {
+            world.apart = 0;
+            for at in 0..count {
+                let clock = world.clocks[at].at(now);
+                before[at] = world.peers[at].counts().0;
+                waits[at] = world.peers[at].insist(clock).then_some(0);
+            }
+        }
+        if now > TROUBLE_US {
+            for at in 0..count {
+                if waits[at] == Some(0) && world.peers[at].counts().0 > before[at] {
+                    waits[at] = Some(now - TROUBLE_US);
+                    world.run.longest_wait_us = world.run.longest_wait_us.max(now - TROUBLE_US);
+                }
+            }
+            let waiting = waits.iter().position(|wait| *wait == Some(0));
+            // What was held back before the end of trouble still arrives after it.
+            match waiting {
+                Some(at) if now - TROUBLE_US > bound + HELD_BACK_US => {
+                    world.wrong(Trouble::NoProgress, now, &format!("peer {at} has not published"));
+                }
+                // One more second for everybody to hear of the last one.
+                None if now - TROUBLE_US > world.run.longest_wait_us.max(HELD_BACK_US) + 1_000_000 => break,
+                _ => {}
+            }
+        }
+    }
+    for at in 0..count {
+        let last = world.peers[at].value().map_or(Ok(()), |value| world.history.last(&value));
+        if world.run.trouble.is_none()
+            && let Err(what) = last
+        {
+            world.wrong(Trouble::LostUpdate, now, &format!("peer {at}: {what}"));
+        }
+        if !world.peers[at].is_settled() {
+            world.wrong(Trouble::NoProgress, now, &format!("peer {at} wanted to leave and has not left"));
+        }
+        world.run.interrupted += world.peers[at].counts().1;
+    }
+    world.run.published = world.history.published();
+    world.run
+}

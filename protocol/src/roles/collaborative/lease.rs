@@ -1,0 +1,110 @@
+//! Lease: a right that runs out by itself when it is not renewed, at its holder before at its giver.
+
+use core::fmt;
+
+use heapless::Deque;
+
+/// A lease may not be that long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutOfRange {
+    /// What was asked for, µs.
+    pub us: u32,
+}
+
+impl fmt::Display for OutOfRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (least, most) = (Lease::SHORTEST_US, Lease::LONGEST_US);
+        write!(f, "a lease of {} us is not allowed: it must be from {least} to {most} us", self.us)
+    }
+}
+
+impl core::error::Error for OutOfRange {}
+
+/// A right that runs out by itself when it is not renewed.
+///
+/// It runs from the *sending* of the request at who holds it and from the *reception* at who gave it, and 1/8 shorter at the
+/// holder. So the holder's right ends first, by any delay and with any two clocks that differ by no more than
+/// [`Lease::MAX_DRIFT_PPM`]: 7/8·(1 + ρ) ≤ 1 − ρ for ρ ≤ 1/15 (Gray & Cheriton, SOSP 1989).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lease {
+    us: u32,
+}
+
+impl Lease {
+    /// How much faster one clock may run than true time, and how much slower another, ppm.
+    pub const MAX_DRIFT_PPM: u32 = 66_000;
+    /// Shortest lease, µs: some packets must fit into it.
+    pub const SHORTEST_US: u32 = 10_000;
+    /// Longest lease, µs.
+    pub const LONGEST_US: u32 = 60_000_000;
+
+    /// A lease of `us` µs, from [`Lease::SHORTEST_US`] to [`Lease::LONGEST_US`].
+    pub fn new(us: u32) -> Result<Self, OutOfRange> {
+        if (Self::SHORTEST_US..=Self::LONGEST_US).contains(&us) { Ok(Self { us }) } else { Err(OutOfRange { us }) }
+    }
+
+    /// How long who gave it must wait, µs.
+    pub fn giver_us(self) -> u64 {
+        u64::from(self.us)
+    }
+
+    /// How long who holds it may act, µs.
+    pub fn holder_us(self) -> u64 {
+        u64::from(self.us - self.us / 8)
+    }
+
+    /// How often it is renewed, and anything unanswered said again, µs: 6 times, so that 4 losses in a row do no harm.
+    pub fn retry_us(self) -> u64 {
+        u64::from(self.us / 6)
+    }
+}
+
+/// Requests whose time of sending is remembered; an answer to an older one would leave no time.
+const REMEMBERED: usize = 8;
+
+/// The numbered requests that a lease is counted from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Requests {
+    newest: u32,
+    sent: Deque<(u32, u64), REMEMBERED>,
+}
+
+impl Requests {
+    /// Number of the request that is sent now: 1, 2, 3 …
+    pub(super) fn send(&mut self, now: u64) -> u32 {
+        self.newest = self.newest.saturating_add(1);
+        if self.sent.is_full() {
+            self.sent.pop_front();
+        }
+        // There is room now.
+        let _ = self.sent.push_back((self.newest, now));
+        self.newest
+    }
+
+    /// When a request was sent, if that is not too long ago.
+    pub(super) fn sent_us(&self, number: u32) -> Option<u64> {
+        self.sent.iter().find(|(sent, _)| *sent == number).map(|(_, at_us)| *at_us)
+    }
+
+    /// Number of the newest request.
+    pub(super) fn newest(&self) -> u32 {
+        self.newest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_holder_stops_first_on_the_worst_pair_of_clocks() {
+        let drift = f64::from(Lease::MAX_DRIFT_PPM) * 1e-6;
+        for us in [Lease::SHORTEST_US, 300_000, Lease::LONGEST_US] {
+            let lease = Lease::new(us).unwrap();
+            // A slow clock counts more true time.
+            let (held, given) = (lease.holder_us() as f64 / (1.0 - drift), lease.giver_us() as f64 / (1.0 + drift));
+            assert!(held < given, "{held} {given}");
+        }
+        assert!(Lease::new(Lease::SHORTEST_US - 1).is_err() && Lease::new(Lease::LONGEST_US + 1).is_err());
+    }
+}

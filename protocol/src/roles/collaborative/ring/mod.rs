@@ -1,0 +1,372 @@
+//! Token ring: the right to edit goes round; there is no server and no official copy (Buttolo et al. 1997, §3.2, scheme 2).
+//!
+//! ```text
+//!            Pass to me                  majority says Held           publish, stored by a majority
+//! Member ────────────────► Holder: settling ──────────► editing ─────────────────► settling ──► Pass ──► Member
+//!    │ no token for a lease                                  │ or resting, while nobody wants the token
+//!    └───► Candidate ──majority votes──► Holder
+//! ```
+//!
+//! | rule | because |
+//! |---|---|
+//! | every right has a **ballot**: epoch, then turn; a pass adds a turn, a new token has a new epoch. A member hears no ballot below the highest it has heard | a token that comes late or twice is nobody's |
+//! | who has the token edits only while a majority has said, within a [`Lease`], that it votes for nobody else | a new token is made after the old one's holder has stopped, wherever it is |
+//! | an update is published when a majority keeps it; a candidate begins from the newest state that a majority knows | two majorities meet: what is published is in every later state |
+//! | a next version is proposed when the last one is kept by a majority; a change of members counts in the majorities before and after | majorities meet across joins and leaves, too |
+//! | the token goes to the next in the ring who wants it, and rests where it is when nobody does | turns, without traffic for nothing |
+//!
+//! This is Paxos (Lamport 1998) for one register, its leader's lease passed from hand to hand; after a pass the new leader need
+//! not ask what was decided, because the old one tells it.
+//!
+//! **Progress**: while a majority of the members are up and hear each other within less than a third of a lease, whoever wants
+//! the token gets it within [`wait_bound_us`]. Without a majority nobody edits: two members of two, two of three, three of
+//! five are needed. A holder leaves out who has not been heard for 8 turns and 8 leases; who finds itself left out joins anew.
+//! **Limits**: [`SEATS`] members; epochs are 28 bits, turns and versions 32.
+
+use heapless::Deque;
+
+use super::lease::Requests;
+use super::{Lease, NotOwner, Value};
+use crate::roles::Outbox;
+use crate::wire::PeerId;
+
+mod candidate;
+mod holder;
+mod member;
+mod message;
+mod roster;
+
+use candidate::Candidacy;
+use holder::Holding;
+pub use message::Message;
+pub use roster::{Roster, SEATS};
+
+/// A right to propose: which token, and which of its turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Ballot {
+    /// Which token. The low 4 bits are the seat of who made it.
+    pub epoch: u32,
+    /// How often it has been passed.
+    pub turn: u32,
+}
+
+/// What is passed around: the object, and who the members are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct State {
+    /// How often it has been changed.
+    pub version: u32,
+    /// The members.
+    pub roster: Roster,
+    /// The members before this version.
+    pub before: Roster,
+    /// What the object is.
+    pub value: Value,
+}
+
+impl State {
+    /// Whether this is a majority of the members, and of those before.
+    fn has_majority(&self, votes: Roster) -> bool {
+        let majority = |roster: Roster| Roster(roster.0 & votes.0).len() >= roster.majority();
+        majority(self.roster) && majority(self.before)
+    }
+
+    /// Everybody who has a say in it.
+    fn everybody(&self) -> Roster {
+        self.roster.union(self.before)
+    }
+}
+
+/// What a member must still know after a crash. Store it before sending what came with the change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// No lower epoch is heard.
+    pub promised: u32,
+    /// Under which the state was kept.
+    pub ballot: Ballot,
+    /// The newest state that is kept here.
+    pub state: State,
+}
+
+impl Record {
+    /// One of the founders of a ring, all of whom begin with the same.
+    pub fn founder(founders: Roster, value: Value) -> Self {
+        let state = State { version: 0, roster: founders, before: founders, value };
+        Self { promised: 0, ballot: Ballot::default(), state }
+    }
+
+    /// Somebody who will join.
+    pub fn outsider() -> Self {
+        Self::founder(Roster::EMPTY, Value::default())
+    }
+}
+
+/// What a member is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Config {
+    /// Its number, below [`SEATS`]: `PeerId(seat)`.
+    pub seat: u8,
+    /// Where a member may be found, to join.
+    pub contacts: Roster,
+    /// For the right to edit.
+    pub lease: Lease,
+    /// How long one may edit while others want to, µs.
+    pub turn_us: u64,
+    /// Any number, another one for each member and start: candidates draw from it, so that they do not go on meeting.
+    pub seed: u64,
+}
+
+/// What a member has to tell its user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// It may edit.
+    Granted,
+    /// What it published is kept by a majority.
+    Published {
+        /// The version.
+        version: u32,
+    },
+    /// Its turn was over before it had published: what it edited stays local.
+    Overdue,
+    /// The token was made anew elsewhere. What it edited stays local; what it was publishing may have been taken or not.
+    Lost,
+}
+
+/// What a member is just now.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
+enum Part {
+    Member,
+    Candidate(Candidacy),
+    Holder(Holding),
+    /// Has passed the token, and says so until the next holder is heard.
+    Passing {
+        to: u8,
+        ballot: Ballot,
+    },
+}
+
+/// What is known of another seat.
+#[derive(Clone, Copy, Debug, Default)]
+struct Other {
+    heard_us: Option<u64>,
+    wants: bool,
+    leaves: bool,
+    joins: bool,
+    /// Turns of this member in which the other was not heard.
+    missed: u8,
+}
+
+/// A member of a ring.
+#[derive(Clone, Debug)]
+pub struct Ring {
+    config: Config,
+    record: Record,
+    part: Part,
+    wants: bool,
+    leaving: bool,
+    /// No vote before, but for the one that is supported.
+    bound_until_us: u64,
+    supported: Option<u8>,
+    /// A candidate if nothing is heard until then.
+    patience_us: u64,
+    /// The highest epoch heard of.
+    highest: u32,
+    /// When something is to be said again.
+    next_us: u64,
+    holds: Requests,
+    others: [Other; SEATS as usize],
+    random: u64,
+    notices: Deque<Notice, 8>,
+}
+
+impl Ring {
+    /// A member at its first start or after a crash, from its record. It votes for nobody before one lease is over, for it
+    /// may have said so to somebody.
+    pub fn new(config: Config, now: u64, record: Record) -> Self {
+        let mut ring = Self {
+            config,
+            record,
+            part: Part::Member,
+            wants: false,
+            leaving: false,
+            bound_until_us: if record.promised == 0 { now } else { now.saturating_add(config.lease.giver_us()) },
+            supported: None,
+            patience_us: 0,
+            highest: record.promised,
+            next_us: now,
+            holds: Requests::default(),
+            others: [Other::default(); SEATS as usize],
+            random: config.seed,
+            notices: Deque::new(),
+        };
+        ring.be_patient(now);
+        ring
+    }
+
+    /// What to store.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The newest state that is known here; while this member edits, what there was to edit.
+    pub fn state(&self) -> &State {
+        &self.record.state
+    }
+
+    /// Whether it may edit now.
+    pub fn owns(&self, now: u64) -> bool {
+        matches!(&self.part, Part::Holder(holding) if holding.is_editing()) && now < self.lease_until_us(now)
+    }
+
+    /// The oldest notice that has not been told.
+    pub fn take_notice(&mut self) -> Option<Notice> {
+        self.notices.pop_front()
+    }
+
+    /// The user comes near: it wants to edit.
+    pub fn ask(&mut self) {
+        self.wants = true;
+    }
+
+    /// The user moves away, or has changed nothing.
+    pub fn give_up<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+        self.wants = false;
+        self.end_turn();
+        self.poll(now, out);
+    }
+
+    /// The user leaves the ring for good; [`Ring::has_left`] says when it may be switched off.
+    pub fn leave(&mut self) {
+        self.leaving = true;
+        self.wants = false;
+    }
+
+    /// The ring goes on without this member: its voice counts no more.
+    pub fn has_left(&self) -> bool {
+        self.leaving && !self.record.state.everybody().contains(self.config.seat)
+    }
+
+    /// The user has finished: this is what the object is now. From now on it does not own the object.
+    pub fn publish<const Q: usize>(
+        &mut self,
+        now: u64,
+        value: Value,
+        out: &mut Outbox<Message, Q>,
+    ) -> Result<(), NotOwner> {
+        if !self.owns(now) {
+            return Err(NotOwner);
+        }
+        self.wants = false;
+        self.propose(now, value, true, out);
+        Ok(())
+    }
+
+    /// Takes a message of another member.
+    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+        let seat = from.0;
+        if seat >= SEATS || seat == self.config.seat {
+            return;
+        }
+        match *message {
+            Message::Hold { ballot, state, number } => self.hold(now, seat, ballot, state, number, out),
+            Message::Held { ballot, version, number, wants, leaves } => {
+                self.note(seat, |other| {
+                    *other = Other { heard_us: Some(now), wants, leaves, ..*other };
+                });
+                self.held(seat, ballot, version, number);
+            }
+            Message::Pass { ballot, state } => self.passed(now, seat, ballot, state, out),
+            Message::Elect { epoch } => self.elect(now, seat, epoch, out),
+            Message::Vote { epoch, ballot, state } => self.voted(now, seat, epoch, ballot, state, out),
+            Message::Newer { epoch } => self.overtaken(now, epoch),
+            Message::Leave => {
+                self.note(seat, |other| *other = Other { joins: false, leaves: true, ..*other });
+                self.tell_off(seat, out);
+            }
+            Message::Join => self.note(seat, |other| *other = Other { joins: true, leaves: false, ..*other }),
+        }
+        self.settle(now, out);
+    }
+
+    /// Lets time pass.
+    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+        self.settle(now, out);
+        let member = self.record.state.roster.contains(self.config.seat);
+        if member
+            && !matches!(self.part, Part::Holder(_))
+            && now >= self.patience_us
+            && self.is_free(now, self.config.seat)
+        {
+            self.stand(now, out);
+        }
+        if now >= self.next_us {
+            self.next_us = now.saturating_add(self.config.lease.retry_us());
+            self.repeat(now, out);
+        }
+    }
+
+    /// What has not been answered is said again.
+    fn repeat<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+        match &self.part {
+            Part::Member if self.leaving && !self.has_left() => self.tell(self.config.contacts, Message::Leave, out),
+            Part::Member if self.leaving || self.record.state.roster.contains(self.config.seat) => {}
+            Part::Member => self.tell(self.config.contacts, Message::Join, out),
+            Part::Candidate(candidacy) => {
+                let (to, epoch) = (candidacy.electorate(), self.record.promised);
+                self.tell(to, Message::Elect { epoch }, out);
+            }
+            Part::Holder(_) => self.say_hold(now, out),
+            Part::Passing { to, ballot } => {
+                out.send(PeerId(*to), Message::Pass { ballot: *ballot, state: self.record.state });
+            }
+        }
+    }
+
+    /// To each of these but oneself.
+    fn tell<const Q: usize>(&self, to: Roster, message: Message, out: &mut Outbox<Message, Q>) {
+        for seat in to.without(self.config.seat).seats() {
+            out.send(PeerId(seat), message);
+        }
+    }
+
+    fn note(&mut self, seat: u8, change: impl FnOnce(&mut Other)) {
+        if let Some(other) = self.others.get_mut(usize::from(seat)) {
+            change(other);
+        }
+    }
+
+    /// Waits for a lease, and longer the later this seat comes in the ring, before it makes a new token.
+    fn be_patient(&mut self, now: u64) {
+        let lease = self.config.lease.giver_us();
+        let first = self.supported.unwrap_or(0);
+        let place = self.record.state.roster.after(first).take_while(|seat| *seat != self.config.seat).count();
+        let wait = lease.saturating_add((place as u64).saturating_mul(lease / 4)).saturating_add(self.draw(lease / 4));
+        self.patience_us = now.saturating_add(wait);
+    }
+
+    /// Any number below `end`; splitmix64.
+    fn draw(&mut self, end: u64) -> u64 {
+        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.random ^ (self.random >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed.checked_rem(end).unwrap_or(0)
+    }
+
+    fn notify(&mut self, notice: Notice) {
+        if self.notices.is_full() {
+            self.notices.pop_front();
+        }
+        // There is room now.
+        let _ = self.notices.push_back(notice);
+    }
+}
+
+/// How long a member that wants the token may have to wait for it, µs, if from now on no message takes longer than `delay_us`,
+/// none is lost and nobody crashes: a lease that must run out, or be waited for after a restart; candidates in their order,
+/// three of whom may fail against each other; then every other member once, `turn_us` at the most and eight messages.
+pub fn wait_bound_us(lease: Lease, members: u64, turn_us: u64, delay_us: u64) -> u64 {
+    let (lease, retry) = (lease.giver_us(), lease.retry_us());
+    let election = (lease / 4).saturating_mul(members.saturating_add(1)).saturating_add(lease);
+    let turn = turn_us.saturating_add(delay_us.saturating_mul(8)).saturating_add(retry.saturating_mul(2));
+    lease.saturating_add(election.saturating_mul(3)).saturating_add(turn.saturating_mul(members))
+}
