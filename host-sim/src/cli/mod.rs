@@ -9,6 +9,7 @@ mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
+mod cooperative;
 mod crowd;
 mod flood;
 mod keys;
@@ -50,6 +51,8 @@ struct CommandLine {
 enum Command {
     /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
     Cooperate(cooperate::Cooperate),
+    /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
+    Cooperative(cooperative::Cooperative),
     /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
     Paper(paper::Paper),
     /// Stability regions, limits and margins, computed from the code that flies.
@@ -144,6 +147,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
         Command::Cooperate(command) => command.run(),
+        Command::Cooperative(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),

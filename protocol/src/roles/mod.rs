@@ -32,6 +32,8 @@ pub mod code {
     pub const LOCK: u16 = 0x0101;
     /// [`super::collaborative::ring`].
     pub const RING: u16 = 0x0102;
+    /// [`super::cooperative`].
+    pub const COOPERATIVE: u16 = 0x0201;
 }
 
 /// What a role wants to say, oldest first, and to whom. Full, it drops what is newest and counts it, as a network might.
