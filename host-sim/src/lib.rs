@@ -14,6 +14,7 @@
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`squash`] | one ball, many players: the paper's game, played by bots |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -31,4 +32,5 @@ pub mod plant;
 pub mod report;
 pub mod scene;
 pub mod scenes;
+pub mod squash;
 pub mod user;

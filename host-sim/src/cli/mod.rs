@@ -13,6 +13,7 @@ mod live;
 mod paper;
 mod precision;
 mod rendering;
+mod squash;
 mod stability;
 mod tune;
 
@@ -53,6 +54,8 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
+    Squash(squash::Squash),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
     /// One peer in real time over UDP, sealed; run two of them.
@@ -116,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Squash(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Relay(command) => command.run(),
