@@ -13,6 +13,8 @@
 //! | [`scene`] | settings, checked once, become the models a scene needs |
 //! | [`mod@settings`] | every key a peer understands, with unit, default and range |
 //! | [`safety`] | modes, numbered faults, force and slew limits |
+//! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
+//! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
 //! | [`couple`] | coordination laws: how the two copies of the shared object hold together |
 //! | [`object`] | the shared virtual object's integrators |
 //! | [`render`] | contact between device and object |
@@ -31,6 +33,7 @@ pub mod couple;
 pub mod motion;
 pub mod object;
 pub mod peer;
+pub mod probe;
 pub mod render;
 pub mod safety;
 pub mod scalar;
@@ -38,3 +41,4 @@ pub mod scene;
 pub mod settings;
 pub mod sum;
 pub mod vector;
+pub mod watch;

@@ -19,10 +19,13 @@ use crate::couple::{Coupled, Law, Packet};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::object::Integrator;
+use crate::probe::{End, Outcome, Probe, Probing};
+use crate::render::{Impacts, Rendering, Strikes};
 use crate::safety::{Command, Fault, Mode, Patience};
 use crate::scalar::Scalar;
 use crate::scene::{Models, Scene};
 use crate::vector::StateVector;
+use crate::watch::Still;
 
 /// What the tick reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +39,7 @@ pub struct Sensors<S> {
 /// What the tick commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuators<S> {
-    /// Force on every axis of the task, N; finite, within the limits, 0 unless armed.
+    /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
     pub forces: [S; AXES],
     /// The same as motor duties, one for every joint.
     pub duties: [Duty; AXES],
@@ -64,6 +67,7 @@ pub struct Observed<S> {
 struct Joint<V> {
     encoder: EncoderState,
     velocity: V,
+    still: Still,
 }
 
 /// Everything about a peer that changes.
@@ -76,12 +80,14 @@ pub struct State<M: Models> {
     home: [M::Scalar; AXES],
     device: [Motion<M::Scalar>; AXES],
     object: Motion<M::Scalar>,
+    strikes: Strikes<M::Scalar>,
     integrator: <M::Integrator as Model<M::Scalar>>::State,
     law: <M::Law as Model<M::Scalar>>::State,
     forces: [M::Scalar; AXES],
     ledger: Ledger<M::Scalar>,
     saturated: Patience,
     engagement: Engagement,
+    probing: Probing<M::Scalar>,
     /// The packet that stands.
     standing: Packet<M::Scalar>,
     observed: Observed<M::Scalar>,
@@ -91,7 +97,8 @@ impl<M: Models> State<M> {
     /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders
     /// are first read: they count from there, so that two peers agree on where the shared object is.
     pub fn new(scene: &Scene<M>, device: [Motion<M::Scalar>; AXES]) -> Self {
-        let joint = Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial() };
+        let joint =
+            Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial(), still: Still::default() };
         let mut state = Self {
             mode: Mode::Disarmed,
             until_packet: 0,
@@ -99,12 +106,14 @@ impl<M: Models> State<M> {
             home: device.map(|axis| axis.position),
             device,
             object: Motion::REST,
+            strikes: Strikes::default(),
             integrator: scene.integrator.initial(),
             law: scene.law.initial(),
             forces: [M::Scalar::ZERO; AXES],
             ledger: Ledger::default(),
             saturated: Patience::default(),
             engagement: scene.ladder.engaged(),
+            probing: Probing::default(),
             standing: Packet::default(),
             observed: Observed::default(),
         };
@@ -119,6 +128,7 @@ impl<M: Models> State<M> {
     fn engage(&mut self, scene: &Scene<M>) {
         let [free, ..] = self.device;
         self.object = Motion::at(scene.contact.clear_of(free.position));
+        self.strikes = Strikes::default();
         self.integrator = scene.integrator.initial();
         self.law = scene.law.initial();
         scene.law.start(&mut self.law, self.object);
@@ -127,12 +137,18 @@ impl<M: Models> State<M> {
         self.saturated = Patience::default();
         self.engagement = scene.ladder.engaged();
         self.standing = Packet::default();
+        for joint in &mut self.joints {
+            joint.still = Still::default();
+        }
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
     pub fn command(&mut self, scene: &Scene<M>, command: Command) {
         let before = self.mode;
         self.mode = before.after(command);
+        if self.mode != Mode::Probing {
+            self.probing.end(End::Stopped);
+        }
         if command == Command::Clear {
             // What an encoder says after a jump is taken as where the joint was: the only reference there is.
             for joint in &mut self.joints {
@@ -144,9 +160,34 @@ impl<M: Models> State<M> {
         }
     }
 
+    /// Begins a probe, if disarmed; otherwise nothing changes.
+    pub fn probe(&mut self, probe: Probe<M::Scalar>) {
+        if self.mode == Mode::Disarmed {
+            self.mode = Mode::Probing;
+            self.probing = Probing::of(probe);
+        }
+    }
+
+    /// What came of the last probe.
+    pub fn probed(&self) -> Outcome {
+        self.probing.outcome()
+    }
+
+    /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
+    /// a packet comes, which starts the coordination anew from no force, step by step. Without this a peer that is armed
+    /// takes the first packet in full: both were at rest where they met.
+    pub fn part(&mut self) {
+        self.engagement.part();
+    }
+
     /// The mode, with the fault that latched.
     pub fn mode(&self) -> Mode {
         self.mode
+    }
+
+    /// Whether the coordination acts: armed, and the other peer neither silent for too long nor parted from.
+    pub fn is_engaged(&self) -> bool {
+        self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
     /// Whether [`exchange`] is due before the next [`tick`].
@@ -164,12 +205,18 @@ impl<M: Models> State<M> {
         &self.ledger
     }
 
+    /// Impacts since arming, where contact is impulsive.
+    pub fn impacts(&self) -> Impacts<M::Scalar> {
+        self.strikes.impacts()
+    }
+
     /// Turns the motors off and latches the fault; the first one stays.
     fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Faulted(_)) {
             self.mode = Mode::Faulted(fault);
         }
         self.forces = [M::Scalar::ZERO; AXES];
+        self.probing.end(End::Stopped);
     }
 }
 
@@ -190,7 +237,7 @@ pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scal
     let packet = Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
     // At rest where it stands: a wave line ends in its own impedance and takes everything in.
     let resting = Packet { motion: Motion::at(state.object.position), wave: M::Scalar::ZERO, ..packet };
-    match (state.mode == Mode::Armed && state.engagement.is_engaged(), packet.is_finite()) {
+    match (state.is_engaged(), packet.is_finite()) {
         (true, true) => packet,
         (false, true) => resting,
         (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },
@@ -246,18 +293,20 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     if state.mode != Mode::Armed {
         let object = Motion::at(state.object.position);
         state.observed = Observed { device: free, object, desired: object, ..Observed::default() };
-        return Actuators::default();
+        return if state.mode == Mode::Probing { probe(state) } else { Actuators::default() };
     }
 
-    let object = state.object;
-    let contact_force = scene.contact.force(free, object);
+    let [commanded, ..] = state.forces;
+    let mut object = state.object;
+    let touch = scene.contact.touch(&mut state.strikes, free, &mut object, commanded);
+    let contact_force = touch.felt;
     let coupled = if state.engagement.is_engaged() {
         scene.law.couple(&mut state.law, object)
     } else {
         Coupled { desired: object, ..Coupled::default() }
     };
     state.ledger.book(&coupled, scene.period);
-    let next = scene.integrator.step(&mut state.integrator, object, contact_force + coupled.force);
+    let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
     if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
@@ -266,6 +315,18 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     }
     state.object = next;
     actuate(scene, state, &pose, contact_force)
+}
+
+/// One tick of a probe; disarmed when it is over.
+#[cold]
+fn probe<M: Models>(state: &mut State<M>) -> Actuators<M::Scalar> {
+    match state.probing.step(state.joints.iter().map(|joint| joint.encoder.total)) {
+        Some(duties) => Actuators { duties, enable: true, ..Actuators::default() },
+        None => {
+            state.mode = Mode::Disarmed;
+            Actuators::default()
+        }
+    }
 }
 
 /// Where the device is on its axes, or why that cannot be said.
@@ -345,6 +406,34 @@ fn actuate<M: Models>(
         state.trip(Fault::ForceSaturated);
         return Actuators::default();
     }
+    if let Err(fault) = believe(scene, state, pose, forces, duties) {
+        state.trip(fault);
+        return Actuators::default();
+    }
     state.forces = forces;
     Actuators { forces, duties, enable: true }
+}
+
+/// Whether what the encoders say can be true under these forces. Exact readings have no encoder to doubt.
+#[inline]
+fn believe<M: Models>(
+    scene: &Scene<M>,
+    state: &mut State<M>,
+    pose: &Pose<M::Scalar>,
+    forces: [M::Scalar; AXES],
+    duties: [Duty; AXES],
+) -> Result<(), Fault> {
+    let [first, ..] = &state.joints;
+    if !first.encoder.primed {
+        return Ok(());
+    }
+    for (force, motion) in forces.into_iter().zip(pose.axes).take(scene.axes) {
+        scene.watch.power(force, motion)?;
+    }
+    if state.packet_due() {
+        for (joint, duty) in state.joints.iter_mut().zip(duties).take(scene.axes) {
+            scene.watch.counting(&mut joint.still, joint.encoder.total, duty)?;
+        }
+    }
+    Ok(())
 }

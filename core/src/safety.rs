@@ -1,6 +1,6 @@
 //! What stands between the computed force and the motor: modes, numbered faults, limits.
 //!
-//! Forces reach the motors only while [`Mode::Armed`]. Any fault turns them off in the same tick and latches; leaving it
+//! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns them off in the same tick and latches; leaving it
 //! takes [`Command::Clear`] and then [`Command::Arm`]. No setting switches a guard off. Fault numbers are never reused.
 //! Limits come last: whatever the models say, a force leaves finite, within ±max_force and within the slew limit of the
 //! one before.
@@ -26,9 +26,36 @@ pub enum Fault {
     TickOverrun = 6,
     /// The object or the coordination left the range of numbers: the scene is unstable.
     Diverged = 7,
+    /// A motor's force changed by more than safety.stuck_duty and its encoder did not count.
+    EncoderStuck = 8,
+    /// The hand seemed to feed the device more power than safety.max_hand_power_w.
+    Runaway = 9,
 }
 
 impl Fault {
+    /// Every fault, by number.
+    pub const ALL: [Self; 9] = [
+        Self::NonFiniteInput,
+        Self::EncoderJump,
+        Self::Overspeed,
+        Self::ForceSaturated,
+        Self::PeerLost,
+        Self::TickOverrun,
+        Self::Diverged,
+        Self::EncoderStuck,
+        Self::Runaway,
+    ];
+
+    /// The fault called by `number`.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.number() == number)
+    }
+
+    /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::probe`]).
+    pub fn doubts_encoders(self) -> bool {
+        matches!(self, Self::EncoderJump | Self::Overspeed | Self::EncoderStuck | Self::Runaway)
+    }
+
     /// The fault's number, for logs and telemetry.
     pub fn number(self) -> u8 {
         self as u8
@@ -44,6 +71,8 @@ impl Fault {
             Self::PeerLost => "the other peer was silent for safety.peer_lost_packets",
             Self::TickOverrun => "a tick began before the last one ended",
             Self::Diverged => "the object or the coordination force left the range of numbers",
+            Self::EncoderStuck => "a motor's force changed and its encoder did not count: safety.stuck_duty",
+            Self::Runaway => "the device ran away against its motor, or was struck: safety.max_hand_power_w",
         }
     }
 }
@@ -56,6 +85,8 @@ pub enum Mode {
     Disarmed,
     /// Motors on.
     Armed,
+    /// One motor on, open loop, within the limits of a probe ([`crate::probe`]); ends by itself.
+    Probing,
     /// Motors off until cleared by command.
     Faulted(Fault),
 }
@@ -76,7 +107,7 @@ impl Mode {
     pub fn after(self, command: Command) -> Self {
         match (self, command) {
             (Self::Disarmed, Command::Arm) => Self::Armed,
-            (Self::Armed, Command::Disarm) | (Self::Faulted(_), Command::Clear) => Self::Disarmed,
+            (Self::Armed | Self::Probing, Command::Disarm) | (Self::Faulted(_), Command::Clear) => Self::Disarmed,
             (mode, _) => mode,
         }
     }

@@ -4,7 +4,7 @@
 //! time. An image that will only ever run one scene names its models itself and carries no others:
 //!
 //! ```
-//! use haptic_core::{axis, couple, object, scene};
+//! use haptic_core::{axis, couple, object, render, scene};
 //!
 //! #[derive(Clone, Copy, Debug, PartialEq)]
 //! struct Paddle;
@@ -12,6 +12,7 @@
 //!     type Scalar = f32;
 //!     type Velocity = axis::velocity::filtered::Filtered<f32>;
 //!     type Kinematics = axis::kinematics::direct::Direct;
+//!     type Contact = render::Contact<f32>;
 //!     type Integrator = object::semi_implicit::SemiImplicit<f32>;
 //!     type Law = couple::power::Power<f32>;
 //! }
@@ -30,10 +31,11 @@ use crate::couple::engagement::Ladder;
 use crate::couple::{AnyLaw, Law};
 use crate::list::{Listed, Model};
 use crate::object::{AnyIntegrator, Integrator};
-use crate::render::Contact;
+use crate::render::{AnyRendering, Rendering};
 use crate::safety::Guard;
 use crate::scalar::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::watch::Watch;
 
 /// Which models a scene holds.
 pub trait Models: Copy + core::fmt::Debug + PartialEq + 'static {
@@ -43,6 +45,8 @@ pub trait Models: Copy + core::fmt::Debug + PartialEq + 'static {
     type Velocity: VelocityEstimator<Self::Scalar> + Listed<Self::Scalar>;
     /// Joints to axes.
     type Kinematics: Kinematics<Self::Scalar> + Listed<Self::Scalar>;
+    /// How contact is rendered.
+    type Contact: Rendering<Self::Scalar> + Listed<Self::Scalar>;
     /// How the object advances.
     type Integrator: Integrator<Self::Scalar> + Listed<Self::Scalar>;
     /// What holds the copies together.
@@ -57,6 +61,7 @@ impl<S: Scalar> Models for Any<S> {
     type Scalar = S;
     type Velocity = AnyVelocity<S>;
     type Kinematics = AnyKinematics<S>;
+    type Contact = AnyRendering<S>;
     type Integrator = AnyIntegrator<S>;
     type Law = AnyLaw<S>;
 }
@@ -74,11 +79,12 @@ pub struct Scene<M: Models> {
     pub(crate) kinematics: M::Kinematics,
     pub(crate) hold: Hold<M::Scalar>,
     pub(crate) motor: Motor<M::Scalar>,
-    pub(crate) contact: Contact<M::Scalar>,
+    pub(crate) contact: M::Contact,
     pub(crate) integrator: M::Integrator,
     pub(crate) law: M::Law,
     pub(crate) ladder: Ladder<M::Scalar>,
     pub(crate) guard: Guard<M::Scalar>,
+    pub(crate) watch: Watch<M::Scalar>,
 }
 
 impl<M: Models> Scene<M> {
@@ -91,6 +97,7 @@ impl<M: Models> Scene<M> {
         settings.check()?;
         held::<M::Scalar, M::Velocity>(settings, "axis.velocity")?;
         held::<M::Scalar, M::Kinematics>(settings, "kinematics.model")?;
+        held::<M::Scalar, M::Contact>(settings, "contact.rendering")?;
         held::<M::Scalar, M::Integrator>(settings, "object.integrator")?;
         held::<M::Scalar, M::Law>(settings, "coordination.comm")?;
         Ok(Self {
@@ -102,17 +109,23 @@ impl<M: Models> Scene<M> {
             kinematics: M::Kinematics::build(settings),
             hold: Hold::build(settings),
             motor: Motor::build(settings),
-            contact: Contact::build(settings),
+            contact: M::Contact::build(settings),
             integrator: M::Integrator::build(settings),
             law: M::Law::build(settings),
             ladder: Ladder::build(settings),
             guard: Guard::build(settings),
+            watch: Watch::build(settings),
         })
     }
 
     /// Ticks per packet, M.
     pub fn ticks_per_packet(&self) -> u32 {
         self.ticks_per_packet
+    }
+
+    /// Axes, and joints, in use.
+    pub fn axes(&self) -> usize {
+        self.axes
     }
 
     /// The encoder, for whoever plays the device.

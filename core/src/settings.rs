@@ -13,7 +13,7 @@ use crate::couple::wave::Decode;
 use crate::couple::{AnyLaw, LawName};
 use crate::list::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
-use crate::render::Side;
+use crate::render::{AnyRendering, RenderingName, Side};
 
 /// A setting that is one of a fixed list of names.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -304,6 +304,8 @@ settings! {
 
     /// Contact between the device and the local copy of the shared object.
     contact: Contact {
+        #[doc = "How contact is rendered: as a spring and a damper, or as impacts."]
+        rendering: RenderingName = RenderingName::Continuous, Allowed::Names(RenderingName::NAMES), "";
         #[doc = "Contact stiffness K_LC."]
         stiffness_n_per_m: f64 = 1000.0, number(0.0, 1e6), "N/m";
         #[doc = "Contact damping B_LC."]
@@ -314,6 +316,10 @@ settings! {
         gap_m: f64 = 0.0, number(0.0, 1.0), "m";
         #[doc = "Side of the object the device is on; of a pair, user 1 is on the left and user 2 on the right."]
         side: Side = Side::Left, Allowed::Names(Side::NAMES), "";
+        #[doc = "Impulsive rendering: share of the speed of approach with which device and object part."]
+        restitution: f64 = 1.0, number(0.0, 1.0), "";
+        #[doc = "Impulsive rendering: mass with which the device takes part in an impact."]
+        device_mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg";
     }
 
     /// The local copy of the shared virtual object.
@@ -420,6 +426,28 @@ settings! {
         disengage_packets: u32 = 12, whole(1, 10000), "packets";
         #[doc = "Packet periods without a packet, from a peer that was heard before, after which the peer faults."]
         peer_lost_packets: u32 = 1250, whole(1, 100000), "packets";
+        #[doc = "Change of a motor's duty, as a fraction of full scale, under which its encoder must count."]
+        stuck_duty: f64 = 0.25, number(0.01, 0.5), "";
+        #[doc = "Most power that a hand can feed the device on one axis; above it the peer faults."]
+        max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W";
+    }
+
+    /// Limits of what a motor does open loop, for calibration and for the check before arming.
+    probe: Probe {
+        #[doc = "Largest duty of a probe, as a fraction of full scale."]
+        max_duty: f64 = 0.1, number(0.001, 0.5), "";
+        #[doc = "Farthest that a probe may move its joint from where it began."]
+        max_travel_counts: u32 = 4000, whole(10, 30000), "counts";
+        #[doc = "Fastest that a probe may move its joint."]
+        max_speed_counts_per_s: f64 = 200000.0, number(100.0, 3e7), "counts/s";
+        #[doc = "Longest probe."]
+        max_s: f64 = 3.0, number(0.01, 10.0), "s";
+        #[doc = "Duty of the check before arming, as a fraction of full scale; at most probe.max_duty."]
+        check_duty: f64 = 0.02, number(0.001, 0.1), "";
+        #[doc = "Time that the check before arming takes, for one joint."]
+        check_s: f64 = 0.04, number(0.008, 0.4), "s";
+        #[doc = "Counts that the motor must move its joint by for the check to tell which way."]
+        check_counts: u32 = 20, whole(4, 1000), "counts";
     }
 }
 
@@ -429,6 +457,7 @@ impl Settings {
         self.check_ranges()?;
         crate::axis::check(self)?;
         Ladder::<f64>::check(self)?;
+        AnyRendering::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;
         AnyLaw::<f64>::check(self)
     }

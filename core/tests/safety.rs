@@ -175,8 +175,91 @@ fn fault_numbers_never_change() {
         Fault::PeerLost,
         Fault::TickOverrun,
         Fault::Diverged,
+        Fault::EncoderStuck,
+        Fault::Runaway,
     ];
-    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(Fault::ALL, faults);
+    assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
+}
+
+/// The other peer moves the object; the encoder says nothing. The force may change by a quarter of full scale, no more.
+#[test]
+fn an_encoder_that_is_stuck() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    settings.coordination.comm = LawName::Power;
+    settings.coordination.stiffness_n_per_m = 300.0;
+    let stuck_at = |counts: &dyn Fn(u16) -> u16| {
+        let mut bench = Bench::armed(&settings);
+        let mut largest = 0.0_f32;
+        for tick in 0..400_u16 {
+            if bench.state.packet_due() {
+                let pulled = Packet { motion: Motion::at(0.0004 * f32::from(tick)), ..Packet::default() };
+                peer::exchange(&bench.scene, &mut bench.state, Some(pulled));
+            }
+            let actuators = bench.read(Reading::Counts([Counts(counts(tick)), Counts(0)]));
+            largest = largest.max(actuators.forces[0].abs());
+        }
+        (bench, largest)
+    };
+    let (mut bench, largest) = stuck_at(&|_| 7);
+    assert_eq!(bench.state.mode(), Mode::Faulted(Fault::EncoderStuck));
+    // 10 N, and what the object adds in one packet period.
+    assert!((9.0..12.0).contains(&largest), "{largest} N");
+    let last = bench.read(Reading::Counts([Counts(7), Counts(0)]));
+    bench.assert_stopped(last, Fault::EncoderStuck);
+    // One count now and then is a device that is there.
+    let (bench, largest) = stuck_at(&|tick| 7 + tick / 32 % 2);
+    assert_eq!(bench.state.mode(), Mode::Armed);
+    assert!(largest > 15.0, "{largest} N");
+}
+
+/// A device whose encoder begins to count the wrong way, pressed against the object by 4 N: an exact model of both.
+#[test]
+fn an_encoder_that_counts_the_wrong_way() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    settings.coordination.comm = LawName::Free;
+    settings.object.mass_kg = 1000.0;
+    let run = |flipped: bool| {
+        let mut bench = Bench::armed(&settings);
+        let (mut position, mut speed) = (0.0_f64, 0.0_f64);
+        let (mut seen, mut last) = (0.0, 0.0);
+        for tick in 0..1000 {
+            seen += if flipped && tick > 300 { last - position } else { position - last };
+            last = position;
+            let counts = Counts((seen * 200_000.0).round() as i64 as u16);
+            let actuators = bench.read(Reading::Counts([counts, Counts(0)]));
+            if bench.state.mode() != Mode::Armed {
+                return (bench.state.mode(), tick, speed);
+            }
+            speed += 1e-3 * (f64::from(actuators.forces[0]) + 4.0 - 3.0 * speed) / 0.1;
+            position += 1e-3 * speed;
+        }
+        (bench.state.mode(), 1000, speed)
+    };
+    assert_eq!(run(false).0, Mode::Armed);
+    let (mode, tick, speed) = run(true);
+    assert_eq!(mode, Mode::Faulted(Fault::Runaway), "tick {tick}, {speed} m/s");
+    // It is stopped long before max_speed_m_per_s, 10 m/s.
+    assert!(speed.abs() < 4.0, "tick {tick}, {speed} m/s");
+}
+
+/// A blow, as far as a hand can deal one, is no runaway.
+#[test]
+fn a_blow_is_taken() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    settings.object.mass_kg = 1000.0;
+    let mut bench = Bench::armed(&settings);
+    let forces = (0..12_u16).map(|tick| {
+        // 2 m/s.
+        bench.read(Reading::Counts([Counts(400 * tick), Counts(0)])).forces[0]
+    });
+    let hardest = forces.fold(0.0, f32::min);
+    assert!(hardest < -20.0, "{hardest} N");
+    assert_eq!(bench.state.mode(), Mode::Armed);
 }
 
 /// The slew limit holds from tick to tick, and does not touch a force that moves slower.

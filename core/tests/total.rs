@@ -8,10 +8,11 @@ use haptic_core::axis::{AXES, Reading};
 use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Sensors, State};
+use haptic_core::probe::{Probe, Request, Shape};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::scene::{Any, Scene};
-use haptic_core::settings::{Allowed, Settings, Value};
+use haptic_core::settings::{Allowed, Choice, Settings, Value};
 use proptest::prelude::*;
 
 /// A number of any kind: half of them what a device could say, half of them any bits.
@@ -34,16 +35,20 @@ struct Outside {
     read_counts: bool,
     overrun: bool,
     packet: bool,
+    /// Shape of a probe that is asked for, if any.
+    probe: Option<usize>,
 }
 
 fn outside() -> impl Strategy<Value = Outside> {
-    (prop::array::uniform7(any_number()), any::<[u16; AXES]>(), any::<bool>(), 0..50_u8, any::<bool>()).prop_map(
-        |(numbers, counts, read_counts, overrun, packet)| Outside {
+    let probe = prop::option::weighted(0.1, 0..Shape::ALL.len());
+    (prop::array::uniform7(any_number()), any::<[u16; AXES]>(), any::<bool>(), 0..50_u8, any::<bool>(), probe).prop_map(
+        |(numbers, counts, read_counts, overrun, packet, probe)| Outside {
             numbers,
             counts,
             read_counts,
             overrun: overrun == 0,
             packet,
+            probe,
         },
     )
 }
@@ -77,6 +82,20 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
     state.command(&scene, Command::Arm);
     for now in course {
         let [a, b, c, d, e, f, g] = now.numbers.map(S::from_f64);
+        if let Some(shape) = now.probe {
+            let (limits, period_s) = (&settings.probe, settings.timing.control_period_s);
+            let request = Request {
+                joint: settings.axis.count,
+                shape: Shape::ALL[shape],
+                duty: -limits.max_duty.min(settings.motor.max_duty),
+                duration_s: limits.max_s,
+                frequency_hz: 0.1 / period_s,
+            };
+            if let Ok(probe) = Probe::build(settings, &request) {
+                state.command(&scene, Command::Disarm);
+                state.probe(probe);
+            }
+        }
         if state.packet_due() {
             let [.., energy_j, wave_integral] = now.numbers;
             let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g, energy_j, wave_integral };
@@ -97,7 +116,15 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
             );
         }
         let on = actuators.enable || actuators.forces.iter().any(|f| f.to_f64() != 0.0);
-        prop_assert!(!on || state.mode() == Mode::Armed, "forces while {:?}", state.mode());
+        let on_when = [Mode::Armed, Mode::Probing];
+        prop_assert!(!on || on_when.contains(&state.mode()), "forces while {:?}", state.mode());
+        if state.mode() == Mode::Probing {
+            let most = (settings.probe.max_duty * 32767.0).round() as i16;
+            let within = actuators.duties.iter().all(|duty| duty.0.saturating_abs() <= most);
+            prop_assert!(within && actuators.forces.iter().all(|f| f.to_f64() == 0.0), "{actuators:?}");
+        } else if state.mode() == Mode::Disarmed {
+            state.command(&scene, Command::Arm);
+        }
         if matches!(state.mode(), Mode::Faulted(_)) {
             // Keep going as an operator would: everything must hold after any fault.
             state.command(&scene, Command::Clear);

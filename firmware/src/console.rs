@@ -1,40 +1,36 @@
-//! The operator's port: lines of text over UDP that arm, stop and set up the board ([`firmware_parts::operator`]).
+//! The console: what the operator's lines do ([`firmware_parts::operator`]): arm, stop and set up the board.
 //!
-//! One datagram to port 7702, one answer back, `ok …` or `error …`, with the line's `#tag` in front. Settings go into a
-//! draft first; `apply` checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary
-//! if it is disarmed. Arming is refused while anything stands against it, with the reason.
-//!
-//! Limits: nothing here is sealed or authenticated. Whoever can reach the port can arm the motors, so it belongs on a
-//! cable or a switch of its own.
+//! One line, one answer, `ok …` or `error …`; [`crate::port`] brings them, sealed. Settings go into a draft first; `apply`
+//! checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary if it is disarmed, and to
+//! the link, which from then on wants a peer that was told the same. Arming is refused while anything stands against it,
+//! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
+//! encoders, mechanism and motors that are set now.
 
 use core::fmt::Write;
 use core::sync::atomic::Ordering;
 
-use embassy_net::Stack;
-use embassy_net::udp::{PacketMetadata, UdpSocket};
-use embassy_time::{Duration, Timer, with_timeout};
-use firmware_parts::exchange::Writer;
+use embassy_time::{Duration, Timer};
+use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::motion::Motion;
+use haptic_core::probe::{End, Outcome, Probe};
 use haptic_core::render::{Contact, Side};
 use haptic_core::safety::Command;
 use haptic_core::scene::Scene;
-use haptic_core::settings::{SetError, Settings};
-use heapless::String;
-use static_cell::ConstStaticCell;
+use haptic_core::settings::{Refused, SetError, Settings};
+use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
 use crate::fault::Cause;
+use crate::storage::{self, Origin};
 use crate::tick::{self, Plan};
 use crate::{net, telemetry};
 
-/// Port of the operator.
-const PORT: u16 = 7702;
-
-/// Longest answer, bytes.
-type Answer = String<240>;
+/// An answer.
+type Answer = Line;
 
 /// What the operator works on.
 pub(crate) struct Console {
@@ -44,12 +40,22 @@ pub(crate) struct Console {
     pub(crate) cause: Cause,
     /// Nobody has acknowledged it yet.
     pub(crate) unacknowledged: bool,
+    /// Where the settings of this start came from.
+    pub(crate) origin: Origin,
+    /// What the tick runs.
+    pub(crate) applied: Kept,
     /// What `set` changes.
-    pub(crate) draft: Settings,
+    pub(crate) draft: Kept,
+    /// [`Plan::device`] of what the tick runs.
+    pub(crate) device: u32,
     /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
     /// Numbers the orders.
     pub(crate) orders: u32,
+    /// Probes for the tick.
+    pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
+    /// What came of them.
+    pub(crate) probed: Reader<'static, Outcome>,
 }
 
 /// The settings as this board runs them, turned into what the tick takes; or why not.
@@ -68,11 +74,15 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
         let _ = write!(why, "axis.velocity must be difference, filtered or adaptive: encoders measure no velocity");
         return Err(why);
     }
+    if let Err(refused) = haptic_core::axis::encoder::check(&settings) {
+        let _ = write!(why, "{refused}");
+        return Err(why);
+    }
     match Scene::build(&settings) {
         Ok(scene) => {
             // The object starts at zero, so the device starts where it is just clear of it.
             let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST] })
+            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
         }
         Err(refused) => {
             let _ = write!(why, "{refused}");
@@ -82,16 +92,21 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> 
 }
 
 impl Console {
-    /// Does what a line asks for, and answers.
-    async fn answer(
-        &mut self,
-        request: Request<'_>,
-        from: embassy_net::IpEndpoint,
-        to: &mut Answer,
-    ) -> core::fmt::Result {
+    /// Does what a line says, and answers. An answer that does not fit is cut: the first words say what matters.
+    pub(crate) async fn hear(&mut self, line: &str, to: &mut Answer) {
+        let _ = match operator::parse(line) {
+            Ok(request) => self.answer(request, to).await,
+            Err(misread) => write!(to, "error {}", misread.explain()),
+        };
+    }
+
+    async fn answer(&mut self, request: Request<'_>, to: &mut Answer) -> core::fmt::Result {
         match request {
             Request::Status => self.status(to),
             Request::Command(command) => self.command(command, to).await,
+            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await,
+            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await,
+            Request::Probed => self.probed(to),
             Request::Set(key, value) => match self.draft.set(key, value) {
                 Ok(()) => write!(to, "ok {key} = {value}"),
                 Err(SetError::Unknown) => write!(to, "error there is no key {key}"),
@@ -102,17 +117,17 @@ impl Console {
                 None => write!(to, "error there is no key {key}"),
             },
             Request::Defaults => {
-                self.draft = crate::defaults();
+                self.draft = Kept::default();
                 write!(to, "ok the draft holds the defaults")
             }
             Request::Apply => self.apply(to).await,
-            Request::Save => write!(to, "error there is no store yet"),
+            Request::Save => self.save(to).await,
             Request::Stream(every) => {
-                telemetry::stream(from, every);
+                telemetry::stream(every);
                 write!(to, "ok every {every} ticks")
             }
             Request::Capture(ticks) => {
-                telemetry::capture(from, ticks);
+                telemetry::capture(ticks);
                 write!(to, "ok the next {ticks} ticks")
             }
         }
@@ -123,7 +138,7 @@ impl Console {
         let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
         write!(
             to,
-            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; started: {}{}",
+            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; link {}; settings {} {}{}; started: {}{}",
             self.number as u8 + 1,
             number(&tick::TICKS),
             number(&tick::OVERRUNS),
@@ -131,6 +146,16 @@ impl Console {
             number(&net::DROPPED),
             number(&net::RECEIVED),
             number(&net::REFUSED),
+            net::stage(),
+            self.origin.explain(),
+            number(&storage::SETTINGS_GENERATION),
+            if storage::BUSY.load(Ordering::Relaxed) {
+                ", saving"
+            } else if storage::FAILED.load(Ordering::Relaxed) {
+                ", not saved"
+            } else {
+                ""
+            },
             self.cause.stop.explain(),
             self.cause.place,
         )
@@ -146,16 +171,21 @@ impl Console {
                 self.unacknowledged = false;
                 tick::EMERGENCY.store(false, Ordering::Relaxed);
             }
-            Command::Arm if self.unacknowledged => {
-                return write!(to, "error clear first: {}", self.cause.stop.explain());
+            Command::Arm => {
+                if let Some((first, why)) = self.obstacle() {
+                    return write!(to, "error {first}{why}");
+                }
+                let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+                if mode == "disarmed" && !tick::CHECKED.load(Ordering::Relaxed) {
+                    return write!(
+                        to,
+                        "error check first: the signs of motor and encoder were not checked, every joint in use"
+                    );
+                }
+                if mode != "disarmed" {
+                    return write!(to, "error {mode}, fault {fault}");
+                }
             }
-            Command::Arm if tick::EMERGENCY.load(Ordering::Relaxed) => {
-                return write!(to, "error clear first: the emergency stop was pressed");
-            }
-            Command::Arm if !bridges::stop_released() => {
-                return write!(to, "error the emergency stop is pressed, or not connected");
-            }
-            Command::Arm => {}
         }
         self.orders = self.orders.wrapping_add(1);
         let order = status::order(self.orders, command);
@@ -170,13 +200,86 @@ impl Console {
         }
     }
 
-    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
-        if status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 != "disarmed" {
+    /// What stands against motors being on, before the tick is asked: what to do first, and why.
+    fn obstacle(&self) -> Option<(&'static str, &'static str)> {
+        if self.unacknowledged {
+            Some(("clear first: ", self.cause.stop.explain()))
+        } else if tick::EMERGENCY.load(Ordering::Relaxed) {
+            Some(("clear first: ", "the emergency stop was pressed"))
+        } else if !bridges::stop_released() {
+            Some(("", "the emergency stop is pressed, or not connected"))
+        } else if storage::BUSY.load(Ordering::Acquire) {
+            Some(("", "the settings are being saved"))
+        } else {
+            None
+        }
+    }
+
+    /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
+    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Answer) -> core::fmt::Result {
+        if let Some((first, why)) = self.obstacle() {
+            return write!(to, "error {first}{why}");
+        }
+        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+        if mode != "disarmed" {
+            return write!(to, "error {mode}, fault {fault}");
+        }
+        let probe = match probe {
+            Ok(probe) => probe,
+            Err(refused) => return write!(to, "error {refused}"),
+        };
+        let number = tick::BEGUN.load(Ordering::Relaxed).wrapping_add(1);
+        self.probes.write((number, probe));
+        if !carried_out(|| tick::BEGUN.load(Ordering::Acquire) == number).await {
+            return write!(to, "error the tick did not answer");
+        }
+        write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
+    }
+
+    fn probed(&mut self, to: &mut Answer) -> core::fmt::Result {
+        self.probed.fetch();
+        let outcome = *self.probed.get();
+        let Outcome { joint, end, most_counts, least_counts, verdict_counts, check } = outcome;
+        write!(to, "ok joint {joint} {}", end.name())?;
+        if matches!(end, End::None | End::Running) {
+            return write!(to, ": {}", end.explain());
+        }
+        write!(to, " work {most_counts} {least_counts} of {verdict_counts}: {}", end.explain())?;
+        if check {
+            let verdict = outcome.verdict();
+            write!(to, "; {}: {}", verdict.name(), verdict.explain())?;
+        }
+        Ok(())
+    }
+
+    /// What is applied goes to flash. An erase takes longer than an answer may: then `status` says how it ended.
+    async fn save(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
             return write!(to, "error disarm first");
         }
-        match plan(&self.draft, self.number) {
+        if !storage::save(&self.applied) {
+            return write!(to, "error the settings are being saved");
+        }
+        match carried_out(|| !storage::BUSY.load(Ordering::Acquire)).await {
+            false => write!(to, "ok saving, a few seconds: flash is being erased"),
+            true if storage::FAILED.load(Ordering::Relaxed) => write!(to, "error the flash does not take it"),
+            true => write!(to, "ok saved"),
+        }
+    }
+
+    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
+        if !disarmed() {
+            return write!(to, "error disarm first");
+        }
+        match plan(&self.draft.settings, self.number) {
             Ok(plan) => {
-                self.plans.write(plan);
+                let (before, now) = (&self.applied.settings, &self.draft.settings);
+                let same = (before.axis.count == now.axis.count)
+                    && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);
+                self.device = if same { self.device } else { self.device.wrapping_add(1) };
+                self.plans.write(Plan { device: self.device, ..plan });
+                self.applied = self.draft;
+                net::TOLD.signal(self.draft.settings);
                 write!(to, "ok applied")
             }
             Err(why) => write!(to, "error {why}"),
@@ -184,7 +287,11 @@ impl Console {
     }
 }
 
-/// Waits up to 50 ms for the tick to do something.
+fn disarmed() -> bool {
+    status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 == "disarmed"
+}
+
+/// Waits up to 50 ms for something to be done.
 async fn carried_out(done: impl Fn() -> bool) -> bool {
     for _ in 0..50 {
         if done() {
@@ -193,39 +300,4 @@ async fn carried_out(done: impl Fn() -> bool) -> bool {
         Timer::after(Duration::from_millis(1)).await;
     }
     done()
-}
-
-/// Listens and answers.
-#[embassy_executor::task]
-pub(crate) async fn listen(stack: Stack<'static>, mut console: Console) -> ! {
-    static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static TX_META: ConstStaticCell<[PacketMetadata; 4]> = ConstStaticCell::new([PacketMetadata::EMPTY; 4]);
-    static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), &mut [], &mut []);
-    if socket.bind(PORT).is_err() {
-        defmt::panic!("the operator's port cannot be bound");
-    }
-    // Answers go out by a socket of their own: dropping answers that nobody takes must not drop orders that came in.
-    let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
-    let mut bytes = [0; 256];
-    loop {
-        let Ok(received) = with_timeout(Duration::from_millis(20), socket.recv_from(&mut bytes)).await else {
-            answers.tend();
-            continue;
-        };
-        let Ok((length, from)) = received else { continue };
-        let (tag, request) = operator::parse(bytes.get(..length).unwrap_or_default());
-        let mut answer = Answer::new();
-        if !tag.is_empty() {
-            let _ = write!(answer, "#{tag} ");
-        }
-        // An answer that does not fit is cut: the first words say what matters.
-        let _ = match request {
-            Ok(request) => console.answer(request, from.endpoint, &mut answer).await,
-            Err(misread) => write!(answer, "error {}", misread.explain()),
-        };
-        defmt::info!("operator: {=str}", answer.as_str());
-        answers.send(answer.as_bytes(), from.endpoint).await;
-    }
 }

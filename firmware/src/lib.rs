@@ -3,6 +3,9 @@
 //! | module | holds |
 //! |---|---|
 //! | [`exchange`] | the only memory that the 1 kHz interrupt and the tasks share |
+//! | [`kept`] | what a board keeps from one start to the next |
+//! | [`store`] | how that survives in flash, whatever happens to the power |
+//! | [`packet`] | between the coordination and the wire |
 //! | [`record`] | what one tick saw and did, and its bytes |
 //! | [`operator`] | the lines of text by which a person arms, stops and sets up a board |
 //! | [`status`] | mode, fault and progress in words that an interrupt can publish |
@@ -11,6 +14,9 @@
 #![no_std]
 
 pub mod exchange;
+pub mod kept;
 pub mod operator;
+pub mod packet;
 pub mod record;
 pub mod status;
+pub mod store;

@@ -7,9 +7,11 @@
 //! |---|---|
 //! | `board/` | the only folder that knows the chip |
 //! | `tick.rs` | the 1 kHz interrupt |
-//! | `net.rs` | the 8 ms exchange with the other board |
-//! | `console.rs` | the operator's port: arm, stop, settings |
-//! | `telemetry.rs` | what the ticks did, over UDP |
+//! | `net.rs` | the 8 ms exchange with the other peer, sealed |
+//! | `port.rs` | the operator's port, sealed |
+//! | `console.rs` | what the operator's lines do: arm, stop, settings |
+//! | `telemetry.rs` | what the ticks did, for the operator |
+//! | `storage.rs` | saves settings to flash |
 //! | `supervisor.rs` | feeds the watchdog while everything makes progress |
 //! | `fault.rs` | when the program cannot go on |
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -28,6 +30,10 @@ mod fault;
 #[cfg(target_os = "none")]
 mod net;
 #[cfg(target_os = "none")]
+mod port;
+#[cfg(target_os = "none")]
+mod storage;
+#[cfg(target_os = "none")]
 mod supervisor;
 #[cfg(target_os = "none")]
 mod telemetry;
@@ -35,21 +41,17 @@ mod telemetry;
 mod tick;
 
 #[cfg(target_os = "none")]
-use image::defaults;
-
-#[cfg(target_os = "none")]
 mod image {
     use defmt_rtt as _;
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-    use haptic_core::axis::velocity::VelocityName;
-    use haptic_core::settings::Settings;
+    use firmware_parts::kept::Kept;
     use static_cell::StaticCell;
 
     use crate::board::{self, pace};
     use crate::console::{self, Console};
     use crate::tick::Shared;
-    use crate::{fault, net, supervisor, tick};
+    use crate::{fault, net, storage, supervisor, tick};
 
     /// Supervisor: priority 2, below the tick and its bell, above the time driver (3) and Ethernet (4).
     static SUPERVISOR: InterruptExecutor = InterruptExecutor::new();
@@ -68,21 +70,15 @@ mod image {
         unsafe { NETWORK.on_interrupt() }
     }
 
-    /// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give.
-    pub(crate) fn defaults() -> Settings {
-        let mut settings = Settings::default();
-        settings.axis.velocity = VelocityName::Filtered;
-        settings
-    }
-
     #[embassy_executor::main]
-    async fn main(_spawner: Spawner) {
+    async fn main(spawner: Spawner) {
         let board = board::init();
         let cause = fault::cause();
         defmt::info!("board {}: {=str}", board.number, cause.stop.explain());
 
-        let settings = defaults();
-        let Ok(plan) = console::plan(&settings, board.number) else { defmt::panic!("the defaults are refused") };
+        let fits = |kept: &Kept| console::plan(&kept.settings, board.number).is_ok();
+        let (store, kept, origin) = storage::load(&board.flash, fits);
+        let Ok(plan) = console::plan(&kept.settings, board.number) else { defmt::panic!("the defaults are refused") };
         static SHARED: StaticCell<Shared> = StaticCell::new();
         let tasks = tick::prepare(SHARED.init_with(|| Shared::new(plan)));
         pace::start(board.pace);
@@ -99,9 +95,14 @@ mod image {
             number: board.number,
             cause,
             unacknowledged: cause.stop.latches(),
-            draft: settings,
+            origin,
+            applied: kept,
+            draft: kept,
+            device: 0,
             plans: tasks.plans,
             orders: 0,
+            probes: tasks.probes,
+            probed: tasks.probed,
         };
         NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net::start(
             board.ethernet,
@@ -111,6 +112,7 @@ mod image {
             tasks.records,
             console,
         )));
-        core::future::pending::<()>().await;
+        // Thread mode, below everything: programming flash may take its time.
+        spawner.spawn(defmt::unwrap!(storage::run(board.flash, store)));
     }
 }

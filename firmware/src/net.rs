@@ -1,33 +1,41 @@
-//! Network: the 8 ms exchange with the other board. Never waits for the network.
+//! Network: the 8 ms exchange with the other peer, sealed ([`Link`]). Never waits for the network.
 //!
-//! Addresses are fixed by the strap, for a cable or a switch of its own: board 1 is 192.168.77.1, board 2 192.168.77.2, a
-//! PC anything else in 192.168.77.0/24. Flow goes from port 7701 to port 7701, one datagram each packet period, the moment
-//! the tick has made it.
+//! Addresses are by the strap (board 1 is 192.168.77.1, board 2 192.168.77.2) or as set (`network.*`,
+//! [`firmware_parts::kept`]). Flow goes from port 7701 to port 7701, one datagram each packet period, the moment the tick has
+//! made it. A board without a key, or without randomness, does not open the network at all.
 //!
 //! A datagram that cannot be handed to the driver now (neighbour unresolved, link down, queue full) is dropped: the next
-//! one is newer. Of what comes in, only the other board's address is listened to, and only what is newer than the last.
+//! one is newer. Of what comes in the link takes what is authentic and newer than the last; only flow of a peer whose motors
+//! are on reaches the tick. When the link lets go of the other peer, the tick does too ([`tick::LIFE`]).
 
 use core::future::poll_fn;
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use core::task::Poll;
 
 use embassy_executor::Spawner;
 use embassy_futures::poll_once;
-use embassy_futures::select::{Either, select};
+use embassy_futures::select::{Either3, select3};
 use embassy_net::udp::{PacketMetadata, UdpSocket};
-use embassy_net::{IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
+use embassy_net::{DhcpConfig, IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Consumer, Reader, Writer};
+use firmware_parts::kept::Addresses;
+use firmware_parts::packet;
 use firmware_parts::record::Record;
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
-use haptic_protocol::wire::Flow;
+use haptic_core::settings::Settings;
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link, Notice, Stage};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::{Number, ethernet, pace};
-use crate::console::{self, Console};
-use crate::telemetry;
-use crate::tick::{Outgoing, RECORDS};
+use crate::board::{Number, ethernet, flash, pace, random};
+use crate::console::Console;
+use crate::port;
+use crate::telemetry::Telemetry;
+use crate::tick::{self, Outgoing, RECORDS, Received};
 
 /// Port of the flow.
 const FLOW_PORT: u16 = 7701;
@@ -38,8 +46,18 @@ pub(crate) static SENT: AtomicU32 = AtomicU32::new(0);
 pub(crate) static DROPPED: AtomicU32 = AtomicU32::new(0);
 /// Datagrams taken in.
 pub(crate) static RECEIVED: AtomicU32 = AtomicU32::new(0);
-/// Datagrams refused: not the other board's, not a flow, or late.
+/// Datagrams refused: not authentic, or of no use; on the operator's port too.
 pub(crate) static REFUSED: AtomicU32 = AtomicU32::new(0);
+/// Settings that the tick was told: the link has to agree with the other peer about them anew. Set by the console.
+pub(crate) static TOLD: Signal<CriticalSectionRawMutex, Settings> = Signal::new();
+/// [`Stage`] of the link to the other peer, as a number.
+static STAGE: AtomicU8 = AtomicU8::new(Stage::Calling as u8);
+
+/// How far the link to the other peer is, for a person.
+pub(crate) fn stage() -> &'static str {
+    const NAMES: [&str; 6] = ["calling", "joining", "idle", "running", "fading", "refused: other settings"];
+    NAMES.get(usize::from(STAGE.load(Ordering::Relaxed))).copied().unwrap_or("?")
+}
 
 /// One more.
 pub(crate) fn count(counter: &AtomicU32) {
@@ -53,44 +71,78 @@ fn address(number: Number) -> Ipv4Address {
     }
 }
 
-/// The other board's address.
-fn other(number: Number) -> Ipv4Address {
-    match number {
-        Number::One => address(Number::Two),
-        Number::Two => address(Number::One),
-    }
-}
-
 /// Brings the link up and starts everything that talks. A PHY that does not answer stops it here, and nothing else.
 #[embassy_executor::task]
 pub(crate) async fn start(
     pins: ethernet::Pins,
     number: Number,
     outgoing: Reader<'static, Outgoing>,
-    incoming: Writer<'static, Packet<f32>>,
+    incoming: Writer<'static, Received>,
     records: Consumer<'static, Record, RECORDS>,
     console: Console,
 ) {
+    let Some(key) = flash::key() else {
+        defmt::error!("no key: this board talks to nobody and cannot be armed; cargo xtask provision gives it one");
+        return;
+    };
+    let (settings, addresses) = (console.applied.settings, console.applied.addresses);
+    static OPERATOR: StaticCell<Link> = StaticCell::new();
+    static PEER: StaticCell<Link> = StaticCell::new();
+    let operator = place(&OPERATOR, || port::link(&key, number, random::draw()?));
+    let link = place(&PEER, || connect(&key, number, &settings));
+    let (Some(operator), Some(link)) = (operator, link) else {
+        defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");
+        return;
+    };
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.
     // SAFETY: this future is polled by the executor of a task, which never ends.
     let spawner = unsafe { Spawner::for_current_executor() }.await;
-    let (stack, runner) = stack(ethernet::start(pins, number), number);
-    spawner.spawn(defmt::unwrap!(flow(stack, number, outgoing, incoming)));
+    let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
+    let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), FLOW_PORT);
+    let flow = Flow { key, number, link, peer, outgoing, incoming };
+    spawner.spawn(defmt::unwrap!(exchange(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
-    spawner.spawn(defmt::unwrap!(telemetry::run(stack, records)));
-    spawner.spawn(defmt::unwrap!(console::listen(stack, console)));
+    spawner.spawn(defmt::unwrap!(port::run(stack, console, operator, Telemetry::new(records))));
 }
 
-/// The stack on its fixed address, and what runs it.
-fn stack(device: ethernet::Device, number: Number) -> (Stack<'static>, Runner<'static, ethernet::Device>) {
+/// The stack on its address, and what runs it.
+fn stack(
+    device: ethernet::Device,
+    number: Number,
+    addresses: Addresses,
+) -> (Stack<'static>, Runner<'static, ethernet::Device>) {
     static RESOURCES: StaticCell<StackResources<6>> = StaticCell::new();
-    let config = embassy_net::Config::ipv4_static(StaticConfigV4 {
-        address: Ipv4Cidr::new(address(number), 24),
-        gateway: None,
-        dns_servers: Default::default(),
-    });
-    // The seed picks port numbers only, and ours are fixed.
+    let own = addresses.own.unwrap_or(address(number));
+    let config = if addresses.dhcp {
+        embassy_net::Config::dhcpv4(DhcpConfig::default())
+    } else {
+        embassy_net::Config::ipv4_static(StaticConfigV4 {
+            address: Ipv4Cidr::new(own, 24),
+            gateway: addresses.gateway,
+            dns_servers: Default::default(),
+        })
+    };
+    // The seed picks port numbers and DHCP's transactions only; it is no secret.
     embassy_net::new(device, config, RESOURCES.init(StackResources::new()), 1 + number as u64)
+}
+
+/// Makes a link where it is to stay: it is 4 kB, and this function's stack is gone when it returns.
+#[inline(never)]
+fn place(cell: &'static StaticCell<Link>, make: impl FnOnce() -> Option<Link>) -> Option<&'static mut Link> {
+    make().map(|link| cell.init(link))
+}
+
+/// A link to the other peer that begins to call; `None` without randomness.
+fn connect(key: &Key, number: Number, settings: &Settings) -> Option<Link> {
+    let timing = &settings.timing;
+    Link::new(Config {
+        key: key.clone(),
+        ends: Ends { local: number.peer(), remote: number.other().peer() },
+        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
+        parameters: packet::parameters(settings),
+        entropy: random::draw()?,
+    })
+    .ok()
 }
 
 /// Runs the stack.
@@ -150,14 +202,76 @@ impl<'a> Sender<'a> {
     }
 }
 
-/// Sends what the tick made, the moment it made it, and takes in what the other board sent.
-#[embassy_executor::task]
-async fn flow(
-    stack: Stack<'static>,
+/// The flow to and from the other peer.
+struct Flow {
+    key: Key,
     number: Number,
-    mut outgoing: Reader<'static, Outgoing>,
-    mut incoming: Writer<'static, Packet<f32>>,
-) -> ! {
+    link: &'static mut Link,
+    peer: IpEndpoint,
+    outgoing: Reader<'static, Outgoing>,
+    incoming: Writer<'static, Received>,
+}
+
+impl Flow {
+    /// Takes a datagram.
+    fn receive(&mut self, datagram: &mut [u8]) {
+        let taken = self.link.receive(now(), datagram);
+        // Before the flow is handed on: it may be the first of another life of the other peer.
+        self.heed();
+        match taken {
+            Ok(Some(Incoming::Flow(flow))) => {
+                count(&RECEIVED);
+                if flow.engaged {
+                    let life = tick::LIFE.load(Ordering::Relaxed);
+                    self.incoming.write(Received { life, packet: packet::packet(&flow) });
+                }
+            }
+            Ok(_) => {}
+            Err(_) => count(&REFUSED),
+        }
+    }
+
+    /// What the link has noticed.
+    fn heed(&mut self) {
+        while let Some(notice) = self.link.take_notice() {
+            match notice {
+                Notice::Joined => defmt::info!("peer: joined"),
+                Notice::NewPeer { .. } => defmt::info!("peer: has started anew"),
+                Notice::Engaged => defmt::info!("peer: engaged, flow comes"),
+                Notice::Fading => defmt::warn!("peer: fading, no flow for 3 packets"),
+                Notice::Resumed => defmt::info!("peer: resumed, flow again"),
+                Notice::Disengaged => {
+                    defmt::warn!("peer: disengaged, no flow for 12 packets or another session");
+                    tick::LIFE.fetch_add(1, Ordering::Release);
+                }
+                Notice::Lost => defmt::warn!("peer: lost, silent for 12 packets or another session"),
+                Notice::Refused { table } => {
+                    defmt::error!("peer: refused, it was told other settings: table {=str}", table);
+                }
+            }
+        }
+        STAGE.store(self.link.stage() as u8, Ordering::Relaxed);
+    }
+
+    /// Other settings: the other peer has to be told them too before the two meet again.
+    #[inline(never)]
+    fn told(&mut self, settings: &Settings) {
+        if let Some(link) = connect(&self.key, self.number, settings) {
+            *self.link = link;
+            tick::LIFE.fetch_add(1, Ordering::Release);
+        } else {
+            defmt::error!("peer: no randomness for a new session; the old one stands, with the old settings");
+        }
+    }
+}
+
+fn now() -> u64 {
+    Instant::now().as_micros()
+}
+
+/// Sends what the tick made, the moment it made it, and takes in what the other peer sent.
+#[embassy_executor::task]
+async fn exchange(stack: Stack<'static>, mut flow: Flow) -> ! {
     static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
     static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
     static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
@@ -166,59 +280,25 @@ async fn flow(
     if socket.bind(FLOW_PORT).is_err() {
         defmt::panic!("the flow's port cannot be bound");
     }
-    let peer = IpEndpoint::new(other(number).into(), FLOW_PORT);
-    let mut newest: Option<u32> = None;
-    let mut bytes = [0; 64];
+    let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
     loop {
-        match select(pace::rung(), socket.recv_from(&mut bytes)).await {
-            Either::First(()) => {
-                let Some(out) = outgoing.take() else { continue };
-                let mut datagram = [0; Flow::LEN];
-                let sent = flow_of(&out).emit(&mut datagram).is_ok() && send_now(&socket, &datagram, peer).await;
-                count(if sent { &SENT } else { &DROPPED });
-            }
-            Either::Second(Ok((length, from))) => {
-                let flow = bytes.get(..length).and_then(|bytes| Flow::parse(bytes).ok());
-                match flow {
-                    Some(flow) if from.endpoint == peer && newest.is_none_or(|last| newer(flow.tick, last)) => {
-                        newest = Some(flow.tick);
-                        incoming.write(packet_of(&flow));
-                        count(&RECEIVED);
-                    }
-                    _ => count(&REFUSED),
+        match select3(pace::rung(), socket.recv_from(&mut bytes), TOLD.wait()).await {
+            Either3::First(()) => {
+                if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
+                    && let Some(length) = flow.link.send_flow(now(), &packet::flow(packet, armed, tick), &mut out)
+                {
+                    let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
+                    count(if sent { &SENT } else { &DROPPED });
                 }
             }
-            Either::Second(Err(_)) => count(&REFUSED),
+            Either3::Second(Ok((length, _))) => flow.receive(bytes.get_mut(..length).unwrap_or_default()),
+            Either3::Second(Err(_)) => count(&REFUSED),
+            Either3::Third(settings) => flow.told(&settings),
         }
-    }
-}
-
-/// Newer in a count that wraps, or so much older that the sender must have started anew.
-fn newer(tick: u32, last: u32) -> bool {
-    const RESTARTED: u32 = 10_000;
-    let ahead = tick.wrapping_sub(last);
-    (1..1 << 31).contains(&ahead) || last.wrapping_sub(tick) > RESTARTED && ahead != 0
-}
-
-fn flow_of(out: &Outgoing) -> Flow {
-    let Outgoing { tick, armed, packet } = *out;
-    Flow {
-        engaged: armed,
-        tick,
-        position: packet.motion.position,
-        velocity: packet.motion.velocity,
-        wave: packet.wave,
-        wave_integral: packet.wave_integral,
-        energy_sent: packet.energy_j,
-        ..Flow::default()
-    }
-}
-
-fn packet_of(flow: &Flow) -> Packet<f32> {
-    Packet {
-        motion: Motion { position: flow.position, velocity: flow.velocity },
-        wave: flow.wave,
-        energy_j: flow.energy_sent,
-        wave_integral: flow.wave_integral,
+        while let Some(length) = flow.link.poll(now(), &mut out) {
+            // What the link repeats by itself needs no count.
+            send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
+        }
+        flow.heed();
     }
 }

@@ -1,20 +1,23 @@
 //! The lines of text by which a person, or a program on the PC, arms, stops and sets up a board.
 //!
-//! One datagram holds one line, so that `nc -u` is enough: a word, its arguments, and optionally `#tag` in front, which
-//! the answer repeats. Nothing here moves a motor but `arm`; `disarm` is always accepted.
+//! A word and its arguments. Nothing here moves a motor but `check`, `probe` and `arm`; `disarm` is always accepted.
 //!
 //! | line | does |
 //! |---|---|
 //! | `status` | mode, fault, ticks, what stopped the board last |
 //! | `arm`, `disarm`, `clear` | motors on; motors off; forget a fault (the motors stay off) |
+//! | `check joint` | does the joint's motor move its encoder the right way? Before `arm`, once after start and new settings |
+//! | `probe joint shape duty s [Hz]` | pushes a motor open loop ([`haptic_core::probe`]), for calibration |
+//! | `probed` | what came of the last `check` or `probe` |
 //! | `set key value`, `get key` | one setting of the draft, as scene files spell it |
 //! | `defaults`, `apply` | draft back to defaults; draft checked and taken, only while disarmed |
 //! | `save` | what is applied goes to flash, only while disarmed |
-//! | `stream n`, `stream off` | every n-th tick to the sender; nothing any more |
+//! | `stream n`, `stream off` | every n-th tick to the operator; nothing any more |
 //! | `capture n` | the next n ticks, every one |
 
+use haptic_core::probe::{self, Shape};
 use haptic_core::safety::Command;
-use haptic_core::settings::Value;
+use haptic_core::settings::{Choice, Value};
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +26,12 @@ pub enum Request<'a> {
     Status,
     /// Motors on or off, a fault forgotten.
     Command(Command),
+    /// Do the signs of a joint's motor and encoder agree?
+    Check(u32),
+    /// A motor pushed open loop.
+    Probe(probe::Request),
+    /// What came of the last check or probe.
+    Probed,
     /// A key of the draft.
     Set(&'a str, Value<'a>),
     /// What a key of the draft is.
@@ -42,7 +51,7 @@ pub enum Request<'a> {
 /// Why a line is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misread {
-    /// It is no text, or empty.
+    /// It is empty.
     Empty,
     /// Its first word is not known.
     Word,
@@ -55,8 +64,14 @@ impl Misread {
     pub fn explain(self) -> &'static str {
         match self {
             Self::Empty => "send one line of text",
-            Self::Word => "the words are status, arm, disarm, clear, set, get, defaults, apply, save, stream, capture",
-            Self::Arguments => "the forms are set key value, get key, stream n, stream off, capture n",
+            Self::Word => {
+                "the words are status, check, arm, disarm, clear, probe, probed, set, get, defaults, apply, save, stream, \
+                 capture"
+            }
+            Self::Arguments => {
+                "the forms are check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], set key value, get key, \
+                 stream n, stream off, capture n"
+            }
         }
     }
 }
@@ -70,26 +85,24 @@ pub fn value(text: &str) -> Value<'_> {
     }
 }
 
-/// The tag (empty without one) and what the line asks for.
-pub fn parse(datagram: &[u8]) -> (&str, Result<Request<'_>, Misread>) {
-    let Ok(line) = core::str::from_utf8(datagram) else { return ("", Err(Misread::Empty)) };
-    let line = line.trim();
-    let (tag, line) = match line.strip_prefix('#') {
-        Some(rest) => rest.split_once(' ').unwrap_or((rest, "")),
-        None => ("", line),
-    };
-    (tag, request(line))
-}
-
-fn request(line: &str) -> Result<Request<'_>, Misread> {
+/// What the line asks for.
+///
+/// # Errors
+/// It is none.
+pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
     let word = words.next().ok_or(Misread::Empty)?;
     let arguments = [words.next(), words.next(), words.next()];
+    if word == "probe" {
+        return probe(arguments, [words.next(), words.next(), words.next()]).ok_or(Misread::Arguments);
+    }
     Ok(match (word, arguments) {
         ("status", [None, ..]) => Request::Status,
         ("arm", [None, ..]) => Request::Command(Command::Arm),
         // Whatever else stands in the line: stopping must not fail for a slip of the finger.
         ("disarm", _) => Request::Command(Command::Disarm),
+        ("check", [Some(joint), None, _]) => Request::Check(joint.parse().map_err(|_| Misread::Arguments)?),
+        ("probed", [None, ..]) => Request::Probed,
         ("clear", [None, ..]) => Request::Command(Command::Clear),
         ("set", [Some(key), Some(text), None]) => Request::Set(key, value(text)),
         ("get", [Some(key), None, _]) => Request::Get(key),
@@ -99,11 +112,32 @@ fn request(line: &str) -> Result<Request<'_>, Misread> {
         ("stream", [Some("off"), None, _]) => Request::Stream(0),
         ("stream", [Some(n), None, _]) => Request::Stream(n.parse().map_err(|_| Misread::Arguments)?),
         ("capture", [Some(n), None, _]) => Request::Capture(n.parse().map_err(|_| Misread::Arguments)?),
-        ("arm" | "status" | "clear" | "set" | "get" | "defaults" | "apply" | "save" | "stream" | "capture", _) => {
+        (
+            "arm" | "status" | "check" | "probed" | "clear" | "set" | "get" | "defaults" | "apply" | "save" | "stream"
+            | "capture",
+            _,
+        ) => {
             return Err(Misread::Arguments);
         }
         _ => return Err(Misread::Word),
     })
+}
+
+/// `joint shape duty s [Hz]`.
+fn probe<'a>(
+    [joint, shape, duty]: [Option<&'a str>; 3],
+    [seconds, hertz, more]: [Option<&'a str>; 3],
+) -> Option<Request<'a>> {
+    if more.is_some() {
+        return None;
+    }
+    Some(Request::Probe(probe::Request {
+        joint: joint?.parse().ok()?,
+        shape: Shape::from_name(shape?)?,
+        duty: duty?.parse().ok()?,
+        duration_s: seconds?.parse().ok()?,
+        frequency_hz: hertz.map_or(Some(0.0), |hertz| hertz.parse().ok())?,
+    }))
 }
 
 #[cfg(test)]
@@ -112,36 +146,40 @@ mod tests {
 
     #[test]
     fn lines_are_read_as_written() {
-        assert_eq!(parse(b"arm\n"), ("", Ok(Request::Command(Command::Arm))));
-        assert_eq!(parse(b"#7 status"), ("7", Ok(Request::Status)));
-        assert_eq!(
-            parse(b"#x set coordination.comm wave\r\n"),
-            ("x", Ok(Request::Set("coordination.comm", Value::Text("wave"))))
-        );
-        assert_eq!(parse(b"set object.mass_kg 0.3").1, Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
-        assert_eq!(parse(b"set contact.one_sided true").1, Ok(Request::Set("contact.one_sided", Value::Flag(true))));
-        assert_eq!(parse(b"stream off").1, Ok(Request::Stream(0)));
-        assert_eq!(parse(b"capture 500").1, Ok(Request::Capture(500)));
+        assert_eq!(parse("arm\n"), Ok(Request::Command(Command::Arm)));
+        assert_eq!(parse(" status "), Ok(Request::Status));
+        assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
+        assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
+        assert_eq!(parse("set contact.one_sided true"), Ok(Request::Set("contact.one_sided", Value::Flag(true))));
+        assert_eq!(parse("stream off"), Ok(Request::Stream(0)));
+        assert_eq!(parse("capture 500"), Ok(Request::Capture(500)));
+        assert_eq!(parse("check 2"), Ok(Request::Check(2)));
+        let sine = probe::Request { joint: 1, shape: Shape::Sine, duty: -0.05, duration_s: 2.0, frequency_hz: 7.5 };
+        assert_eq!(parse("probe 1 sine -0.05 2 7.5"), Ok(Request::Probe(sine)));
+        let pulse = probe::Request { shape: Shape::Pulse, frequency_hz: 0.0, ..sine };
+        assert_eq!(parse("probe 1 pulse -0.05 2"), Ok(Request::Probe(pulse)));
     }
 
     #[test]
     fn what_is_no_line_says_why() {
-        assert_eq!(parse(b"").1, Err(Misread::Empty));
-        assert_eq!(parse(b"\xFF\xFE").1, Err(Misread::Empty));
-        assert_eq!(parse(b"#5").1, Err(Misread::Empty));
-        assert_eq!(parse(b"launch").1, Err(Misread::Word));
-        assert_eq!(parse(b"set a").1, Err(Misread::Arguments));
-        assert_eq!(parse(b"stream x").1, Err(Misread::Arguments));
+        assert_eq!(parse(""), Err(Misread::Empty));
+        assert_eq!(parse("launch"), Err(Misread::Word));
+        assert_eq!(parse("set a"), Err(Misread::Arguments));
+        assert_eq!(parse("stream x"), Err(Misread::Arguments));
+        for line in ["probe", "probe 1 push 0.1 1", "probe 1 sine 0.1", "probe 1 sine 0.1 1 5 9", "check", "check one"]
+        {
+            assert_eq!(parse(line), Err(Misread::Arguments), "{line}");
+        }
     }
 
     #[test]
     fn stopping_is_never_misread_for_what_follows_it() {
-        assert_eq!(parse(b"disarm!").1, Err(Misread::Word));
-        assert_eq!(parse(b"disarm now please").1, Ok(Request::Command(Command::Disarm)));
+        assert_eq!(parse("disarm!"), Err(Misread::Word));
+        assert_eq!(parse("disarm now please"), Ok(Request::Command(Command::Disarm)));
     }
 
     #[test]
     fn arming_takes_no_arguments() {
-        assert_eq!(parse(b"arm everything").1, Err(Misread::Arguments));
+        assert_eq!(parse("arm everything"), Err(Misread::Arguments));
     }
 }

@@ -8,9 +8,9 @@
 //! | 0 | 4 | tick since boot |
 //! | 4 | 4 | encoder counts, 2 × u16 |
 //! | 8 | 4 | motor duties, 2 × i16, 1/32767 of full scale |
-//! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted |
+//! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted, 3 probing |
 //! | 13 | 1 | fault number, 0 none |
-//! | 14 | 1 | flags: 1 bridges enabled, 2 a packet went out, 4 a packet came in, 8 the tick before overran |
+//! | 14 | 1 | flags: 1 bridges enabled, 2 a packet went out, 4 a packet came in, 8 the tick before overran, 16 let go of the other peer, 32 coordination acts |
 //! | 15 | 1 | 0 |
 //! | 16 | 12 | the packet that came in: position (m), velocity (m/s), wave (√W), 3 × f32; 0 without one |
 //! | 28 | 8 | device position (m), velocity (m/s) |
@@ -29,6 +29,8 @@ use haptic_core::peer::{Actuators, State};
 use haptic_core::scene::Models;
 use haptic_core::vector::StateVector;
 
+/// What a sample with a record in it is called on the operator's link.
+pub const CODE: u16 = 1;
 /// Bytes of a record.
 pub const BYTES: usize = 88;
 const WORDS: usize = BYTES / 4;
@@ -41,13 +43,17 @@ pub const SENT: u8 = 2;
 pub const RECEIVED: u8 = 4;
 /// The tick before had not ended when this one was due.
 pub const OVERRUN: u8 = 8;
+/// The peer let go of the other one before this tick: the link's session had ended.
+pub const PARTED: u8 = 16;
+/// The coordination acted in this tick.
+pub const ENGAGED: u8 = 32;
 
 /// One tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record(pub [u32; WORDS]);
 
 impl Record {
-    /// What a tick read and did. `flags` are [`ENABLED`], [`SENT`], [`RECEIVED`] and [`OVERRUN`].
+    /// What a tick read and did. `flags` are [`ENABLED`] and the others.
     #[inline]
     pub fn new<M: Models<Scalar = f32>>(
         tick: u32,
@@ -119,7 +125,7 @@ impl Record {
     pub fn duties(&self) -> [i16; AXES] {
         [(self.0[2] as u16).cast_signed(), ((self.0[2] >> 16) as u16).cast_signed()]
     }
-    /// Mode (0 disarmed, 1 armed, 2 faulted).
+    /// Mode (0 disarmed, 1 armed, 2 faulted, 3 probing).
     pub fn mode(&self) -> u8 {
         self.0[3] as u8
     }
@@ -127,7 +133,7 @@ impl Record {
     pub fn fault(&self) -> u8 {
         (self.0[3] >> 8) as u8
     }
-    /// [`ENABLED`], [`SENT`], [`RECEIVED`], [`OVERRUN`].
+    /// [`ENABLED`], [`SENT`], [`RECEIVED`], [`OVERRUN`], [`PARTED`], [`ENGAGED`].
     pub fn flags(&self) -> u8 {
         (self.0[3] >> 16) as u8
     }

@@ -55,6 +55,7 @@ pub fn pack(mode: Mode) -> u32 {
         Mode::Disarmed => 0,
         Mode::Armed => 1,
         Mode::Faulted(fault) => 2 | u32::from(fault.number()) << 8,
+        Mode::Probing => 3,
     }
 }
 
@@ -63,6 +64,7 @@ pub fn unpack(word: u32) -> (&'static str, u8) {
     let name = match word & 0xFF {
         0 => "disarmed",
         1 => "armed",
+        3 => "probing",
         _ => "faulted",
     };
     (name, (word >> 8) as u8)
@@ -97,6 +99,7 @@ mod tests {
     fn words_carry_what_was_put_in() {
         assert_eq!(unpack(pack(Mode::Disarmed)), ("disarmed", 0));
         assert_eq!(unpack(pack(Mode::Armed)), ("armed", 0));
+        assert_eq!(unpack(pack(Mode::Probing)), ("probing", 0));
         assert_eq!(unpack(pack(Mode::Faulted(Fault::PeerLost))), ("faulted", 5));
         for command in [Command::Arm, Command::Disarm, Command::Clear] {
             assert_eq!(ordered(order(77, command)), Some(command));

@@ -1,93 +1,64 @@
-//! Telemetry: what the ticks did, to whoever asked for it: a decimated stream, or so many ticks in a row.
+//! Telemetry: what the ticks did, to the operator who asked for it: a decimated stream, or so many ticks in a row.
 //!
-//! A datagram holds up to 16 records ([`firmware_parts::record`]), oldest first, after 8 bytes: `HT`, version 1, the
-//! number of records, and how many were lost so far (u32, little-endian). It goes back to the endpoint that sent
-//! `stream` or `capture`. Events go to defmt, from tasks only.
+//! A record ([`firmware_parts::record`]) is a sample on the operator's link ([`crate::port`]), oldest first. Whoever misses one
+//! sees it by the ticks' numbers. Events go to defmt, from tasks only.
 
-use core::cell::Cell;
-use core::sync::atomic::Ordering;
+use core::sync::atomic::{AtomicU32, Ordering};
 
-use embassy_net::udp::{PacketMetadata, UdpSocket};
-use embassy_net::{IpEndpoint, Stack};
-use embassy_sync::blocking_mutex::Mutex;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_time::{Duration, Ticker};
 use firmware_parts::exchange::Consumer;
 use firmware_parts::record::{self, Record};
-use static_cell::ConstStaticCell;
+use haptic_protocol::wire::Sample;
 
-use crate::net;
-use crate::tick::{RECORD_EVERY, RECORDS, RECORDS_LOST};
+use crate::tick::{RECORD_EVERY, RECORDS};
 
-/// Port that telemetry comes from.
-const PORT: u16 = 7703;
-/// Records in a datagram.
-const BATCH: usize = 16;
-const HEADER: usize = 8;
+const _: () = assert!(record::BYTES <= Sample::MAX_PAYLOAD);
 
-/// Who listens, and to how many records yet (`None`: until told otherwise).
-#[derive(Clone, Copy)]
-struct Listener {
-    endpoint: IpEndpoint,
-    left: Option<u32>,
-}
+/// How many records are still to go; [`ENDLESS`] until told otherwise.
+static LEFT: AtomicU32 = AtomicU32::new(0);
+const ENDLESS: u32 = u32::MAX;
 
-static LISTENER: Mutex<CriticalSectionRawMutex, Cell<Option<Listener>>> = Mutex::new(Cell::new(None));
-
-/// Every `every`-th tick to `endpoint` from now on; 0 ends it.
-pub(crate) fn stream(endpoint: IpEndpoint, every: u32) {
-    LISTENER.lock(|listener| listener.set((every > 0).then_some(Listener { endpoint, left: None })));
+/// Every `every`-th tick from now on; 0 ends it.
+pub(crate) fn stream(every: u32) {
+    LEFT.store(if every > 0 { ENDLESS } else { 0 }, Ordering::Relaxed);
     RECORD_EVERY.store(every, Ordering::Relaxed);
 }
 
-/// The next `ticks` ticks to `endpoint`, every one.
-pub(crate) fn capture(endpoint: IpEndpoint, ticks: u32) {
-    LISTENER.lock(|listener| listener.set((ticks > 0).then_some(Listener { endpoint, left: Some(ticks) })));
+/// The next `ticks` ticks, every one.
+pub(crate) fn capture(ticks: u32) {
+    LEFT.store(ticks, Ordering::Relaxed);
     RECORD_EVERY.store(u32::from(ticks > 0), Ordering::Relaxed);
 }
 
-/// Sends what there is, every 4 ms.
-#[embassy_executor::task]
-pub(crate) async fn run(stack: Stack<'static>, mut records: Consumer<'static, Record, RECORDS>) -> ! {
-    static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static TX: ConstStaticCell<[u8; 6144]> = ConstStaticCell::new([0; 6144]);
-    static DATAGRAM: ConstStaticCell<[u8; HEADER + BATCH * record::BYTES]> =
-        ConstStaticCell::new([0; HEADER + BATCH * record::BYTES]);
-    let datagram = DATAGRAM.take();
-    let mut sender = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
-    let mut pace = Ticker::every(Duration::from_millis(4));
-    loop {
-        pace.next().await;
-        sender.tend();
-        while let Some(listener) = LISTENER.lock(Cell::get) {
-            let batch = listener.left.map_or(BATCH, |left| BATCH.min(left as usize));
-            let (header, body) = datagram.split_at_mut(HEADER);
-            let mut filled = 0;
-            for (slot, _) in body.chunks_exact_mut(record::BYTES).zip(0..batch) {
-                let Some(record) = records.take() else { break };
-                slot.copy_from_slice(&record.bytes());
-                filled += 1;
-            }
-            if filled == 0 {
-                break;
-            }
-            header.copy_from_slice(&[b'H', b'T', 1, filled as u8, 0, 0, 0, 0]);
-            header[4..].copy_from_slice(&RECORDS_LOST.load(Ordering::Relaxed).to_le_bytes());
-            sender.send(&datagram[..HEADER + filled * record::BYTES], listener.endpoint).await;
-            if let Some(left) = listener.left {
-                let left = left - filled as u32;
-                if left == 0 {
-                    stream(listener.endpoint, 0);
-                } else {
-                    LISTENER.lock(|cell| cell.set(Some(Listener { left: Some(left), ..listener })));
-                }
-            }
-            if filled < batch {
-                break;
+/// The records that wait to be sent.
+pub(crate) struct Telemetry {
+    records: Consumer<'static, Record, RECORDS>,
+}
+
+impl Telemetry {
+    /// Of these records.
+    pub(crate) fn new(records: Consumer<'static, Record, RECORDS>) -> Self {
+        Self { records }
+    }
+
+    /// Whether somebody wants any.
+    pub(crate) fn is_on(&self) -> bool {
+        LEFT.load(Ordering::Relaxed) > 0
+    }
+
+    /// The next record, if there is one and somebody wants it.
+    pub(crate) fn next(&mut self) -> Option<Sample> {
+        let left = LEFT.load(Ordering::Relaxed);
+        if left == 0 {
+            while self.records.take().is_some() {}
+            return None;
+        }
+        let record = self.records.take()?;
+        if left != ENDLESS {
+            LEFT.store(left - 1, Ordering::Relaxed);
+            if left == 1 {
+                stream(0);
             }
         }
-        if RECORD_EVERY.load(Ordering::Relaxed) == 0 {
-            while records.take().is_some() {}
-        }
+        Sample::new(record::CODE, &record.bytes()).ok()
     }
 }

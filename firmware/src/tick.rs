@@ -7,7 +7,7 @@
 //! **Rules**: the highest priority there is, above every critical section; code in ITCM, data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Shared`] and in single words. It cannot panic.
 //!
-//! Order, as in host-sim's harness: encoders; operator's orders and a new scene at packet boundaries, stopping at once;
+//! Order, as in host-sim's harness: encoders; operator's orders, probes and a new scene at packet boundaries, stopping at once;
 //! exchange; tick; bridges; record.
 
 use core::mem::MaybeUninit;
@@ -20,6 +20,7 @@ use haptic_core::axis::{AXES, Reading};
 use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Sensors, State};
+use haptic_core::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};
 
@@ -35,6 +36,8 @@ pub(crate) struct Plan {
     pub(crate) scene: Scene<Models>,
     /// Where the axes are taken to be when the scene begins.
     pub(crate) home: [Motion<f32>; AXES],
+    /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
+    pub(crate) device: u32,
 }
 
 /// What the tick has for the network.
@@ -48,15 +51,26 @@ pub(crate) struct Outgoing {
     pub(crate) packet: Packet<f32>,
 }
 
+/// What the network has for the tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Received {
+    /// Which life of the link it came by ([`LIFE`]).
+    pub(crate) life: u32,
+    /// From the other peer.
+    pub(crate) packet: Packet<f32>,
+}
+
 /// Records that may wait for telemetry: 64 ms at full rate.
 pub(crate) const RECORDS: usize = 64;
 
 /// The memory that the tick and the tasks share.
 pub(crate) struct Shared {
     plans: Latest<Plan>,
-    incoming: Latest<Packet<f32>>,
+    incoming: Latest<Received>,
     outgoing: Latest<Outgoing>,
     records: Queue<Record, RECORDS>,
+    probes: Latest<(u32, Probe<f32>)>,
+    probed: Latest<Outcome>,
 }
 
 /// The tasks' side of it.
@@ -64,11 +78,15 @@ pub(crate) struct Tasks {
     /// New scenes, taken while disarmed.
     pub(crate) plans: Writer<'static, Plan>,
     /// Packets from the other peer.
-    pub(crate) incoming: Writer<'static, Packet<f32>>,
+    pub(crate) incoming: Writer<'static, Received>,
     /// Packets for the other peer.
     pub(crate) outgoing: Reader<'static, Outgoing>,
     /// What the ticks did.
     pub(crate) records: Consumer<'static, Record, RECORDS>,
+    /// Numbered probes, begun while disarmed.
+    pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
+    /// What came of them.
+    pub(crate) probed: Reader<'static, Outcome>,
 }
 
 impl Shared {
@@ -76,9 +94,11 @@ impl Shared {
     pub(crate) fn new(plan: Plan) -> Self {
         Self {
             plans: Latest::new(plan),
-            incoming: Latest::new(Packet::default()),
+            incoming: Latest::new(Received::default()),
             outgoing: Latest::new(Outgoing::default()),
             records: Queue::default(),
+            probes: Latest::new((0, Probe::default())),
+            probed: Latest::new(Outcome::default()),
         }
     }
 }
@@ -89,6 +109,12 @@ pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
 pub(crate) static ORDER: AtomicU32 = AtomicU32::new(0);
 /// The last [`ORDER`] carried out. Set by the tick.
 pub(crate) static DONE: AtomicU32 = AtomicU32::new(0);
+/// Number of the last probe begun. Set by the tick.
+pub(crate) static BEGUN: AtomicU32 = AtomicU32::new(0);
+/// The signs of every joint in use were checked and agree. Set by the tick.
+pub(crate) static CHECKED: AtomicBool = AtomicBool::new(false);
+/// How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. Set by tasks.
+pub(crate) static LIFE: AtomicU32 = AtomicU32::new(0);
 /// Mode and fault ([`status::pack`]). Set by the tick.
 pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
 /// Ticks since boot. Set by the tick.
@@ -105,11 +131,17 @@ pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
 /// What the tick owns.
 struct Loop {
     plans: Reader<'static, Plan>,
-    incoming: Reader<'static, Packet<f32>>,
+    incoming: Reader<'static, Received>,
     outgoing: Writer<'static, Outgoing>,
     records: Producer<'static, Record, RECORDS>,
+    probes: Reader<'static, (u32, Probe<f32>)>,
+    probed: Writer<'static, Outcome>,
+    /// The check before arming: passed by these joints, of this device.
+    passed: [bool; AXES],
+    device: u32,
     state: State<Models>,
     tick: u32,
+    life: u32,
     until_record: u32,
     driving: bool,
     overrun: bool,
@@ -123,13 +155,37 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
     let (incoming_in, incoming) = shared.incoming.split();
     let (outgoing, outgoing_out) = shared.outgoing.split();
     let (records, records_out) = shared.records.split();
+    let (probes_in, probes) = shared.probes.split();
+    let (probed, probed_out) = shared.probed.split();
     let plan = plans.get();
     let state = State::new(&plan.scene, plan.home);
-    let this =
-        Loop { plans, incoming, outgoing, records, state, tick: 0, until_record: 0, driving: false, overrun: false };
+    let device = plan.device;
+    let this = Loop {
+        plans,
+        incoming,
+        outgoing,
+        records,
+        probes,
+        probed,
+        passed: [false; AXES],
+        device,
+        state,
+        tick: 0,
+        life: 0,
+        until_record: 0,
+        driving: false,
+        overrun: false,
+    };
     // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
     unsafe { (*(&raw mut LOOP)).write(this) };
-    Tasks { plans: plans_in, incoming: incoming_in, outgoing: outgoing_out, records: records_out }
+    Tasks {
+        plans: plans_in,
+        incoming: incoming_in,
+        outgoing: outgoing_out,
+        records: records_out,
+        probes: probes_in,
+        probed: probed_out,
+    }
 }
 
 /// The interrupt.
@@ -161,7 +217,13 @@ impl Loop {
         let mut incoming = None;
         if self.state.packet_due() {
             self.boundary();
-            incoming = self.incoming.take();
+            let life = LIFE.load(Ordering::Acquire);
+            if life != self.life {
+                self.life = life;
+                self.state.part();
+                flags |= record::PARTED;
+            }
+            incoming = self.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
             flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
             let packet = peer::exchange(&self.plans.get().scene, &mut self.state, incoming);
             let armed = self.state.mode() == Mode::Armed;
@@ -169,13 +231,21 @@ impl Loop {
         }
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
+        let probing = self.state.mode() == Mode::Probing;
         let actuators = peer::tick(&self.plans.get().scene, &mut self.state, &sensors);
+        if probing {
+            self.after_probe();
+        }
         self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
             flags |= record::ENABLED;
+            if self.state.is_engaged() {
+                flags |= record::ENGAGED;
+            }
         } else {
             bridges::off();
+            self.judge();
         }
 
         STATUS.store(status::pack(self.state.mode()), Ordering::Relaxed);
@@ -195,25 +265,75 @@ impl Loop {
         }
     }
 
-    /// What may happen only between packets: a new scene while disarmed, and the operator's order.
+    /// What may happen only between packets: a new scene or a probe while disarmed, and the operator's order.
     #[inline(always)]
     fn boundary(&mut self) {
         if self.state.mode() == Mode::Disarmed && self.plans.fetch() {
             let plan = self.plans.get();
             self.state = State::new(&plan.scene, plan.home);
+            if plan.device != self.device {
+                self.device = plan.device;
+                self.passed = [false; AXES];
+            }
+        }
+        if self.probes.fetch() {
+            let (number, probe) = *self.probes.get();
+            self.state.probe(probe);
+            self.probed.write(self.state.probed());
+            BEGUN.store(number, Ordering::Release);
         }
         let order = ORDER.load(Ordering::Acquire);
         if order != DONE.load(Ordering::Relaxed) {
-            if let Some(command) = status::ordered(order) {
-                self.command(command);
+            match status::ordered(order) {
+                Some(Command::Arm) if !self.checked() => {}
+                Some(command) => self.command(command),
+                None => {}
             }
             DONE.store(order, Ordering::Release);
         }
     }
 
+    /// Every joint in use has passed the check before arming.
+    fn checked(&self) -> bool {
+        self.passed.iter().take(self.plans.get().scene.axes()).all(|passed| *passed)
+    }
+
+    /// After a tick that began with a probe under way.
+    #[cold]
+    fn after_probe(&mut self) {
+        let outcome = self.state.probed();
+        if self.state.mode() == Mode::Probing {
+            return;
+        }
+        if outcome.check {
+            for (passed, joint) in self.passed.iter_mut().zip(1..) {
+                if joint == outcome.joint {
+                    *passed = outcome.passed();
+                }
+            }
+        }
+        self.probed.write(outcome);
+    }
+
+    /// With the motors off: whether the last check still stands.
+    #[inline(always)]
+    fn judge(&mut self) {
+        if let Mode::Faulted(fault) = self.state.mode()
+            && fault.doubts_encoders()
+        {
+            self.passed = [false; AXES];
+        }
+        CHECKED.store(self.checked(), Ordering::Relaxed);
+    }
+
     #[inline(always)]
     fn command(&mut self, command: Command) {
+        let before = self.state.mode();
         self.state.command(&self.plans.get().scene, command);
+        if before != Mode::Armed && self.state.mode() == Mode::Armed {
+            // Nobody is there until he is heard.
+            self.state.part();
+        }
     }
 
     #[inline(always)]

@@ -11,10 +11,13 @@
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
 //! | [`collaborate`] | one at a time edits: lock and token ring on trial |
+//! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
 //! | [`squash`] | one ball, many players: the paper's game, played by bots |
+//! | [`visit`] | a static environment: its servers and clients |
+//! | [`world`] | worlds that a server holds and a hand feels |
 //! | [`cli`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -22,6 +25,7 @@ extern crate alloc;
 
 pub mod accuracy;
 pub mod analysis;
+pub mod calibrate;
 pub mod cli;
 pub mod collaborate;
 pub mod experiment;
@@ -34,3 +38,5 @@ pub mod scene;
 pub mod scenes;
 pub mod squash;
 pub mod user;
+pub mod visit;
+pub mod world;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use haptic_core::axis::kinematics::KinematicsName;
 use haptic_core::axis::velocity::VelocityName;
-use haptic_core::render::Side;
+use haptic_core::render::{RenderingName, Side};
 use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value};
 
 use crate::network::fate::{Jitter, NetworkTrace};
@@ -78,8 +78,8 @@ haptic_core::settings! {
         clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm";
         #[doc = "Rate of the line; 0 is unlimited."]
         bandwidth_bit_per_s: f64 = 0.0, number(0.0, 1e12), "bit/s";
-        #[doc = "Play-out buffer: packets wait until they are this late, so that the delay is constant; later ones are lost."]
-        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 1000 }, "packets";
+        #[doc = "Play-out buffer: packets wait until they are this much later than the fastest, so that the delay is constant."]
+        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 32 }, "packets";
         #[doc = "Seed of everything random in a run."]
         seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "";
     }
@@ -331,6 +331,7 @@ impl SceneFile {
     /// nobody pushing. What the analyser proves things about.
     pub fn linear(&self) -> Self {
         let mut linear = self.clone();
+        linear.peer.contact.rendering = RenderingName::Continuous;
         linear.peer.contact.one_sided = false;
         linear.peer.contact.gap_m = 0.0;
         linear.peer.coordination.ledger = false;
@@ -339,14 +340,13 @@ impl SceneFile {
         linear.peer.kinematics.model = KinematicsName::Direct;
         linear.world.plant = PlantSettings::default();
         linear.users = Default::default();
-        // Constant delay: what the analysis of one packet period can hold. A play-out buffer takes in whatever is added.
+        // Constant delay: what the analysis of one packet period can hold. Play-out is that and nothing else.
         let network = &self.world.network;
-        let added = if network.playout_packets > 0 { [0.0; 2] } else { [network.extra_delay_s, network.asymmetry_s] };
         linear.network_trace = None;
         linear.world.network = Network {
             one_way_delay_packets: network.one_way_delay_packets + network.playout_packets,
-            extra_delay_s: added[0],
-            asymmetry_s: added[1],
+            extra_delay_s: network.extra_delay_s,
+            asymmetry_s: network.asymmetry_s,
             ..Network::default()
         };
         for (user, own) in linear.users.iter_mut().zip(&self.users) {

@@ -33,6 +33,8 @@ use crate::wire::{self, Challenge, Greeting, GreetingKind};
 pub enum Error {
     /// It does not go from the other end to this one.
     Ends(ends::Error),
+    /// It is about another client of the same server.
+    OtherLine,
     /// The tag is wrong: altered on the way, or made by someone without the key.
     Forged,
     /// It answers a challenge that this peer no longer has.
@@ -50,6 +52,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Ends(error) => error.fmt(f),
+            Self::OtherLine => f.write_str("a greeting on another line: it is about another client of the same server"),
             Self::Forged => f.write_str("the tag of a greeting is wrong: altered, or another shared key"),
             Self::Stale => f.write_str("a greeting that answers a challenge of the past"),
             Self::Parameters(table) => write!(f, "the other peer has other parameters: {table}"),
@@ -76,6 +79,7 @@ pub enum Standing {
 #[derive(Debug)]
 pub struct Handshake {
     ends: Ends,
+    line: u32,
     shared: Key,
     outward: Key,
     inward: Key,
@@ -93,6 +97,7 @@ impl Handshake {
         let incarnation = u64::from_le_bytes(entropy.derive("incarnation").first());
         let mut handshake = Self {
             ends,
+            line: 0,
             outward: greeting_key(local, remote),
             inward: greeting_key(remote, local),
             shared,
@@ -103,6 +108,11 @@ impl Handshake {
         };
         handshake.renew();
         handshake
+    }
+
+    /// Greets on this line of a server instead of line 0.
+    pub fn set_line(&mut self, line: u32) {
+        self.line = line;
     }
 
     /// Draws a new current challenge.
@@ -119,7 +129,7 @@ impl Handshake {
         let length = wire::Error::Length { message: "greeting", wanted: Greeting::LEN, got: out.len() };
         let (body, rest) = out.split_at_mut_checked(Greeting::BODY).ok_or(length)?;
         let tag = rest.first_chunk_mut().ok_or(length)?;
-        Greeting { kind, from, to, challenge, echo, incarnation, count, tables }.emit(body)?;
+        Greeting { kind, from, to, line: self.line, challenge, echo, incarnation, count, tables }.emit(body)?;
         *tag = self.outward.tag(body);
         Ok(Greeting::LEN)
     }
@@ -128,6 +138,9 @@ impl Handshake {
     pub fn open(&self, datagram: &[u8]) -> Result<Greeting, Error> {
         let (greeting, body, tag) = Greeting::parse(datagram).map_err(Error::Wire)?;
         self.ends.check(greeting.from, greeting.to).map_err(Error::Ends)?;
+        if greeting.line != self.line {
+            return Err(Error::OtherLine);
+        }
         if self.inward.verifies(body, tag) { Ok(greeting) } else { Err(Error::Forged) }
     }
 

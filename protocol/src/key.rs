@@ -28,8 +28,35 @@ impl Key {
         Self(bytes)
     }
 
-    /// The bytes, for the cipher.
-    pub(crate) fn bytes(&self) -> &[u8; Self::LEN] {
+    /// The key of line `number` of a server whose own key is this one: one key for each client, so that a client that is
+    /// opened gives up its own line and no other. Line 0 has the key itself.
+    pub fn line(&self, number: u32) -> Self {
+        if number == 0 { self.clone() } else { self.derive("line").with(&number.to_le_bytes()).end() }
+    }
+
+    /// Bytes of [`Key::image`].
+    pub const IMAGE: usize = 64;
+
+    /// The key as a microcontroller keeps it in flash: `haptkey1`, 8 zeros, a tag by which the key vouches for itself, the
+    /// key. Flash that was never written, or not wholly, is no image.
+    pub fn image(&self) -> [u8; Self::IMAGE] {
+        let mut image = [0; Self::IMAGE];
+        let tag = self.tag(Self::MARK);
+        let parts = [&Self::MARK[..], &[0; 8], &tag, &self.0].into_iter().flatten();
+        image.iter_mut().zip(parts).for_each(|(to, from)| *to = *from);
+        image
+    }
+
+    /// The key of an image.
+    pub fn from_image(image: &[u8; Self::IMAGE]) -> Option<Self> {
+        let key = Self(*image.last_chunk()?);
+        (!key.is_zero() && key.image() == *image).then_some(key)
+    }
+
+    const MARK: &[u8; 8] = b"haptkey1";
+
+    /// The bytes, for the cipher, or for the key file of one line.
+    pub fn bytes(&self) -> &[u8; Self::LEN] {
         &self.0
     }
 
@@ -86,5 +113,25 @@ impl Derivation {
     pub(crate) fn first<const N: usize>(self) -> [u8; N] {
         let Key(bytes) = self.end();
         bytes.first_chunk().copied().unwrap_or([0; N])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_leads_back_to_its_key_and_to_no_other() {
+        let key = Key::new(core::array::from_fn(|at| at as u8));
+        let image = key.image();
+        assert_eq!(image[..16], *b"haptkey1\0\0\0\0\0\0\0\0");
+        assert_eq!(Key::from_image(&image), Some(key));
+        for at in 0..Key::IMAGE {
+            let mut broken = image;
+            broken[at] ^= 0x40;
+            assert_eq!(Key::from_image(&broken), None, "byte {at}");
+        }
+        assert_eq!(Key::from_image(&[0xFF; 64]), None);
+        assert_eq!(Key::from_image(&Key::new([0; 32]).image()), None);
     }
 }

@@ -12,11 +12,14 @@
 //! | [`link`] | [`link::Link`]: one peer's end of the wire, the only thing a firmware needs |
 //! | [`engagement`] | silence ladder: how far the coordination may act |
 //! | [`reliable`] | events that arrive once and in order, beside the flow that never waits |
+//! | [`playout`] | makes the delay constant |
+//! | [`lines`] | lines of text over those events: an operator's port |
 //! | [`clock`] | the other peer's clock, round trip and jitter |
 //! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
 //! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
-//! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball; carried by the events |
+//! | [`database`] | the objects of a world, with ids, versions and checksums |
+//! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball, whose engine moves the object; carried by the events |
 //! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
@@ -121,12 +124,15 @@
 )]
 
 pub mod clock;
+pub mod database;
 pub mod ends;
 pub mod engagement;
 pub mod handshake;
 pub mod key;
+pub mod lines;
 pub mod link;
 pub mod parameters;
+pub mod playout;
 pub mod reliable;
 pub mod replay;
 pub mod roles;

@@ -26,7 +26,10 @@ use crate::parameters::Parameters;
 use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
-use crate::wire::{Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
+use crate::wire::{
+    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Part, Presence, Probe, Reply, Sample,
+    Telemetry,
+};
 
 mod error;
 mod incoming;
@@ -147,6 +150,19 @@ impl Link {
         })
     }
 
+    /// The same link on line `number` of a server that has a line for each of its clients; the key of the configuration
+    /// must be that line's ([`Key::line`]). A server tells greetings apart by their line and sealed datagrams by their
+    /// session ([`Link::session_number`]), so that neither addresses nor the 256 peer numbers limit it.
+    pub fn on_line(mut self, number: u32) -> Self {
+        self.handshake.set_line(number);
+        self
+    }
+
+    /// The number in the header of every sealed datagram of the session at hand, both ways.
+    pub fn session_number(&self) -> Option<u32> {
+        self.session.as_ref().map(Session::number)
+    }
+
     /// Lets time pass, and gives the length of the next datagram to send, written to the front of `out`; `None` when there
     /// is nothing to send for now.
     pub fn poll(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
@@ -197,6 +213,30 @@ impl Link {
     pub fn send_telemetry(&mut self, now: u64, telemetry: &Telemetry, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         self.seal(now, &Message::Telemetry(*telemetry), out)
+    }
+
+    /// Seals a question about the world; `None` as for [`Link::send_flow`].
+    pub fn send_ask(&mut self, now: u64, ask: &Ask, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Ask(*ask), out)
+    }
+
+    /// Seals a part of the world; `None` as for [`Link::send_flow`].
+    pub fn send_part(&mut self, now: u64, part: &Part, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Part(*part), out)
+    }
+
+    /// Seals where clients are; `None` as for [`Link::send_flow`].
+    pub fn send_presence(&mut self, now: u64, presence: &Presence, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Presence(*presence), out)
+    }
+
+    /// Seals a sample into `out` and gives the datagram's length; `None` while there is no session.
+    pub fn send_sample(&mut self, now: u64, sample: &Sample, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Sample(*sample), out)
     }
 
     /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.

@@ -106,6 +106,11 @@ impl Session {
         self.remote.challenge == greeting.challenge && self.local.challenge == greeting.echo
     }
 
+    /// What its datagrams are told apart by; not secret.
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
     /// The other end has been heard under these keys: it is there, now, and has them.
     pub fn is_confirmed(&self) -> bool {
         self.taken > 0

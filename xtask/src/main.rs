@@ -7,8 +7,11 @@
 //! | [`mod@bench`] | measures the tick and prints the README's tables |
 //! | [`instructions`] | compares instruction counts with the reviewed ones |
 //! | [`board`] | runs a scene on two virtual boards |
+//! | [`mod@count`] | counts instructions on the board's processor, under QEMU |
+//! | [`fuzz`] | runs the protocol's fuzz targets |
 //! | [`log`] | what a running board says, to a file |
 //! | [`no_panic`] | shows that no panic is reachable from the tick |
+//! | [`provision`] | gives a board its key |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
@@ -16,9 +19,12 @@
 
 mod bench;
 mod board;
+mod count;
+mod fuzz;
 mod instructions;
 mod log;
 mod no_panic;
+mod provision;
 mod readme;
 mod run;
 mod setup;
@@ -36,9 +42,12 @@ Usage: cargo xtask COMMAND [--help]
   board-test   the release image on virtual boards: same bits as the simulator, budgets, faults (builds an emulator)
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
   bench-check  compare the instructions of one tick with core/benches/instructions.txt
+  count        count instructions on the board's processor (QEMU), compare with the reviewed tables
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
+  fuzz         run every fuzz target of the protocol for a minute, keep what it finds
   log          attach to a running board and keep what it says in out/board.log
   no-panic     show that no panic is reachable from the 1 kHz interrupt
+  provision    give a board the key that it shares with its peer and its operator, over the debug probe
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -61,9 +70,9 @@ Usage: cargo xtask test
 
   set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
   without warnings, all tests in debug (documentation tests included), the golden traces in release as well, no
-  panic in the tick, README.md against what its commands print, and the instructions of one tick against
-  core/benches/instructions.txt (needs valgrind, which apt-get installs if it can). The virtual boards have a command of
-  their own, board-test: their emulator takes minutes to build.
+  panic in the tick, README.md against what its commands print, the instructions of one tick against
+  core/benches/instructions.txt (needs valgrind, which apt-get installs if it can), and the release image on virtual
+  boards (board-test), whose emulator takes minutes to build.
 ";
 
 const BENCH_HELP: &str = "\
@@ -97,6 +106,26 @@ Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S]
   --out      folder for CSV and pictures [default: out/board]
 ";
 
+const COUNT_HELP: &str = "\
+Counts instructions on the board's processor, a Cortex-M7 under QEMU: every numerical choice of the tick, and sealing,
+opening, refusing and joining on the wire. Prints the tables and compares them with the reviewed ones
+(host-sim/src/accuracy and protocol, instructions-cortex-m7.txt): each count may differ by 2 % or 3 instructions.
+
+Usage: cargo xtask count [--bless]
+
+  --bless   write what was counted to the files, for review
+";
+
+const FUZZ_HELP: &str = "\
+Builds the fuzz targets of protocol/fuzz with the project's own toolchain and runs one after the other. Inputs that reach
+something new are merged into protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fails.
+
+Usage: cargo xtask fuzz [--seconds N] [--target NAME]
+
+  --seconds  time for each target, 1 to 86400 s [default: 60]
+  --target   one of wire, replay, link, session [default: all]
+";
+
 const LOG_HELP: &str = "\
 Attaches to a running board with probe-rs, without stopping or flashing it, and prints what it says; the same goes to
 out/board.log. The image must be the one that was flashed.
@@ -118,6 +147,16 @@ simulator's, the paper's three kinds of communications on two boards, budgets, f
 Usage: cargo xtask board-test
 ";
 
+const PROVISION_HELP: &str = "\
+Gives a board the key that it shares with its peer and its operator (`host-sim keygen` makes one): puts it into the flash
+sector that memory.x calls KEY, over the debug probe, and starts the board anew. Flashing an image leaves it there.
+
+Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
+
+  --key-file  the key
+  --probe     which board, where two are connected (`probe-rs list` names them)
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -137,10 +176,17 @@ fn main() -> ExitCode {
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
         ["board", arguments @ ..] => board::board(arguments),
+        ["count", "--help" | "-h"] => print(COUNT_HELP),
+        ["count"] => count::count(false),
+        ["count", "--bless"] => count::count(true),
+        ["fuzz", "--help" | "-h"] => print(FUZZ_HELP),
+        ["fuzz", arguments @ ..] => fuzz::fuzz(arguments),
         ["log", "--help" | "-h"] => print(LOG_HELP),
         ["log"] => log::log(),
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
         ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
+        ["provision", "--help" | "-h"] => print(PROVISION_HELP),
+        ["provision", arguments @ ..] => provision::provision(arguments),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

@@ -10,7 +10,7 @@ use crate::board;
 use crate::instructions;
 use crate::no_panic;
 use crate::run::{self, Failure, cargo, run, step};
-use crate::setup::{self, THUMB_TARGET};
+use crate::setup::{self, Ready, THUMB_TARGET};
 
 /// Rooms that must compile for the microcontroller, with their packages; a room that is not there yet is left out.
 const ON_THE_MICROCONTROLLER: [(&str, &str); 2] = [("core", "haptic-core"), ("protocol", "haptic-protocol")];
@@ -63,15 +63,22 @@ pub(crate) fn test() -> Result<(), Failure> {
         }
     })?;
 
+    virtual_board(&ready)?;
+
     eprintln!("every step passed in {:.0} s", start.elapsed().as_secs_f64());
     Ok(())
 }
 
-/// The release image on virtual boards: what takes an emulator to build.
+/// Only the release image on virtual boards.
 pub(crate) fn board_test() -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
+    virtual_board(&ready)
+}
+
+/// The release image on virtual boards: last, because its emulator takes minutes to build.
+fn virtual_board(ready: &Ready) -> Result<(), Failure> {
     step("virtual board", || {
-        let image = board::image(&ready)?;
+        let image = board::image(ready)?;
         run(&mut board::bench(&["test"], &image)).map_err(|failure| {
             advice(
                 &failure,

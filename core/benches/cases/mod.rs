@@ -13,7 +13,7 @@ use haptic_core::couple::{LawName, Packet, wave};
 use haptic_core::motion::Motion;
 use haptic_core::object::forward_euler;
 use haptic_core::peer::{self, Actuators, Sensors, State};
-use haptic_core::render::Side;
+use haptic_core::render::{Contact, Side};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::scene::{Any, Models, Scene};
@@ -96,6 +96,7 @@ impl<S: Scalar> Models for Named<S> {
     type Scalar = S;
     type Velocity = velocity::measured::Measured;
     type Kinematics = kinematics::direct::Direct;
+    type Contact = Contact<S>;
     type Integrator = forward_euler::ForwardEuler<S>;
     type Law = wave::PassiveWave<S>;
 }

@@ -5,6 +5,10 @@
 //! after that starts the law anew where the object is, from no force, and every packet takes one step back. A faded
 //! packet is a wave made smaller (which takes energy out of the line, never in) and a remote motion moved toward the
 //! local one.
+//!
+//! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
+//! ended), takes the last step at once ([`crate::peer::State::part`]): what comes next is counted from zero by a peer that
+//! started anew, and must not be measured by the old one's counters.
 
 use super::Packet;
 use crate::motion::Motion;
@@ -95,6 +99,11 @@ impl<S: Scalar> Ladder<S> {
 }
 
 impl Engagement {
+    /// Disengages at once. Silence goes on being counted.
+    pub fn part(&mut self) {
+        self.level = 0;
+    }
+
     /// The coordination acts at all.
     #[inline]
     pub fn is_engaged(&self) -> bool {

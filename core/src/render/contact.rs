@@ -5,6 +5,8 @@
 //! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
 //! A scene with neither gap nor side has no contact detection at all.
 
+use super::{Rendering, Strikes, Touch};
+use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::settings::{Choice, Settings};
@@ -70,6 +72,14 @@ impl<S: Scalar> Contact<S> {
         position + self.clearance
     }
 
+    /// How far a device at this distance (m) from the object is past the surface, where contact has a side; or how fast.
+    pub(super) fn past(&self, distance: S) -> S {
+        match self.surface {
+            Surface::OneSided { sign } => sign * distance,
+            Surface::Held | Surface::Play(_) => distance,
+        }
+    }
+
     /// F_LC on the object, N.
     #[inline]
     pub fn force(&self, device: Motion<S>, object: Motion<S>) -> S {
@@ -83,5 +93,23 @@ impl<S: Scalar> Contact<S> {
             Surface::Play(_) | Surface::OneSided { .. } => return S::ZERO,
         };
         self.stiffness * depth + self.damping * speed
+    }
+}
+
+impl<S: Scalar> Model<S> for Contact<S> {
+    type State = ();
+    fn build(settings: &Settings) -> Self {
+        Self::build(settings)
+    }
+}
+
+impl<S: Scalar> Rendering<S> for Contact<S> {
+    fn clear_of(&self, position: S) -> S {
+        self.clear_of(position)
+    }
+    #[inline]
+    fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, _: S) -> Touch<S> {
+        let force = self.force(device, *object);
+        Touch { pushing: force, felt: force }
     }
 }

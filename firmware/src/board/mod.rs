@@ -3,12 +3,14 @@
 //! | module | holds |
 //! |---|---|
 //! | [`clocks`] | 480 MHz from the ST-LINK's 8 MHz |
-//! | [`memory`] | ITCM, caches, protection, flash for settings |
+//! | [`memory`] | ITCM, caches, protection |
+//! | [`flash`] | settings and key, in the bank beside the program |
 //! | [`encoders`] | two quadrature counters |
 //! | [`bridges`] | two PWM bridges, their enable line, the emergency stop |
 //! | [`pace`] | the 1 kHz timer and the bell by which its interrupt wakes a task |
 //! | [`ethernet`] | RMII, descriptors in AXI SRAM |
 //! | [`sections`] | critical sections that the tick preempts |
+//! | [`random`] | the chip's noise source |
 //! | [`reset`] | why the processor started |
 //!
 //! Pins (docs/hardware.md has the wiring): encoder 1 PC6/PC7 (TIM3), encoder 2 PD12/PD13 (TIM4), bridge 1 PE9/PE8, bridge
@@ -16,23 +18,25 @@
 //! (alive), PB14 (armed). Ethernet is the Nucleo's own.
 //!
 //! Interrupt priorities, most urgent first: 0 tick, 1 bell, 2 supervisor, 3 time driver, 4 Ethernet, 5 network executor,
-//! thread: settings store. A critical section masks 1 and everything below it, never the tick.
+//! thread: storage. A critical section masks 1 and everything below it, never the tick.
 
 pub(crate) mod bridges;
 pub(crate) mod clocks;
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
+pub(crate) mod flash;
 pub(crate) mod memory;
 pub(crate) mod pace;
+pub(crate) mod random;
 pub(crate) mod reset;
 mod sections;
 
 use embassy_stm32::Peri;
-use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::peripherals::TIM6;
 use embassy_stm32::wdg::IndependentWatchdog;
+use haptic_protocol::wire::PeerId;
 
 /// Which of the pair this board is, by its strap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -41,6 +45,21 @@ pub(crate) enum Number {
     One,
     /// Strap to ground: on the right.
     Two,
+}
+
+impl Number {
+    /// Its number on the wire.
+    pub(crate) fn peer(self) -> PeerId {
+        PeerId(self as u8 + 1)
+    }
+
+    /// The other peer's number.
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::One => Self::Two,
+            Self::Two => Self::One,
+        }
+    }
 }
 
 /// What the tasks get to own.
@@ -52,7 +71,7 @@ pub(crate) struct Board {
     /// Not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
     /// For the settings store.
-    pub(crate) flash: Flash<'static, Blocking>,
+    pub(crate) flash: flash::Settings,
     /// What [`ethernet::start`] takes.
     pub(crate) ethernet: ethernet::Pins,
     /// Blinks while the supervisor runs.
@@ -79,6 +98,7 @@ pub(crate) fn init() -> Board {
     // All interrupts come out of reset at priority 0, the tick's own.
     interrupt::TIM5.set_priority(Priority::P3);
     interrupt::ETH.set_priority(Priority::P4);
+    random::start(p.RNG);
     let strap = Input::new(p.PG12, Pull::Up);
     // The pull-up charges the pin within a microsecond; give it ten.
     cortex_m::asm::delay(4_800);
@@ -86,7 +106,7 @@ pub(crate) fn init() -> Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
         pace: p.TIM6,
         watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
-        flash: Flash::new_blocking(p.FLASH),
+        flash: flash::Settings::new(p.FLASH),
         ethernet: ethernet::Pins {
             eth: p.ETH,
             sma: p.ETH_SMA,

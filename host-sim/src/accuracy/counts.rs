@@ -2,7 +2,7 @@
 //!
 //! | processor | counted by | with |
 //! |---|---|---|
-//! | Cortex-M7, the board's | `cargo run --release` in `tests/count` | QEMU: a virtual clock that every instruction moves |
+//! | Cortex-M7, the board's | `cargo xtask count` | QEMU: a virtual clock that every instruction moves |
 //! | x86-64 | `cargo bench --package host-sim --bench choices` | valgrind's callgrind |
 //!
 //! Both run the very same [`super::cases`] and give the same counts on every run of the same binary. Unit: instructions per

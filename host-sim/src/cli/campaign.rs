@@ -1,14 +1,18 @@
-//! `host-sim campaign`: every kind of communications over every kind of bad network.
+//! `host-sim campaign`: every kind of communications over every kind of bad network, and what each costs.
 
 use clap::Args;
 
 use super::{Failure, print_json};
 use crate::experiment::campaign::campaign;
+use crate::experiment::costs::costs;
 use crate::report::text::TextTable;
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
 pub(super) struct Campaign {
+    /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
+    #[arg(long)]
+    costs: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -20,6 +24,9 @@ impl Campaign {
     /// # Errors
     /// None but a mistake in the campaign itself.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if self.costs {
+            return self.costs();
+        }
         let cells = campaign().map_err(|error| error.to_string())?;
         if self.json {
             return print_json(&cells);
@@ -36,6 +43,38 @@ impl Campaign {
                 format!("{:.3}", cell.largest_jump_n),
                 format!("{:.2}", cell.true_discrepancy_mm),
                 cell.fault.unwrap_or_default(),
+            ]);
+        }
+        println!("{table}");
+        Ok(())
+    }
+    fn costs(&self) -> Result<(), Failure> {
+        let costs = costs().map_err(|error| error.to_string())?;
+        if self.json {
+            return print_json(&costs);
+        }
+        let mut table = TextTable::new([
+            "network",
+            "comm",
+            "stable",
+            "energy out/in",
+            "added delay ms",
+            "true mm",
+            "mass kg",
+            "drag N·s/m",
+        ]);
+        let number =
+            |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
+        for cost in costs {
+            table.push([
+                cost.network,
+                cost.choice,
+                if cost.stable { "yes" } else { "NO" }.to_owned(),
+                format!("{:.4}", cost.energy_out_over_in),
+                number(cost.added_delay_ms, 1),
+                format!("{:.2}", cost.true_discrepancy_mm),
+                number(cost.apparent_mass_kg, 3),
+                number(cost.drag_n_s_per_m, 2),
             ]);
         }
         println!("{table}");

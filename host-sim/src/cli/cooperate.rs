@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{Failure, SceneArgs, print_json, progress_bar};
 use crate::analysis;
 use crate::experiment::figures;
-use crate::experiment::run::{PortEnergy, Spread};
+use crate::experiment::run::{PortEnergy, Spread, Struck};
 use crate::experiment::{Options, Outcome, apparent_mass, run};
 use crate::report::files;
 use crate::report::text::TextTable;
@@ -63,6 +63,8 @@ struct Report {
     peak_coordination_force_n: f64,
     apparent_object_mass_kg: Option<f64>,
     energy: [PortEnergy; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    impacts: Option<[Struck; 2]>,
     ticks: u64,
     wall_s: f64,
     seed: u32,
@@ -145,6 +147,7 @@ impl Report {
             peak_coordination_force_n: outcome.peak_coordination_force_n,
             apparent_object_mass_kg: moved,
             energy: outcome.energy,
+            impacts: outcome.impacts,
             ticks: outcome.ticks,
             wall_s,
             seed: scene.world.network.seed,
@@ -176,6 +179,11 @@ impl Report {
         let [first, second] = self.energy;
         line("energy from / to the network, peer 1", format!("{:.4} / {:.4} J", first.received_j, first.sent_j));
         line("energy from / to the network, peer 2", format!("{:.4} / {:.4} J", second.received_j, second.sent_j));
+        for (at, struck) in self.impacts.iter().flatten().enumerate() {
+            let Struck { count, wanted_n_s, delivered_n_s, lost_j } = struck;
+            let text = format!("{count}, {delivered_n_s:.4} of {wanted_n_s:.4} N s, {lost_j:.5} J lost");
+            line(&format!("impacts at peer {}, impulse delivered", at + 1), text);
+        }
         line("ticks, wall time", format!("{}, {:.3} s", self.ticks, self.wall_s));
         line("state hash", self.state_hash.clone());
         println!("{table}");

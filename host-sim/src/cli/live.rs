@@ -1,4 +1,4 @@
-//! `host-sim keygen`, `peer`, `relay` and `trace`: two peers as two processes, for real.
+//! `host-sim keygen`, `key-image`, `peer`, `relay` and `trace`: two peers as two processes, for real.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -8,6 +8,7 @@ use clap::Args;
 use super::{Failure, SceneArgs, print_json};
 use crate::live::{key_file, peer, relay};
 use crate::network::fate::NetworkTrace;
+use crate::visit::host::MOST_LINES;
 
 /// Arguments of `keygen`.
 #[derive(Debug, Args)]
@@ -15,6 +16,12 @@ pub(super) struct Keygen {
     /// File to make; an existing one is left alone.
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// The key of one client of a server, made from the server's.
+    #[arg(long, value_name = "NUMBER", requires = "of", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    line: Option<u32>,
+    /// The server's key file.
+    #[arg(long, value_name = "FILE", requires = "line")]
+    of: Option<PathBuf>,
 }
 
 impl Keygen {
@@ -23,9 +30,33 @@ impl Keygen {
     /// # Errors
     /// It exists, or cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        key_file::generate(&self.file)?;
+        match (self.line, &self.of) {
+            (Some(line), Some(of)) => key_file::write(&self.file, &key_file::read(of)?.line(line))?,
+            _ => key_file::generate(&self.file)?,
+        }
         println!("wrote {}: copy it to the other peer over a way that you trust", self.file.display());
         Ok(())
+    }
+}
+
+/// Arguments of `key-image`.
+#[derive(Debug, Args)]
+pub(super) struct KeyImage {
+    /// Key file (`host-sim keygen`).
+    #[arg(value_name = "FILE")]
+    key_file: PathBuf,
+    /// File to make, as secret as the key; an existing one is left alone.
+    #[arg(value_name = "IMAGE")]
+    image: PathBuf,
+}
+
+impl KeyImage {
+    /// Writes the key as a board keeps it in flash; `cargo xtask provision` puts it there.
+    ///
+    /// # Errors
+    /// No key file, or the image exists or cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        Ok(key_file::write_secret(&self.image, &key_file::read(&self.key_file)?.image())?)
     }
 }
 
@@ -58,7 +89,7 @@ pub(super) struct Peer {
 }
 
 /// A time in seconds on the command line.
-fn check_time(name: &str, value: f64) -> Result<(), Failure> {
+pub(super) fn check_time(name: &str, value: f64) -> Result<(), Failure> {
     if value > 0.0 && value <= 86_400.0 {
         return Ok(());
     }
@@ -103,9 +134,11 @@ impl Peer {
             if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
         );
         println!(
-            "round trip {} us, jitter {} us; datagrams: {} taken, {} missing, {} refused",
+            "round trip {} us, jitter {} us, the other clock {} us ahead and {:.1} ppm faster; datagrams: {} taken, {} missing, {} refused",
             report.round_trip_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
             report.jitter_us,
+            report.clock_offset_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
+            report.clock_drift_ppm,
             report.datagrams_taken,
             report.datagrams_missing,
             report.datagrams_refused

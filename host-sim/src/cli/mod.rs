@@ -5,17 +5,25 @@
 //! change.
 
 mod accuracy;
+mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
+mod crowd;
+mod flood;
 mod keys;
 mod live;
+mod operator;
 mod paper;
 mod precision;
 mod rendering;
+mod restarts;
+mod serve;
 mod squash;
 mod stability;
 mod tune;
+mod visit;
+mod world;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,14 +64,32 @@ enum Command {
     Collaborate(collaborate::Collaborate),
     /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
     Squash(squash::Squash),
+    /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
+    Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
+    /// The key as a board keeps it in flash, for `cargo xtask provision`.
+    KeyImage(live::KeyImage),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
+    /// Say lines to a board: arm, stop, set up; sealed.
+    Operator(operator::Operate),
     /// A bad network between two peers.
     Relay(live::Relay),
+    /// A server of a static world over UDP: the whole world, or one region of it.
+    Serve(serve::Serve),
+    /// A client of one or several servers: downloads a world and feels it.
+    Visit(visit::Visit),
+    /// Very many clients at one server: how many it holds, and where it bends.
+    Crowd(crowd::Crowd),
+    /// Every key of a world file, or what a world holds.
+    World(world::World),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
+    /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
+    Flood(flood::Flood),
+    /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
+    Restarts(restarts::Restarts),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -86,6 +112,11 @@ impl SceneArgs {
     /// The first thing that is wrong with it.
     pub(super) fn load(&self) -> Result<SceneFile, SceneError> {
         SceneFile::load(self.scene.as_deref(), &self.set)
+    }
+
+    /// Whether any of it was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || !self.set.is_empty()
     }
 
     /// Short name of the scene, for file names and headings.
@@ -120,10 +151,19 @@ pub fn main() -> ExitCode {
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
         Command::Squash(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
+        Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
+        Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
+        Command::Serve(command) => command.run(),
+        Command::Visit(command) => command.run(),
+        Command::Crowd(command) => command.run(),
+        Command::World(command) => command.run(),
         Command::Trace(command) => command.run(),
+        Command::Flood(command) => command.run(),
+        Command::Restarts(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

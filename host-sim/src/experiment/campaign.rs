@@ -139,15 +139,13 @@ pub fn campaign() -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>>
 
 fn cell(scene: &SceneFile, comm: &str, passive: bool, impairment: &str) -> Result<Cell, Refused<'static>> {
     let outcome = run::<f64>(scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    let [first, second] = outcome.energy;
-    let ratio = |out: f64, into: f64| if into > 0.0 { out / into } else { 0.0 };
     Ok(Cell {
         comm: comm.to_owned(),
         passive,
         impairment: impairment.to_owned(),
         stable: outcome.bounded,
         fault: outcome.fault.map(|(peer, fault)| format!("peer {peer}: {fault:?}")),
-        energy_out_over_in: ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j)),
+        energy_out_over_in: outcome.energy_out_over_in(),
         peak_force_n: outcome.peak_coordination_force_n,
         largest_jump_n: outcome.largest_jump_n,
         true_discrepancy_mm: outcome.true_discrepancy_mm,

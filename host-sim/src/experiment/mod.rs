@@ -2,9 +2,11 @@
 
 pub mod apparent_mass;
 pub mod campaign;
+pub mod costs;
 pub mod figures;
 pub mod paper;
 pub mod precision;
 pub mod run;
+pub mod swing;
 
 pub use run::{Options, Outcome, run};

@@ -3,6 +3,7 @@
 //! Discrepancies are two, always by name (THEORY §4): **true** |x_o1 − x_o2| at one instant, and **decoded** |x_o − x_d| at
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 
+use haptic_core::render::{Impacts, RenderingName};
 use haptic_core::safety::Fault;
 use haptic_core::scalar::Scalar;
 use haptic_core::settings::Refused;
@@ -46,6 +47,19 @@ pub struct PortEnergy {
     pub sent_j: f64,
 }
 
+/// Impacts between one device and its copy of the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Struck {
+    /// Impacts.
+    pub count: u32,
+    /// Impulse exchanged with the object, N·s.
+    pub wanted_n_s: f64,
+    /// What of it the limits of force and slew let through to the device, N·s.
+    pub delivered_n_s: f64,
+    /// Energy that restitution took, J.
+    pub lost_j: f64,
+}
+
 /// What a run gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -69,12 +83,24 @@ pub struct Outcome {
     pub largest_jump_n: f64,
     /// Energy through both network ports.
     pub energy: [PortEnergy; 2],
+    /// Impacts at both peers, where contact is impulsive.
+    pub impacts: Option<[Struck; 2]>,
     /// Ticks done.
     pub ticks: u64,
     /// Hash of both peers' states over every tick.
     pub hash: u64,
     /// What was recorded; empty if nothing was.
     pub table: Table,
+}
+
+impl Outcome {
+    /// Energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1 the
+    /// network makes energy.
+    pub fn energy_out_over_in(&self) -> f64 {
+        let [first, second] = self.energy;
+        let ratio = |out: f64, into: f64| if into > 0.0 { out / into } else { 0.0 };
+        ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j))
+    }
 }
 
 /// The columns that are recorded, each peer's by its number.
@@ -163,6 +189,13 @@ pub fn run<S: Scalar>(
         energy: pair.sides.each_ref().map(|side| PortEnergy {
             received_j: side.state.ledger().received_j().to_f64(),
             sent_j: side.state.ledger().sent_j().to_f64(),
+        }),
+        impacts: (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
+            pair.sides.each_ref().map(|side| {
+                let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.state.impacts();
+                let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
+                Struck { count, wanted_n_s, delivered_n_s, lost_j }
+            })
         }),
         ticks,
         hash,

@@ -2,12 +2,30 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
 //! | [`key_file`] | the shared key, readable by its owner only |
+//! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
+//! | [`operator`] | a person's end of a board's command port |
 //! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
-//! | [`peer`] | one peer: the same tick and exchange, a simulated device, a sealed link |
+//! | [`peer`] | a node in real time on a UDP socket |
+//! | [`serve`] | a server of a static world |
+//! | [`visit`] | a client of one or several servers |
+//! | [`crowd`] | very many clients at one server, to see where it bends |
+//! | [`histogram`] | quantiles of times |
 //! | [`relay`] | a bad network between two peers |
+//! | [`restarts`] | two nodes in virtual time, one or the other restarting |
+//! | `socket` | a UDP socket that is polled |
 
+pub mod crowd;
+pub mod flood;
+pub mod histogram;
 pub mod key_file;
+pub mod node;
+pub mod operator;
 pub mod pace;
 pub mod peer;
 pub mod relay;
+pub mod restarts;
+pub mod serve;
+mod socket;
+pub mod visit;

@@ -30,6 +30,17 @@ impl Punctuality {
     }
 }
 
+/// Asks for a real-time priority for this thread, and says whether it got one.
+pub(super) fn realtime() -> bool {
+    let priority = thread_priority::ThreadPriority::Crossplatform(50.try_into().unwrap_or_default());
+    thread_priority::set_thread_priority_and_policy(
+        thread_priority::thread_native_id(),
+        priority,
+        thread_priority::ThreadSchedulePolicy::Realtime(thread_priority::RealtimeThreadSchedulePolicy::Fifo),
+    )
+    .is_ok()
+}
+
 /// A beat.
 #[derive(Debug)]
 pub struct Pace {
@@ -41,13 +52,7 @@ pub struct Pace {
 impl Pace {
     /// A beat of `period` that begins now, on this thread.
     pub fn new(period: Duration) -> Self {
-        let priority = thread_priority::ThreadPriority::Crossplatform(50.try_into().unwrap_or_default());
-        let realtime = thread_priority::set_thread_priority_and_policy(
-            thread_priority::thread_native_id(),
-            priority,
-            thread_priority::ThreadSchedulePolicy::Realtime(thread_priority::RealtimeThreadSchedulePolicy::Fifo),
-        );
-        let kept = Punctuality { realtime_priority: realtime.is_ok(), ..Punctuality::default() };
+        let kept = Punctuality { realtime_priority: realtime(), ..Punctuality::default() };
         Self { start: Instant::now(), period, kept }
     }
 

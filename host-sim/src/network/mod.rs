@@ -2,17 +2,21 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`datagrams`] | every datagram of one direction, each when its time has come |
 //! | [`fate`] | what becomes of each packet: seeded from the scene, or read from a trace |
-//! | this | the way itself: packets in flight, and which one a peer gets |
+//! | this | a way of packets: packets in flight, and which one a peer gets |
 //!
 //! A peer asks once each packet period and gets the newest packet that has arrived; older ones, and second copies, are
-//! dropped, as a receiver with sequence numbers does. Corrupted packets do not pass the seal and are dropped too.
+//! dropped, as a receiver with sequence numbers does. Corrupted packets do not pass the seal and are dropped too. With
+//! network.playout_packets what has arrived goes through the peers' own play-out buffer (`haptic_protocol::playout`).
 
+pub mod datagrams;
 pub mod fate;
 
 use std::collections::VecDeque;
 
 use fate::{Direction, Fates};
+use haptic_protocol::playout::Playout;
 
 use crate::scene::SceneFile;
 
@@ -27,7 +31,7 @@ pub struct Counts {
     pub lost: u64,
     /// Arrived broken.
     pub corrupt: u64,
-    /// Arrived after a newer one, after their play-out time, or twice.
+    /// Arrived after a newer one was taken, together with one, or twice.
     pub dropped: u64,
 }
 
@@ -35,8 +39,12 @@ pub struct Counts {
 #[derive(Clone, Debug)]
 pub struct Way<P> {
     delay_packets: u32,
-    playout_packets: u32,
     packet_s: f64,
+    ticks_per_packet: u32,
+    /// The receiver's buffer, if the scene asks for one.
+    playout: Option<Playout<P>>,
+    /// Packet periods on the receiver's clock.
+    taken: u32,
     impaired: Option<Fates>,
     /// Packets in flight: number, arrival in true packet periods.
     in_flight: VecDeque<(u64, f64, P)>,
@@ -53,8 +61,11 @@ impl<P: Copy> Way<P> {
         let (network, timing) = (&scene.world.network, &scene.peer.timing);
         Self {
             delay_packets: network.one_way_delay_packets,
-            playout_packets: network.playout_packets,
             packet_s: timing.control_period_s * f64::from(timing.ticks_per_packet),
+            ticks_per_packet: timing.ticks_per_packet,
+            playout: (network.playout_packets > 0)
+                .then(|| Playout::new(network.playout_packets, timing.ticks_per_packet)),
+            taken: 0,
             impaired: Fates::new(scene, direction),
             in_flight: VecDeque::new(),
             newest: None,
@@ -67,29 +78,26 @@ impl<P: Copy> Way<P> {
         let number = self.counts.sent;
         self.counts.sent += 1;
         let due = now + f64::from(self.delay_packets);
-        let played = due + f64::from(self.playout_packets);
         let Some(fates) = &mut self.impaired else {
-            self.in_flight.push_back((number, played, packet));
+            self.in_flight.push_back((number, due, packet));
             return;
         };
         let copies = fates.next(number, now * self.packet_s);
         self.counts.lost += u64::from(copies.is_empty());
         for copy in copies {
-            let arrival = due + copy.delay_s / self.packet_s;
             if copy.corrupt {
                 self.counts.corrupt += 1;
-            } else if self.playout_packets == 0 {
-                self.in_flight.push_back((number, arrival, packet));
-            } else if arrival <= played + SLACK {
-                self.in_flight.push_back((number, played, packet));
             } else {
-                self.counts.dropped += 1;
+                self.in_flight.push_back((number, due + copy.delay_s / self.packet_s, packet));
             }
         }
     }
 
     /// The newest packet that has arrived by `now`, in packet periods, and was not overtaken.
     pub fn take(&mut self, now: f64) -> Option<P> {
+        if self.playout.is_some() {
+            return self.take_played(now);
+        }
         let mut taken: Option<(u64, P)> = None;
         let (newest, counts) = (&mut self.newest, &mut self.counts);
         self.in_flight.retain(|&(number, arrival, packet)| {
@@ -110,6 +118,29 @@ impl<P: Copy> Way<P> {
             false
         });
         taken.map(|(_, packet)| packet)
+    }
+
+    /// The same through the play-out buffer, in ticks: the sender's at which a packet was sent, the receiver's at which it
+    /// came. A receiver asks once each packet period of its own clock.
+    fn take_played(&mut self, now: f64) -> Option<P> {
+        let (playout, counts, ticks) = (self.playout.as_mut()?, &mut self.counts, self.ticks_per_packet);
+        let local = self.taken.wrapping_mul(ticks);
+        self.taken = self.taken.wrapping_add(1);
+        self.in_flight.retain(|&(number, arrival, packet)| {
+            if arrival > now + SLACK {
+                return true;
+            }
+            let ago = ((now - arrival).max(0.0) * f64::from(ticks)).ceil() as u32;
+            let kept = playout.put(local.wrapping_sub(ago), (number as u32).wrapping_mul(ticks), packet);
+            counts.dropped += u64::from(!kept);
+            false
+        });
+        let before = playout.waiting();
+        let played = playout.take(local);
+        let gone = (before - playout.waiting()) as u64;
+        counts.delivered += u64::from(played.is_some());
+        counts.dropped += gone - u64::from(played.is_some());
+        played
     }
 
     /// What became of the packets so far.
@@ -189,9 +220,22 @@ mod tests {
     #[test]
     fn play_out_makes_the_delay_constant() {
         let mut way = way(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
+        // Once the fastest has been seen.
         for number in 0..5000_u64 {
-            // Uniform to 12 ms is never later than two packets of 8 ms.
-            assert_eq!(period(&mut way, number), number.checked_sub(3));
+            let played = period(&mut way, number);
+            assert!(number < 200 || played == number.checked_sub(3), "{played:?} in period {number}");
+        }
+        // Uniform to 12 ms is never later than two packets of 8 ms.
+        let counts = way.counts();
+        assert!(counts.delivered > 4_980 && counts.dropped < 10 && counts.lost == 0, "{counts:?}");
+    }
+
+    /// Without impairment the fastest is known from the start, and every packet waits exactly as long as it was told to.
+    #[test]
+    fn play_out_on_a_good_network_is_more_delay_and_nothing_else() {
+        let mut way = way(&["network.one_way_delay_packets=2", "network.playout_packets=4"]);
+        for number in 0..500_u64 {
+            assert_eq!(period(&mut way, number), number.checked_sub(6));
         }
     }
 }

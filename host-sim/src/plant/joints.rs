@@ -21,6 +21,8 @@ pub(super) struct Joints {
     motor: Motor<f64>,
     /// Signed counts per metre or radian.
     counts_per_unit: f64,
+    /// Longest step of Newton's method, m or rad: a five-bar's is kept near where its Jacobian holds.
+    longest: f64,
     /// Duty codes in one PWM step.
     duty_step: f64,
 }
@@ -38,6 +40,7 @@ impl Joints {
             kinematics: AnyKinematics::build(settings),
             motor: Motor::build(settings),
             counts_per_unit: if encoder.reversed { -counts } else { counts },
+            longest: if settings.kinematics.model == KinematicsName::FiveBar { 0.3 } else { f64::MAX },
             duty_step: match plant.pwm_steps {
                 0 => 1.0,
                 steps => f64::from(Duty::FULL_SCALE) / f64::from(steps),
@@ -53,7 +56,7 @@ impl Joints {
             let error = [0, 1].map(|axis: usize| axes[axis].position - pose.axes[axis].position);
             let step = solve(pose.jacobian, error);
             for (joint, step) in joints.iter_mut().zip(step) {
-                *joint += step.clamp(-0.3, 0.3);
+                *joint += step.clamp(-self.longest, self.longest);
             }
             if step.iter().all(|step| step.abs() < 1e-13) {
                 break;

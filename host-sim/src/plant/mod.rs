@@ -78,6 +78,14 @@ impl Plant {
         self.motions
     }
 
+    /// The hand holds still, and the motors are off.
+    pub fn rest(&mut self) {
+        for motion in &mut self.motions {
+            motion.velocity = 0.0;
+        }
+        self.motor_before = [0.0; AXES];
+    }
+
     /// What the peer's sensors say now.
     pub fn sensors<S: Scalar>(&self) -> Sensors<S> {
         let reading = match &self.joints {

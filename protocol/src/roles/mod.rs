@@ -2,13 +2,16 @@
 //!
 //! | module | role |
 //! |---|---|
+//! | [`static_scene`] | a server holds the environment, a client downloads it and renders locally |
 //! | [`collaborative`] | one at a time edits an object: a lock at a central server, or a token that goes round |
+//! | [`cooperative`] | one dynamics engine, at the server or at a client, and who has it |
 //! | [`squash`] | one ball, 2 to 8 players, one at a time hits it |
 //!
 //! A role is a state machine without I/O, like everything in this crate: `receive` takes a message and who it is from, `poll`
 //! lets time pass, both put what is to be said into an [`Outbox`]. Time is µs on the peer's own clock, which may start
 //! anywhere and must not go backwards. Messages have fixed little-endian layouts of at most 48 bytes and travel as
 //! [`crate::wire::Event`]s, whose `code` names the role; a decoder takes any bytes and never panics.
+//! The static world is too large for events: it has message kinds of its own, and its client asks again for what did not come.
 //!
 //! **What a role needs from its carrier**: that a message is what its sender said and that the sender is who it seems to be.
 //! A sealed [`crate::link::Link`] promises both. No role counts on a message to arrive, once, in order or soon: whatever
@@ -21,7 +24,9 @@ use heapless::Deque;
 use crate::wire::PeerId;
 
 pub mod collaborative;
+pub mod cooperative;
 pub mod squash;
+pub mod static_scene;
 
 /// Event codes of the roles: what [`crate::wire::Event::code`] says.
 pub mod code {

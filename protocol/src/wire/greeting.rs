@@ -6,7 +6,7 @@
 //! | 1 | u8 | kind: 1 hello, 2 welcome | |
 //! | 2 | u8 | from: the sender's number | |
 //! | 3 | u8 | to: the receiver's number | |
-//! | 4 | u32 | 0 | |
+//! | 4 | u32 | line: which of a server's clients this is about, 0 between two peers | |
 //! | 8 | u8 × 16 | challenge: fresh from the sender, for the receiver to echo | |
 //! | 24 | u8 × 16 | echo: the receiver's challenge, 0 if the sender has none | |
 //! | 40 | u64 | incarnation: drawn when the sender started | |
@@ -45,6 +45,8 @@ pub struct Greeting {
     pub from: PeerId,
     /// For whom it is.
     pub to: PeerId,
+    /// Which of a server's clients this is about ([`crate::key::Key::line`]); 0 between two peers.
+    pub line: u32,
     /// The sender's challenge.
     pub challenge: Challenge,
     /// The receiver's challenge as the sender knows it; 0 if it does not.
@@ -81,7 +83,7 @@ impl Greeting {
             kind => return Err(Error::UnknownKind { kind }),
         };
         let (from, to) = (PeerId(reader.u8()?), PeerId(reader.u8()?));
-        reader.reserved::<4>()?;
+        let line = reader.u32()?;
         let (challenge, echo) = (reader.array()?, reader.array()?);
         let incarnation = reader.u64()?;
         let count = reader.u8()?;
@@ -96,7 +98,7 @@ impl Greeting {
         if tables.iter().skip(usize::from(count)).any(|unused| *unused != 0) {
             return Err(Error::Reserved { message: "greeting" });
         }
-        let greeting = Self { kind, from, to, challenge, echo, incarnation, count, tables };
+        let greeting = Self { kind, from, to, line, challenge, echo, incarnation, count, tables };
         reader.array::<TAG_LEN>()?;
         reader.end()?;
         let length = Error::Length { message: "greeting", wanted: Self::LEN, got: datagram.len() };
@@ -108,7 +110,7 @@ impl Greeting {
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         let mut writer = Writer::new(out, "greeting")
             .put(&[VERSION, self.kind as u8, self.from.0, self.to.0])
-            .put(&[0; 4])
+            .put(&self.line.to_le_bytes())
             .put(&self.challenge)
             .put(&self.echo)
             .put(&self.incarnation.to_le_bytes())
@@ -133,6 +135,7 @@ mod tests {
             kind: GreetingKind::Welcome,
             from: PeerId(1),
             to: PeerId(2),
+            line: 0x0403_0201,
             challenge: [0xaa; 16],
             echo: [0xbb; 16],
             incarnation: 0x1122_3344_5566_7788,
@@ -144,7 +147,7 @@ mod tests {
     #[test]
     fn literal_bytes() {
         let mut bytes = [0; Greeting::LEN];
-        bytes[..8].copy_from_slice(&[1, 2, 1, 2, 0, 0, 0, 0]);
+        bytes[..8].copy_from_slice(&[1, 2, 1, 2, 1, 2, 3, 4]);
         bytes[8..24].fill(0xaa);
         bytes[24..40].fill(0xbb);
         bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);

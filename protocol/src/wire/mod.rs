@@ -14,22 +14,30 @@
 use core::fmt;
 
 mod ack;
+mod ask;
 pub(crate) mod bytes;
 mod event;
 mod flow;
 mod greeting;
 mod header;
+mod part;
+mod presence;
 mod probe;
 mod reply;
+mod sample;
 mod telemetry;
 
 pub use ack::Ack;
+pub use ask::{Ask, Bits, Topic};
 pub use event::Event;
 pub use flow::Flow;
 pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
+pub use part::{Page, Part, Payload};
+pub use presence::{Presence, Sighting};
 pub use probe::Probe;
 pub use reply::Reply;
+pub use sample::Sample;
 pub use telemetry::Telemetry;
 
 /// The version this crate speaks: byte 0 of every datagram, now and in every version to come.
@@ -45,12 +53,15 @@ pub const MAX_MESSAGE: usize = Telemetry::LEN;
 pub const MAX_DATAGRAM: usize = Greeting::LEN;
 
 const _: () = assert!(Header::LEN + MAX_MESSAGE + TAG_LEN <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
+const _: () = assert!(Part::MAX_LEN <= MAX_MESSAGE && Presence::MAX_LEN <= MAX_MESSAGE && Ask::LEN <= MAX_MESSAGE);
+const _: () = assert!(Sample::MAX_LEN <= MAX_MESSAGE);
 
 /// Room for any datagram.
 pub type Datagram = [u8; MAX_DATAGRAM];
 
 /// What a sealed datagram holds; the first byte says which.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // 92 bytes on the way to the caller, and nowhere else.
 pub enum Message {
     /// The coordination flow, once each packet period.
     Flow(Flow),
@@ -64,6 +75,14 @@ pub enum Message {
     Probe(Probe),
     /// The answer to a probe.
     Reply(Reply),
+    /// A client wants parts of the world.
+    Ask(Ask),
+    /// A part of the world.
+    Part(Part),
+    /// Where clients are.
+    Presence(Presence),
+    /// What an instrument saw.
+    Sample(Sample),
 }
 
 impl Message {
@@ -76,6 +95,10 @@ impl Message {
             Some(Ack::KIND) => Ack::parse(bytes).map(Self::Ack),
             Some(Probe::KIND) => Probe::parse(bytes).map(Self::Probe),
             Some(Reply::KIND) => Reply::parse(bytes).map(Self::Reply),
+            Some(Ask::KIND) => Ask::parse(bytes).map(Self::Ask),
+            Some(Part::KIND) => Part::parse(bytes).map(Self::Part),
+            Some(Presence::KIND) => Presence::parse(bytes).map(Self::Presence),
+            Some(Sample::KIND) => Sample::parse(bytes).map(Self::Sample),
             Some(kind) => Err(Error::UnknownKind { kind }),
             None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
         }
@@ -90,6 +113,10 @@ impl Message {
             Self::Ack(ack) => ack.emit(out),
             Self::Probe(probe) => probe.emit(out),
             Self::Reply(reply) => reply.emit(out),
+            Self::Ask(ask) => ask.emit(out),
+            Self::Part(part) => part.emit(out),
+            Self::Presence(presence) => presence.emit(out),
+            Self::Sample(sample) => sample.emit(out),
         }
     }
 }

@@ -1,13 +1,17 @@
 //! The protocol as a peer sees it: two links, the wire between them, and everything that can go wrong there.
 
 mod clock;
+mod cooperative;
+mod database;
 mod events;
 mod handshake;
 mod ladder;
+mod lines;
 mod memory;
 mod parsers;
 mod replay;
 mod restarts;
+mod static_scene;
 mod tamper;
 mod vectors;
 mod world;

@@ -1,9 +1,10 @@
 //! Every parser against anything: no panic, one encoding only, and nothing changed by what is refused.
 
+use haptic_protocol::database::{Manifest, Scope};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
-    Ack, Event, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, PeerId, Probe, Reply, TABLES,
-    Telemetry,
+    Ack, Ask, Bits, Event, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Page, Part,
+    Payload, PeerId, Presence, Probe, Reply, Sighting, TABLES, Telemetry, Topic,
 };
 use proptest::prelude::*;
 
@@ -53,10 +54,44 @@ fn messages() -> impl Strategy<Value = Message> {
     );
     let event = (any::<(u16, u32)>(), prop::collection::vec(any::<u8>(), 0..=Event::MAX_PAYLOAD))
         .prop_map(|((code, number), payload)| Message::Event(Event::new(code, &payload).unwrap().numbered(number)));
+    let scope = prop_oneof![
+        Just(Scope::All),
+        any::<u8>().prop_map(Scope::Region),
+        (f32s(), f32s(), f32s()).prop_map(|(x, y, radius)| Scope::Around { x, y, radius: radius.abs() }),
+    ];
+    let topic = prop::sample::select(vec![Topic::Manifest, Topic::Region, Topic::Page, Topic::Object]);
+    let ask = (topic, any::<(u16, u8, [u8; 32])>(), scope).prop_map(|(topic, (first, tag, wanted), scope)| {
+        Message::Ask(Ask { topic, first, scope, tag, wanted: Bits(wanted) })
+    });
+    let payload = prop_oneof![
+        (any::<u32>(), 0..=4096u16, 0..=32u8, f32s()).prop_map(|(version, objects, regions, margin)| {
+            Payload::Manifest(Manifest { version, objects, regions, margin_m: margin.abs() })
+        }),
+        any::<[u8; 32]>().prop_map(Payload::Region),
+        (any::<u8>(), any::<[u64; 8]>()).prop_map(|(mask, all)| {
+            let checksums = std::array::from_fn(|at| if mask >> at & 1 == 1 { all[at] } else { 0 });
+            Payload::Page(Page { mask, checksums })
+        }),
+        any::<[[u8; 32]; 2]>().prop_map(|halves| Payload::Object(std::array::from_fn(|at| halves[at / 32][at % 32]))),
+    ];
+    let part = (payload, any::<(u16, u8, u64)>()).prop_map(|(payload, (number, tag, world))| {
+        let number = if payload.topic() == Topic::Manifest { 0 } else { number };
+        Message::Part(Part { number, tag, world, payload })
+    });
+    let sighting = (any::<u32>(), prop::array::uniform4(f32s())).prop_map(|(who, [x, y, u, v])| Sighting {
+        who,
+        position: [x, y],
+        velocity: [u, v],
+    });
+    let presence = (any::<u32>(), prop::collection::vec(sighting, 0..=4))
+        .prop_map(|(tick, seen)| Message::Presence(Presence::new(tick, seen)));
     prop_oneof![
         flow,
         telemetry,
         event,
+        ask,
+        part,
+        presence,
         any::<(u32, u32)>().prop_map(|(next, ahead)| Message::Ack(Ack { next, ahead })),
         any::<u64>().prop_map(|sent_us| Message::Probe(Probe { sent_us })),
         any::<[u64; 3]>().prop_map(|[probe_sent_us, probe_received_us, sent_us]| {
@@ -78,12 +113,13 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
             bytes.resize(len.saturating_add_signed(more), with);
             bytes
         });
-    let any_kind = (1..7u8, prop::collection::vec(any::<u8>(), 0..130)).prop_map(|(kind, mut bytes)| {
-        if let Some(first) = bytes.first_mut() {
-            *first = kind;
-        }
-        bytes
-    });
+    let any_kind =
+        (prop_oneof![1..7u8, 16..19u8], prop::collection::vec(any::<u8>(), 0..130)).prop_map(|(kind, mut bytes)| {
+            if let Some(first) = bytes.first_mut() {
+                *first = kind;
+            }
+            bytes
+        });
     prop_oneof![altered, any_kind, prop::collection::vec(any::<u8>(), 0..300)]
 }
 

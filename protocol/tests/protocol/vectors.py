@@ -100,4 +100,33 @@ def seal(source, sink, sequence, message):
 
 print("FLOW", seal(ONE, TWO, 0, flow).hex())
 print("LATER_FLOW", seal(ONE, TWO, (5 << 20) + 3, flow).hex())
+# A server's line 300: its key, and a hello on it.
+line = derive(K, "line", struct.pack("<I", 300))
+body = bytes([1, 1, ONE, TWO]) + struct.pack("<I", 300) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+tag = hashlib.blake2s(body, key=derive(line, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
+print("LINE_HELLO_TAG", tag.hex())
+
+
+# A world of one region and one object, and the messages that carry it.
+def summed(record):
+    return record + derive(bytes(32), "record", record)[:8]
+
+
+OBJECT = summed(struct.pack("<IIB3x7f16x", 5, 6, 1, 0.0, 0.5, 2.0, 0.5, 0.25, 1000.0, 2.0))
+REGION = summed(struct.pack("<BBH4f4x", 3, 1, 0, -1.0, -1.0, 1.0, 1.0))
+MANIFEST = struct.pack("<IHBBf", 9, 1, 1, 0, 0.125)
+WORLD = derive(bytes(32), "world", MANIFEST + REGION + OBJECT)[:8]
+print("WORLD", WORLD.hex())
+
+
+def part(topic, payload):
+    return struct.pack("<BBHB3x", 17, topic, 0, 8) + WORLD + payload
+
+
+print("ASK", seal(TWO, ONE, 10, struct.pack("<BBHBBBBfff", 16, 3, 0, 1, 0, 8, 0, 1.0, -2.0, 3.0) + b"\1" + bytes(31)).hex())
+print("PART_MANIFEST", seal(ONE, TWO, 11, part(0, MANIFEST)).hex())
+print("PART_REGION", seal(ONE, TWO, 12, part(1, REGION)).hex())
+print("PART_PAGE", seal(ONE, TWO, 13, part(2, b"\1" + bytes(3) + OBJECT[-8:] + bytes(56))).hex())
+print("PART_OBJECT", seal(ONE, TWO, 14, part(3, OBJECT)).hex())
+print("PRESENCE", seal(TWO, ONE, 15, struct.pack("<BBHIIffff", 18, 1, 0, 77, 300, 0.5, -0.5, 1.5, -1.5)).hex())
 print("PROBE_BACK", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789)).hex())

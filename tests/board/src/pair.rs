@@ -5,12 +5,15 @@
 //! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
 //! host-sim's harness, and what is compared is the board.
 //!
-//! Settings go to the boards as a person's would: lines of text over UDP, then `apply`, then `arm`.
+//! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `check`, then `arm`.
+//! For the check, and for any probe, the devices are let go of: [`Bench::let_go`]. Armed boards engage step by step once they
+//! hear each other; until they are engaged the hands hold still, and there the experiment begins: from rest and with the
+//! coordination acting in full, as host-sim begins its own.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use firmware_parts::record::Record;
+use firmware_parts::record::{ENGAGED, Record};
 use haptic_core::axis::encoder::Counts;
 use haptic_core::axis::motor::Duty;
 use haptic_core::axis::velocity::VelocityName;
@@ -24,7 +27,8 @@ use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Bridges;
-use crate::pc::Pc;
+use crate::partner::Partner;
+use crate::pc::{Pc, key, key_in_flash};
 use crate::wire::{Line, PC, Wire};
 
 /// A control period, ns.
@@ -72,20 +76,42 @@ fn lines(settings: &Settings) -> Vec<String> {
 /// A device on a board.
 struct Device {
     plant: Plant,
-    started: bool,
+    /// Where its encoders are, and the 16 bits that they last gave.
     counts: [i64; AXES],
+    read: [u16; AXES],
 }
 
 impl Device {
+    /// At `counts`, as the encoders are when power comes on.
+    fn new(plant: Plant) -> Self {
+        Self { plant, counts: [0; AXES], read: [0; AXES] }
+    }
+
+    /// At `counts`, wherever it would be by itself.
+    fn at(plant: Plant, counts: [i64; AXES]) -> Self {
+        let mut device = Self::new(plant);
+        device.turn();
+        Self { counts, ..device }
+    }
+
     /// Where the encoders are now: the plant's 16-bit counts, unwrapped.
     fn turn(&mut self) -> [i64; AXES] {
         let Reading::Counts(counts) = self.plant.sensors::<f32>().reading else {
             panic!("a device on a board has encoders: see for_boards");
         };
-        for (whole, Counts(wrapped)) in self.counts.iter_mut().zip(counts) {
-            *whole += i64::from(wrapped.wrapping_sub(*whole as u16).cast_signed());
+        for ((whole, last), Counts(wrapped)) in self.counts.iter_mut().zip(&mut self.read).zip(counts) {
+            *whole += i64::from(wrapped.wrapping_sub(*last).cast_signed());
+            *last = wrapped;
         }
         self.counts
+    }
+
+    /// One period under what the bridges are told.
+    fn step(&mut self, time_s: f64, bridges: &Bridges) -> [i64; AXES] {
+        let actuators: Actuators<f32> =
+            Actuators { duties: duties(bridges), enable: bridges.on(), ..Actuators::default() };
+        self.plant.step(time_s, &actuators);
+        self.turn()
     }
 }
 
@@ -96,7 +122,12 @@ pub struct Bench {
     pub wire: Wire,
     /// Who talks to them.
     pub pc: Pc,
+    /// Who stands in for board 2, if anyone.
+    pub partner: Option<Partner>,
+    scene: SceneFile,
     devices: Vec<Option<Device>>,
+    /// The devices while nobody holds them; empty while somebody does.
+    loose: Vec<Device>,
     inputs: Vec<Inputs>,
     /// What each board did at the last stop.
     pub stopped: Vec<Stopped>,
@@ -104,7 +135,15 @@ pub struct Bench {
     pub meters: Vec<Meter>,
     now_ns: u64,
     period_s: f64,
-    /// Ticks that the devices have moved since arming.
+    /// Stops since power-on.
+    stops: u64,
+    /// Periods that armed boards are given to engage: a whole number of packets.
+    engaging: u64,
+    /// At which stop the motors of each board were first seen on.
+    on: Vec<Option<u64>>,
+    /// At which stop the devices began to move.
+    begun: Option<u64>,
+    /// Ticks that the devices have moved since then.
     pub ticks: u64,
 }
 
@@ -114,21 +153,37 @@ impl Bench {
     /// # Panics
     /// The tick does not start, or not at the same time on both.
     pub fn start(firmware: &Arc<Firmware>, boards: usize, line: Line) -> Self {
+        Self::start_with(firmware, boards, line, &[])
+    }
+
+    /// The same, with words in every board's flash that were there before, beside the key: address and value.
+    ///
+    /// # Panics
+    /// As [`Bench::start`].
+    pub fn start_with(firmware: &Arc<Firmware>, boards: usize, line: Line, flash: &[(u64, u32)]) -> Self {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
+            scene: for_boards(&SceneFile::default()),
             devices: nodes.iter().map(|_| None).collect(),
+            loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
             inputs: each(),
             meters: nodes.iter().map(|_| Meter::new(firmware)).collect(),
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
+            partner: None,
             now_ns: 1000,
             period_s: 1e-3,
+            stops: 0,
+            engaging: 0,
+            on: vec![None; boards],
+            begun: None,
             ticks: 0,
         };
-        let paint = STACK.step_by(4).map(|address| (address, PAINT));
+        let paint =
+            STACK.step_by(4).map(|address| (address, PAINT)).chain(key_in_flash(&key())).chain(flash.iter().copied());
         bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
         let entry = firmware.address("TIM6_DAC");
         bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
@@ -145,10 +200,27 @@ impl Bench {
         // The PHY is asked for its link every 500 ms.
         bench.run_for_ms(1000);
         for number in 1..=boards {
-            bench.wire.send(PC, bench.now_ns, &Pc::resolve(number));
+            bench.meet(number);
         }
-        bench.run_for_ms(5);
         bench
+    }
+
+    /// Makes sure that a board (1 or 2) knows the PC and the PC has a session with it.
+    ///
+    /// # Panics
+    /// They do not meet within two seconds.
+    pub fn meet(&mut self, number: usize) {
+        for ms in 0..2000 {
+            // As a PC does that has something to send: a board that is not up yet does not hear it.
+            if ms % 100 == 0 {
+                self.wire.send(PC, self.now_ns, &Pc::resolve(number));
+            }
+            self.step();
+            if self.pc.reaches(number) {
+                return;
+            }
+        }
+        panic!("board {number} and the operator do not meet");
     }
 
     /// Now, ns.
@@ -176,33 +248,59 @@ impl Bench {
             }
         }
         for frame in self.wire.receive(PC, until_ns) {
-            if let Some(answer) = self.pc.hear(&frame) {
+            if let Some(answer) = self.pc.hear(until_ns, &frame) {
                 self.wire.send(PC, until_ns, &answer);
             }
         }
+        self.talk();
+    }
+
+    /// What the PC has to say goes onto the wire, and what has arrived at the boards comes off it.
+    fn talk(&mut self) {
+        for frame in self.pc.talk(self.now_ns, self.nodes.len()) {
+            self.wire.send(PC, self.now_ns, &frame);
+        }
         for (port, inputs) in self.inputs.iter_mut().enumerate() {
-            inputs.frames.extend(self.wire.receive(port, until_ns));
+            inputs.frames.extend(self.wire.receive(port, self.now_ns));
         }
     }
 
     /// One period of boards and devices.
     pub fn step(&mut self) {
         self.run_to(self.now_ns + PERIOD_NS);
+        if let Some(partner) = &mut self.partner {
+            for frame in self.wire.receive(1, self.now_ns) {
+                partner.hear(self.now_ns, &frame);
+            }
+            for frame in partner.beat(self.now_ns) {
+                self.wire.send(1, self.now_ns, &frame);
+            }
+        }
         let time_s = self.ticks as f64 * self.period_s;
-        let armed = self.devices.iter().flatten().all(|device| device.started)
-            || self.stopped.iter().zip(&self.devices).all(|(s, d)| d.is_none() || s.bridges.on());
-        if !armed {
+        if !self.loose.is_empty() {
+            for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+                inputs.counts = Some(device.step(time_s, &stopped.bridges));
+            }
+            return;
+        }
+        self.stops += 1;
+        for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
+            if on.is_none() && stopped.bridges.on() {
+                *on = Some(self.stops);
+            }
+        }
+        let all_on = self.on.iter().copied().try_fold(0, |last: u64, on| Some(last.max(on?)));
+        if self.begun.is_none() && all_on.is_some_and(|since| self.stops == since + self.engaging) {
+            self.begun = Some(self.stops);
+        }
+        if self.begun.is_none() {
             return;
         }
         let mut moved = false;
         for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
             let Some(device) = device else { continue };
-            device.started = true;
             moved = true;
-            let actuators: Actuators<f32> =
-                Actuators { duties: duties(&stopped.bridges), enable: stopped.bridges.on(), ..Actuators::default() };
-            device.plant.step(time_s, &actuators);
-            inputs.counts = Some(device.turn());
+            inputs.counts = Some(device.step(time_s, &stopped.bridges));
         }
         self.ticks += u64::from(moved);
     }
@@ -220,6 +318,15 @@ impl Bench {
         self.input(number).peek.extend(addresses);
         self.step();
         std::mem::take(&mut self.stopped[number - 1].peeked)
+    }
+
+    /// What a board's flash holds in a range of addresses, word by word, without what is blank; now.
+    pub fn flash(&mut self, number: usize, range: Range<u64>) -> Vec<(u64, u32)> {
+        self.input(number).peek.extend(range.clone().step_by(4));
+        // Values are those of the stop that the board goes on from.
+        self.run_to(self.now_ns + 1000);
+        let words = std::mem::take(&mut self.stopped[number - 1].peeked);
+        range.step_by(4).zip(words).filter(|(_, word)| *word != u32::MAX).collect()
     }
 
     /// Bytes of a board's stack that were ever in use.
@@ -240,6 +347,11 @@ impl Bench {
         }
     }
 
+    /// So many microseconds in which nothing comes in and no device moves.
+    pub fn run_for_us(&mut self, us: u64) {
+        self.run_to(self.now_ns + 1000 * us);
+    }
+
     /// So many periods.
     pub fn run_for_ms(&mut self, periods: u64) {
         (0..periods).for_each(|_| self.step());
@@ -248,12 +360,11 @@ impl Bench {
     /// Says a line to a board (1 or 2) and gives its answer.
     ///
     /// # Panics
-    /// It does not answer within 100 ms.
+    /// It does not answer within a second.
     pub fn ask(&mut self, number: usize, line: &str) -> String {
         let before = self.pc.answers[number - 1].len();
-        self.wire.send(PC, self.now_ns, &Pc::say(number, line));
-        self.collect(number - 1);
-        for _ in 0..100 {
+        self.send(number, line);
+        for _ in 0..1000 {
             self.step();
             if let Some(answer) = self.pc.answers[number - 1].get(before) {
                 return answer.clone();
@@ -262,11 +373,10 @@ impl Bench {
         panic!("board {number} does not answer {line:?}");
     }
 
-    /// What the PC sent goes in at the stop it was sent at.
-    fn collect(&mut self, _: usize) {
-        for (port, inputs) in self.inputs.iter_mut().enumerate() {
-            inputs.frames.extend(self.wire.receive(port, self.now_ns));
-        }
+    /// Says a line to a board (1 or 2) and waits for nothing.
+    pub fn send(&mut self, number: usize, line: &str) {
+        self.pc.say(number, line);
+        self.talk();
     }
 
     /// Brings every board to the scene and puts a device on it; disarmed still.
@@ -275,9 +385,8 @@ impl Bench {
     /// What a board says against a setting.
     pub fn set_up(&mut self, scene: &SceneFile) -> Result<(), String> {
         self.period_s = scene.peer.timing.control_period_s;
-        self.devices = (0..self.nodes.len())
-            .map(|index| Some(Device { plant: Plant::new(scene, index), started: false, counts: [0; AXES] }))
-            .collect();
+        self.scene = scene.clone();
+        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(Plant::new(scene, index)))).collect();
         for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
             inputs.counts = Some(device.turn());
         }
@@ -289,37 +398,138 @@ impl Bench {
                 }
             }
         }
-        // The scene is taken at the next packet boundary.
+        // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        self.settle()
+    }
+
+    /// Waits until two boards talk to each other under the settings that they have.
+    ///
+    /// # Errors
+    /// They do not.
+    fn settle(&mut self) -> Result<(), String> {
+        if self.nodes.len() == 2 {
+            let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
+            let steps = u64::from(safety.disengage_packets - safety.fade_packets);
+            let delay = u64::from(self.scene.world.network.one_way_delay_packets);
+            // Twice what it takes without losses.
+            self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);
+            let met = (0..100).any(|_| {
+                self.run_for_ms(10);
+                (1..=2).all(|number| self.ask(number, "status").contains("link running"))
+            });
+            if !met {
+                return Err(format!("the boards do not meet: {}", self.ask(1, "status")));
+            }
+        }
         Ok(())
     }
 
-    /// Asks every board for every tick, and arms them all within one packet period.
+    /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
+    /// them, and what moves them is their own board.
+    pub fn let_go(&mut self, device: Option<&SceneFile>) {
+        let mut scene = device.unwrap_or(&self.scene).clone();
+        scene.users = Default::default();
+        let counts = |index: usize| self.devices[index].as_ref().map_or([0; AXES], |device| device.counts);
+        self.loose = (0..self.nodes.len()).map(|i| Device::at(Plant::new(&scene, i), counts(i))).collect();
+    }
+
+    /// Puts every device back where it was, and gives it back to its user.
+    pub fn take_hold(&mut self) {
+        /// Slow enough for any limit of speed in these tests, counts in a period.
+        const STRIDE: i64 = 100;
+        let mut loose = std::mem::take(&mut self.loose);
+        let home: Vec<[i64; AXES]> =
+            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], |device| device.counts)).collect();
+        let held = std::mem::take(&mut self.devices);
+        self.devices = held.iter().map(|_| None).collect();
+        while loose.iter().zip(&home).any(|(device, home)| device.counts != *home) {
+            for ((device, home), inputs) in loose.iter_mut().zip(&home).zip(&mut self.inputs) {
+                for (counts, home) in device.counts.iter_mut().zip(home) {
+                    *counts += (home - *counts).clamp(-STRIDE, STRIDE);
+                }
+                inputs.counts = Some(device.counts);
+            }
+            self.step();
+        }
+        self.devices = held;
+        self.run_to(self.now_ns + PERIOD_NS);
+    }
+
+    /// The answer to `probed` once the probe of a board is over.
     ///
     /// # Panics
-    /// A board does not arm.
+    /// It takes longer than the longest probe.
+    pub fn probed(&mut self, number: usize) -> String {
+        for _ in 0..200 {
+            let answer = self.ask(number, "probed");
+            if !answer.contains(" running") {
+                return answer;
+            }
+            self.run_for_ms(50);
+        }
+        panic!("the probe of board {number} does not end");
+    }
+
+    /// Checks the signs of every joint in use, as a person does before arming: hands off, check, the device put back.
+    ///
+    /// # Errors
+    /// What a board found.
+    pub fn check(&mut self, number: usize) -> Result<(), String> {
+        self.let_go(None);
+        let mut outcome = Ok(());
+        for joint in 1..=self.scene.peer.axis.count {
+            let begun = self.ask(number, &format!("check {joint}"));
+            let answer = if begun.starts_with("ok") { self.probed(number) } else { begun };
+            if !answer.contains("; agree: ") {
+                outcome = Err(format!("board {number}, joint {joint}: {answer}"));
+            }
+        }
+        self.take_hold();
+        outcome
+    }
+
+    /// Checks the signs of every board, starts the scene anew, asks for every tick, arms all boards, and waits until they are
+    /// engaged and the devices have begun to move.
+    ///
+    /// # Panics
+    /// A board does not pass the check or does not arm, or two do not engage.
     pub fn arm(&mut self) {
+        for number in 1..=self.nodes.len() {
+            self.check(number).unwrap_or_else(|found| panic!("{found}"));
+            assert_eq!(self.ask(number, "apply"), "ok applied");
+        }
+        self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
+        self.settle().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));
         }
         let before: Vec<usize> = self.pc.answers.iter().map(Vec::len).collect();
         for number in 1..=self.nodes.len() {
-            self.wire.send(PC, self.now_ns, &Pc::say(number, "arm"));
+            self.send(number, "arm");
         }
-        self.collect(0);
-        self.run_for_ms(24);
-        for (index, before) in before.into_iter().enumerate().take(self.nodes.len()) {
-            let answer = self.pc.answers[index].get(before).map(String::as_str);
-            assert_eq!(answer, Some("ok armed"), "board {}", index + 1);
+        self.run_for_ms(self.engaging);
+        while self.ticks < 24 {
+            assert!(self.stops < 1_000_000, "the boards do not arm");
+            self.step();
+            for (index, before) in before.iter().enumerate().take(self.nodes.len()) {
+                let answer = self.pc.answers[index].get(*before).map(String::as_str);
+                assert!(matches!(answer, None | Some("ok armed")), "board {}: {answer:?}", index + 1);
+            }
         }
-        assert!(self.ticks > 0, "the boards armed in different packet periods");
+        for number in 1..=self.nodes.len() {
+            let first = self.armed_ticks(number).first().expect("its first ticks are here");
+            assert!(self.nodes.len() == 1 || first.flags() & ENGAGED != 0, "board {number} is not engaged");
+        }
     }
 
-    /// The ticks of a board (1 or 2) from the one that armed it.
+    /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
     pub fn armed_ticks(&self, number: usize) -> &[Record] {
         let records = &self.pc.records[number - 1];
-        let first = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
-        &records[first..]
+        let armed = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
+        let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
+        let first = records.get(armed).map_or(0, |record| record.tick() + held);
+        &records[armed + records[armed..].iter().take_while(|record| record.tick() < first).count()..]
     }
 
     /// Ends the run.

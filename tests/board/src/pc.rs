@@ -1,14 +1,15 @@
-//! The operator's PC on the wire: answers ARP, sends lines of text, takes in answers and telemetry.
+//! The operator's PC on the wire: answers ARP, and has host-sim's own operator session with each board, in virtual time.
 //!
-//! The least that talks to a board: Ethernet II, ARP, IPv4 without options, UDP without checksum.
+//! The least that carries it: Ethernet II, ARP, IPv4 without options, UDP without checksum.
 
-use firmware_parts::record::{BYTES, Record};
+use firmware_parts::record::{CODE, Record};
+use haptic_protocol::key::Key;
+use haptic_protocol::wire::MAX_DATAGRAM;
+use host_sim::live::operator::{PORT, Session};
 
-const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
+/// The PC's address.
+pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
 const IP: [u8; 4] = [192, 168, 77, 10];
-/// The operator's port on a board, and the port that telemetry comes from.
-const OPERATOR: u16 = 7702;
-const TELEMETRY: u16 = 7703;
 /// The PC's own port.
 const OWN: u16 = 40_000;
 
@@ -22,15 +23,32 @@ pub const fn board_ip(number: usize) -> [u8; 4] {
     [192, 168, 77, number as u8]
 }
 
+/// The key that boards and PC share on the bench.
+pub fn key() -> Key {
+    Key::new(core::array::from_fn(|at| 3 * at as u8 + 1))
+}
+
+/// Where a board keeps it (memory.x), as `cargo xtask provision` puts it there: address and value.
+pub fn key_in_flash(key: &Key) -> Vec<(u64, u32)> {
+    let words = key.image().as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
+    (0x081A_0000..).step_by(4).zip(words).collect()
+}
+
 /// What the PC has heard, board by board.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Pc {
+    sessions: [Session; 2],
     /// Answers of each board, oldest first.
     pub answers: [Vec<String>; 2],
     /// Ticks of each board, oldest first.
     pub records: [Vec<Record>; 2],
-    /// Records that each board lost by its own account.
-    pub lost: [u32; 2],
+}
+
+impl Default for Pc {
+    fn default() -> Self {
+        let session = |number| Session::new(key(), number, [16 + number; Key::LEN]).expect("a good key");
+        Self { sessions: [session(1), session(2)], answers: Default::default(), records: Default::default() }
+    }
 }
 
 fn checksum(header: &[u8]) -> u16 {
@@ -57,10 +75,39 @@ pub fn udp(from: ([u8; 6], [u8; 4], u16), to: ([u8; 6], [u8; 4], u16), payload: 
     frame
 }
 
+/// The answer to a frame that asks by ARP who has `ip`: `mac` has.
+pub fn resolved(frame: &[u8], mac: [u8; 6], ip: [u8; 4]) -> Option<Vec<u8>> {
+    let asks = frame.get(12..14)? == [8, 6] && frame.get(20..22)? == [0, 1] && frame.get(38..42)? == ip;
+    asks.then(|| {
+        let (sender_mac, sender_ip) = (&frame[22..28], &frame[28..32]);
+        [sender_mac, &mac, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 2], &mac, &ip, sender_mac, sender_ip].concat()
+    })
+}
+
 impl Pc {
-    /// The frame that says `line` to a board (1 or 2).
-    pub fn say(number: usize, line: &str) -> Vec<u8> {
-        udp((MAC, IP, OWN), (board_mac(number), board_ip(number), OPERATOR), line.as_bytes())
+    /// Says `line` to a board (1 or 2).
+    ///
+    /// # Panics
+    /// The line before is still on its way.
+    pub fn say(&mut self, number: usize, line: &str) {
+        assert!(self.sessions[number - 1].say(line), "board {number} has not taken the line before {line:?}");
+    }
+
+    /// Whether a board (1 or 2) has answered under the key.
+    pub fn reaches(&self, number: usize) -> bool {
+        self.sessions[number - 1].is_there()
+    }
+
+    /// What the PC has to say to the first `boards` boards now, as frames.
+    pub fn talk(&mut self, now_ns: u64, boards: usize) -> Vec<Vec<u8>> {
+        let mut frames = Vec::new();
+        for (number, session) in (1..=boards).zip(&mut self.sessions) {
+            let mut out = [0; MAX_DATAGRAM];
+            while let Some(length) = session.poll(now_ns / 1000, &mut out) {
+                frames.push(udp((MAC, IP, OWN), (board_mac(number), board_ip(number), PORT), &out[..length]));
+            }
+        }
+        frames
     }
 
     /// The frame that asks a board (1 or 2) for its address; with it the board learns the PC's, as from any PC.
@@ -69,38 +116,30 @@ impl Pc {
     }
 
     /// Takes in a frame, and gives the one that answers it, if any.
-    pub fn hear(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
+    pub fn hear(&mut self, now_ns: u64, frame: &[u8]) -> Option<Vec<u8>> {
         match frame.get(12..14)? {
-            [0x08, 0x06] => Self::arp(frame),
+            [0x08, 0x06] => resolved(frame, MAC, IP),
             [0x08, 0x00] if frame.get(..6)? == MAC && frame.get(30..34)? == IP => {
-                self.datagram(frame);
+                self.datagram(now_ns, frame);
                 None
             }
             _ => None,
         }
     }
 
-    fn arp(frame: &[u8]) -> Option<Vec<u8>> {
-        let asks_for_us = frame.get(20..22)? == [0, 1] && frame.get(38..42)? == IP;
-        asks_for_us.then(|| {
-            let (sender_mac, sender_ip) = (&frame[22..28], &frame[28..32]);
-            [sender_mac, &MAC, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 2], &MAC, &IP, sender_mac, sender_ip].concat()
-        })
-    }
-
-    fn datagram(&mut self, frame: &[u8]) {
+    fn datagram(&mut self, now_ns: u64, frame: &[u8]) {
         let (Some(source), Some(board)) = (frame.get(34..36), frame.get(29)) else { return };
         let Some(at) = usize::from(*board).checked_sub(1).filter(|at| *at < 2) else { return };
         let length = usize::from(u16::from_be_bytes([frame[38], frame[39]]));
         let Some(payload) = frame.get(42..34 + length) else { return };
-        match u16::from_be_bytes([source[0], source[1]]) {
-            OPERATOR => self.answers[at].push(String::from_utf8_lossy(payload).into_owned()),
-            TELEMETRY if payload.get(..3) == Some(b"HT\x01") => {
-                self.lost[at] = u32::from_le_bytes([payload[4], payload[5], payload[6], payload[7]]);
-                let (records, _) = payload[8..].as_chunks::<BYTES>();
-                self.records[at].extend(records.iter().map(Record::from_bytes));
-            }
-            _ => {}
+        if u16::from_be_bytes([source[0], source[1]]) != PORT {
+            return;
+        }
+        let session = &mut self.sessions[at];
+        session.receive(now_ns / 1000, &mut payload.to_vec());
+        self.answers[at].extend(std::iter::from_fn(|| session.answer()));
+        for sample in session.take_samples().iter().filter(|sample| sample.code == CODE) {
+            self.records[at].push(Record::from_bytes(sample.payload().try_into().expect("a record")));
         }
     }
 }

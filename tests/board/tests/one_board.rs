@@ -18,6 +18,9 @@ fn it_starts_disarmed_and_answers() {
     assert_eq!(bench.peek(1, [OVERDRIVE])[0] & 1, 1);
     let answer = bench.ask(1, "status");
     assert!(answer.starts_with("ok board 1 disarmed fault 0 "), "{answer}");
+    let refusal = bench.ask(1, "arm");
+    assert!(refusal.starts_with("error check first: "), "{refusal}");
+    assert_eq!(bench.check(1), Ok(()));
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     bench.run_for_ms(10);
     assert!(bench.stopped[0].bridges.on());

@@ -22,6 +22,7 @@ use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
 use rigless::soc::stm32h743::peripherals::gpio::Pin;
+use rigless::soc::stm32h743::peripherals::rng::{self, Rng};
 use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, BreakSource, Tim};
 use rigless::soc::{Bus, Error, Width};
 use rigless::time::VirtualNanos;
@@ -103,6 +104,8 @@ impl Part {
         let encoders = [EncoderTimer::new(1), EncoderTimer::new(2)];
         let mut part =
             Self { chip, mac, dma, iwdg: Iwdg::default(), encoders, slots, stop_released: true, strap_to_ground };
+        // Two chips, two noises: theirs would be the same at every power-on.
+        part.chip.rng = Rng::seeded(rng::RESET_AHB_HZ, rng::KERNEL_HZ, 1 + u64::from(strap_to_ground));
         part.check()?;
         part.wire(VirtualNanos(0));
         Ok(part)

@@ -1,0 +1,7 @@
+//! What the hand feels, against closed forms: impacts, impacts of a peer, shapes.
+
+mod gas;
+mod impact;
+mod peer;
+mod setup;
+mod shape;

@@ -1,0 +1,182 @@
+//! What a board keeps from one start to the next: its scene's settings and its addresses, key by key.
+//!
+//! | key | value |
+//! |---|---|
+//! | those of [`Settings`] | as scene files spell them |
+//! | `network.dhcp` | `true`: ask the network for an address |
+//! | `network.address` | own address, or `strap`: 192.168.77.1 or .2 by the strap, the network is its /24 |
+//! | `network.gateway` | who leads out of that network, or `none` |
+//! | `network.peer` | address of the other peer, or `strap`: the other of the two |
+//!
+//! Addresses are taken at the next start. They are no secret and prove nothing: who the other peer is says the key.
+
+use core::fmt;
+use core::net::Ipv4Addr;
+
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
+
+/// Where this board and the others are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Addresses {
+    /// Ask the network for an address instead.
+    pub dhcp: bool,
+    /// This board, if not as strapped.
+    pub own: Option<Ipv4Addr>,
+    /// Who leads out of its network.
+    pub gateway: Option<Ipv4Addr>,
+    /// The other peer, if not as strapped.
+    pub peer: Option<Ipv4Addr>,
+}
+
+/// Everything that is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kept {
+    /// The scene's.
+    pub settings: Settings,
+    /// The board's.
+    pub addresses: Addresses,
+}
+
+/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give.
+pub fn defaults() -> Settings {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Filtered;
+    settings
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self { settings: defaults(), addresses: Addresses::default() }
+    }
+}
+
+/// A value as a line spells it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spelled {
+    /// A setting's.
+    Value(Value<'static>),
+    /// An address.
+    Address(Ipv4Addr),
+}
+
+impl fmt::Display for Spelled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value(Value::Text(name)) => f.write_str(name),
+            Self::Value(value) => value.fmt(f),
+            Self::Address(address) => address.fmt(f),
+        }
+    }
+}
+
+/// An address's key: its name, the word for having none, what it accepts.
+type AddressKey = (&'static str, &'static str, Allowed);
+const OWN: AddressKey = ("network.address", "strap", Allowed::Only("an address such as 192.168.77.1, or strap"));
+const GATEWAY: AddressKey = ("network.gateway", "none", Allowed::Only("an address such as 192.168.77.254, or none"));
+const PEER: AddressKey = ("network.peer", "strap", Allowed::Only("an address such as 192.168.77.2, or strap"));
+const DHCP: &str = "network.dhcp";
+
+impl Addresses {
+    fn of(&mut self, key: &str) -> Option<(&mut Option<Ipv4Addr>, AddressKey)> {
+        [(&mut self.own, OWN), (&mut self.gateway, GATEWAY), (&mut self.peer, PEER)]
+            .into_iter()
+            .find(|(_, (name, ..))| *name == key)
+    }
+
+    fn set<'a>(&mut self, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        let refused = |key, allowed| Err(SetError::Refused(Refused { key, value, allowed, unit: "" }));
+        if key == DHCP {
+            let Value::Flag(dhcp) = value else { return refused(DHCP, Allowed::Flag) };
+            self.dhcp = dhcp;
+            return Ok(());
+        }
+        let (address, (name, nothing, allowed)) = self.of(key).ok_or(SetError::Unknown)?;
+        *address = match value {
+            Value::Text(text) if text == nothing => None,
+            Value::Text(text) => match text.parse::<Ipv4Addr>() {
+                Ok(address) if !(address.is_unspecified() || address.is_multicast() || address.is_broadcast()) => {
+                    Some(address)
+                }
+                _ => return refused(name, allowed),
+            },
+            _ => return refused(name, allowed),
+        };
+        Ok(())
+    }
+
+    fn get(mut self, key: &str) -> Option<Spelled> {
+        if key == DHCP {
+            return Some(Spelled::Value(Value::Flag(self.dhcp)));
+        }
+        let (address, (_, nothing, _)) = self.of(key)?;
+        Some(address.map_or(Spelled::Value(Value::Text(nothing)), Spelled::Address))
+    }
+}
+
+impl Kept {
+    /// Every key, in an order that lines can be read back in.
+    pub fn keys() -> impl Iterator<Item = &'static str> {
+        Settings::KEYS.iter().map(|key| key.name).chain([DHCP, OWN.0, GATEWAY.0, PEER.0])
+    }
+
+    /// Sets the key, if it accepts the value; otherwise nothing changes.
+    ///
+    /// # Errors
+    /// There is no such key, or it does not accept the value.
+    pub fn set<'a>(&mut self, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        match self.settings.set(key, value) {
+            Err(SetError::Unknown) => self.addresses.set(key, value),
+            done => done,
+        }
+    }
+
+    /// The value of the key.
+    pub fn get(&self, key: &str) -> Option<Spelled> {
+        self.settings.get(key).map(Spelled::Value).or_else(|| self.addresses.get(key))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use crate::operator::value;
+    use std::string::ToString;
+
+    #[test]
+    fn every_key_leads_back_to_what_was_set() {
+        let mut kept = Kept::default();
+        for (key, text) in [
+            ("network.dhcp", "true"),
+            ("network.address", "10.1.2.3"),
+            ("network.gateway", "10.1.2.254"),
+            ("network.peer", "192.0.2.7"),
+            ("coordination.comm", "power"),
+            ("object.mass_kg", "0.30000000000000004"),
+            ("contact.one_sided", "true"),
+        ] {
+            kept.set(key, value(text)).unwrap();
+            assert_eq!(kept.get(key).unwrap().to_string(), text);
+        }
+        let mut copy = Kept::default();
+        for key in Kept::keys() {
+            let text = kept.get(key).unwrap().to_string();
+            copy.set(key, value(&text)).unwrap();
+        }
+        assert_eq!(copy, kept);
+        kept.set("network.gateway", value("none")).unwrap();
+        assert_eq!(kept.addresses.gateway, None);
+    }
+
+    #[test]
+    fn what_is_no_address_is_refused_with_what_would_be_one() {
+        let mut kept = Kept::default();
+        for text in ["10.1.2", "10.1.2.300", "board", "7", "true", "0.0.0.0", "255.255.255.255", "224.0.0.1"] {
+            let Err(SetError::Refused(refused)) = kept.set("network.peer", value(text)) else { panic!("{text} taken") };
+            assert!(refused.to_string().ends_with("it must be an address such as 192.168.77.2, or strap"), "{refused}");
+        }
+        assert_eq!(kept.set("network.mask", value("1")), Err(SetError::Unknown));
+        assert_eq!(kept, Kept::default());
+    }
+}

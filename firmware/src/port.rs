@@ -1,0 +1,145 @@
+//! The operator's port: a sealed link to whoever holds the key, lines in, answers and records out.
+//!
+//! A [`Link`] of its own on UDP 7702: the operator has number 0, this board its own. The board never calls: it answers the
+//! address that the last authentic datagram came from, so that an operator may come from anywhere and a stranger finds
+//! nothing here. The last operator to prove that he holds the key and is there now takes the link over; what was half
+//! said to the one before is dropped, and records are no longer sent.
+//!
+//! Lines are taken one at a time, an answer each ([`Console`]). A record that the network does not take now waits; records
+//! that find no room are lost and counted.
+
+use embassy_net::udp::{PacketMetadata, UdpSocket};
+use embassy_net::{IpEndpoint, Stack};
+use embassy_time::{Duration, Instant, with_timeout};
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::lines::{Line, Lines};
+use haptic_protocol::link::{Config, Link, Notice};
+use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
+use static_cell::ConstStaticCell;
+
+use crate::board::Number;
+use crate::console::Console;
+use crate::net::{self, count};
+use crate::telemetry::{self, Telemetry};
+
+/// Port of the operator.
+const PORT: u16 = 7702;
+/// The operator's number.
+const OPERATOR: PeerId = PeerId(0);
+/// The link's period, as the operator's end has it.
+const PERIOD_US: u32 = 20_000;
+/// Between two looks while nothing comes: with records to send, and without.
+const BUSY: Duration = Duration::from_millis(2);
+const IDLE: Duration = Duration::from_millis(10);
+
+/// The board's end of the link; `None` if the key or the randomness is none.
+pub(crate) fn link(key: &Key, number: Number, entropy: [u8; Key::LEN]) -> Option<Link> {
+    let mut parameters = Parameters::new();
+    // What the lines mean: an operator who means something else is refused by name.
+    parameters.add(Table::new("operator").number("version", 1.0)).ok()?;
+    let ends = Ends { local: number.peer(), remote: OPERATOR };
+    Link::new(Config { key: key.clone(), ends, packet_period_us: PERIOD_US, parameters, entropy }).ok()
+}
+
+/// Who is on the link.
+struct Port {
+    link: &'static mut Link,
+    lines: Lines,
+    /// Where the operator's last sealed datagram came from.
+    operator: Option<IpEndpoint>,
+    taken: u32,
+}
+
+impl Port {
+    /// Takes a datagram; gives whom to answer, which a stranger with an old greeting may be, once.
+    fn receive(&mut self, datagram: &mut [u8], from: IpEndpoint) -> Option<IpEndpoint> {
+        if self.link.receive(Instant::now().as_micros(), datagram).is_err() {
+            count(&net::REFUSED);
+            return None;
+        }
+        let taken = self.link.counts().taken;
+        if taken != self.taken {
+            self.taken = taken;
+            self.operator = Some(from);
+        }
+        while let Some(notice) = self.link.take_notice() {
+            match notice {
+                Notice::NewPeer { .. } => {
+                    defmt::info!("operator: here");
+                    self.lines.forget();
+                    telemetry::stream(0);
+                }
+                Notice::Lost => {
+                    defmt::info!("operator: gone");
+                    telemetry::stream(0);
+                }
+                _ => {}
+            }
+        }
+        Some(from)
+    }
+}
+
+/// Listens and answers.
+#[embassy_executor::task]
+pub(crate) async fn run(
+    stack: Stack<'static>,
+    mut console: Console,
+    link: &'static mut Link,
+    mut telemetry: Telemetry,
+) -> ! {
+    static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
+    static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
+    static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
+    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), &mut [], &mut []);
+    if socket.bind(PORT).is_err() {
+        defmt::panic!("the operator's port cannot be bound");
+    }
+    // Answers go out by a socket of their own: dropping answers that nobody takes must not drop orders that came in.
+    let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
+    let mut port = Port { link, lines: Lines::default(), operator: None, taken: 0 };
+    let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
+    // A record that is sealed and waits.
+    let mut waiting: Option<(usize, Datagram)> = None;
+    loop {
+        let look = if telemetry.is_on() { BUSY } else { IDLE };
+        let mut to = port.operator;
+        match with_timeout(look, socket.recv_from(&mut bytes)).await {
+            Ok(Ok((length, from))) => {
+                to = port.receive(bytes.get_mut(..length).unwrap_or_default(), from.endpoint).or(to);
+            }
+            Ok(Err(_)) => count(&net::REFUSED),
+            Err(_) => answers.tend(),
+        }
+        if !port.lines.is_saying()
+            && let Some(line) = port.lines.hear(port.link)
+        {
+            let mut answer = Line::new();
+            console.hear(&line, &mut answer).await;
+            defmt::info!("operator: {=str}", answer.as_str());
+            port.lines.say(&answer);
+        }
+        port.lines.push(port.link);
+        let Some(to) = to else { continue };
+        while let Some(length) = port.link.poll(Instant::now().as_micros(), &mut out) {
+            answers.send(out.get(..length).unwrap_or_default(), to).await;
+        }
+        loop {
+            if waiting.is_none()
+                && let Some(sample) = telemetry.next()
+            {
+                let mut datagram = [0; MAX_DATAGRAM];
+                let sealed = port.link.send_sample(Instant::now().as_micros(), &sample, &mut datagram);
+                waiting = sealed.map(|length| (length, datagram));
+            }
+            let Some((length, datagram)) = &waiting else { break };
+            if !answers.send(datagram.get(..*length).unwrap_or_default(), to).await {
+                break;
+            }
+            waiting = None;
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Storage: saves settings when the console asks, in thread mode, where nothing waits for it.
+//!
+//! While it is at work the motors stay off ([`BUSY`] refuses arming), and saving is asked for only while they are.
+
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
+use firmware_parts::kept::Kept;
+use firmware_parts::store::Store;
+
+use crate::board::flash;
+
+/// A save is under way. Set by the console, cleared here.
+pub(crate) static BUSY: AtomicBool = AtomicBool::new(false);
+/// The last save failed; what was saved before stands.
+pub(crate) static FAILED: AtomicBool = AtomicBool::new(false);
+/// How often something was saved; 0: nothing is there. Has a name in the image for debuggers and tests/board.
+#[unsafe(no_mangle)]
+pub(crate) static SETTINGS_GENERATION: AtomicU32 = AtomicU32::new(0);
+
+static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
+
+/// Where the settings of this start came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// Flash.
+    Stored,
+    /// The image: nothing is stored.
+    Defaults,
+    /// The image: what is stored is not for it.
+    Refused,
+}
+
+impl Origin {
+    /// For a person.
+    pub(crate) fn explain(self) -> &'static str {
+        match self {
+            Self::Stored => "stored",
+            Self::Defaults => "defaults",
+            Self::Refused => "defaults, the stored ones are refused",
+        }
+    }
+}
+
+/// What is stored, if `fits` finds nothing against it; the defaults otherwise.
+pub(crate) fn load(flash: &flash::Settings, fits: impl Fn(&Kept) -> bool) -> (Store, Kept, Origin) {
+    let store = Store::open(flash);
+    SETTINGS_GENERATION.store(store.generation(), Ordering::Relaxed);
+    let (kept, origin) = match store.load(flash) {
+        None => (Kept::default(), Origin::Defaults),
+        Some(Ok(kept)) if fits(&kept) => (kept, Origin::Stored),
+        Some(Ok(_)) => {
+            defmt::error!("the stored settings do not fit this image: defaults");
+            (Kept::default(), Origin::Refused)
+        }
+        Some(Err(unreadable)) => {
+            defmt::error!(
+                "the stored settings have a line that means nothing: {=str}: defaults",
+                unreadable.line.as_str()
+            );
+            (Kept::default(), Origin::Refused)
+        }
+    };
+    defmt::info!("settings {=u32}: {=str}", store.generation(), origin.explain());
+    (store, kept, origin)
+}
+
+/// Asks for a save; false while one is under way.
+pub(crate) fn save(kept: &Kept) -> bool {
+    if BUSY.swap(true, Ordering::AcqRel) {
+        return false;
+    }
+    ASKED.signal(*kept);
+    true
+}
+
+/// Saves when asked.
+#[embassy_executor::task]
+pub(crate) async fn run(mut flash: flash::Settings, mut store: Store) -> ! {
+    loop {
+        let kept = ASKED.wait().await;
+        match store.save(&mut flash, &kept).await {
+            Ok(generation) => {
+                SETTINGS_GENERATION.store(generation, Ordering::Relaxed);
+                FAILED.store(false, Ordering::Relaxed);
+                defmt::info!("settings {=u32} saved", generation);
+            }
+            Err(_) => {
+                FAILED.store(true, Ordering::Relaxed);
+                defmt::error!("the settings could not be saved: the flash does not take them");
+            }
+        }
+        BUSY.store(false, Ordering::Release);
+    }
+}

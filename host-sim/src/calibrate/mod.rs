@@ -1,0 +1,124 @@
+//! Calibration: what a person and a board find out together about a device, and leave in a settings file.
+//!
+//! | module | finds | by |
+//! |---|---|---|
+//! | [`counts`] | `encoder.counts_per_m` or `counts_per_rev`, `encoder.reversed` | a known distance, moved by hand |
+//! | [`sign`] | `motor.reversed` | a weak push both ways |
+//! | [`motor`] | `motor.newton_or_newton_metre_per_a` | a force gauge, or a mass that is added |
+//! | [`friction`] | `device.damping_n_s_per_m`, `plant.coulomb_n` | cosines of force |
+//! | [`inertia`] | `device.mass_kg`, `device.force_delay_ticks` | the same |
+//! | [`motion`] | the fit behind the last three | least squares on weighted integrals |
+//! | [`board`] | what they need of a board: lines, ticks, settings | |
+//! | [`simulated`] | a board with a software device, to practise on | |
+//! | [`settings_file`] | the file | |
+//!
+//! Every number comes with an interval that holds it in about 19 of 20 calibrations, as far as noise goes; one that the
+//! data do not give is refused, with what to do about it.
+
+pub mod board;
+pub mod counts;
+pub mod friction;
+pub mod inertia;
+pub mod motion;
+pub mod motor;
+pub mod settings_file;
+pub mod sign;
+pub mod simulated;
+
+/// A number with the half width of its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// The number.
+    pub value: f64,
+    /// Half the width of the interval that holds the true one in 19 of 20 calibrations.
+    pub within: f64,
+}
+
+impl Estimate {
+    /// The same in another unit.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self { value: self.value * factor, within: self.within * factor.abs() }
+    }
+}
+
+impl std::fmt::Display for Estimate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = |number: f64| crate::report::text::significant(number, 4);
+        write!(f, "{} ± {}", digits(self.value), digits(self.within))
+    }
+}
+
+/// What a calibration found: a key of the settings file and its value, as TOML.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// `table.key`.
+    pub key: &'static str,
+    /// The value.
+    pub value: toml::Value,
+    /// Interval and circumstances, for a person.
+    pub said: String,
+}
+
+impl Found {
+    /// A number with its interval; `unit` is for the person.
+    pub fn number(key: &'static str, estimate: Estimate, unit: &str) -> Self {
+        // Six digits are more than any calibration gives, and no rounding shows in them.
+        let value = format!("{:.6e}", estimate.value).parse().unwrap_or(estimate.value);
+        Self { key, value: toml::Value::Float(value), said: format!("{estimate} {unit}").trim_end().to_owned() }
+    }
+
+    /// Yes or no.
+    pub fn flag(key: &'static str, value: bool) -> Self {
+        Self { key, value: toml::Value::Boolean(value), said: value.to_string() }
+    }
+}
+
+/// What a person is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the sentences say it")]
+pub enum Task {
+    HoldStill { joint: u32 },
+    MoveMetres { joint: u32, metres: f64 },
+    Turn { joint: u32, revolutions: f64 },
+    Gauge { joint: u32 },
+    LetGo { joint: u32 },
+    Fasten { joint: u32, kilograms: f64 },
+}
+
+impl std::fmt::Display for Task {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::HoldStill { joint } => write!(f, "hold joint {joint} still at the first mark"),
+            Self::MoveMetres { joint, metres } => {
+                write!(f, "move joint {joint} by {metres} m the way its axis points, and hold it still there")
+            }
+            Self::Turn { joint, revolutions } => write!(
+                f,
+                "turn the motor of joint {joint} by {revolutions} revolutions the way its axis points, and hold it still there"
+            ),
+            Self::Gauge { joint } => {
+                write!(f, "hold joint {joint} against the gauge, so that a push along the axis presses on it")
+            }
+            Self::LetGo { joint } => write!(f, "let go of joint {joint}, with room to both sides"),
+            Self::Fasten { joint, kilograms } => {
+                write!(f, "fasten {kilograms} kg to the hand of joint {joint}, and let go of it")
+            }
+        }
+    }
+}
+
+/// The person at the device.
+pub trait Person {
+    /// Asks for something to be done, and comes back when it is.
+    ///
+    /// # Errors
+    /// Nobody is there.
+    fn please(&mut self, task: &Task) -> Result<(), String>;
+
+    /// Asks for a number.
+    ///
+    /// # Errors
+    /// Nobody is there, or it is no number.
+    fn reading(&mut self, what: &str) -> Result<f64, String>;
+}

@@ -1,0 +1,112 @@
+//! Motor constant: force (or torque) per ampere, against something known.
+//!
+//! With a gauge: the joint pushes against a force gauge at three duties, the person reads it, and the slope over the duties is the
+//! constant; friction and the gauge's zero are in the intercept. With a mass: the joint is moved alone and with a known mass
+//! fastened to it; the masses come out in units of duty, and what they differ by is known in kilograms.
+
+use haptic_core::settings::Settings;
+
+use super::board::{Board, Joint, run, settings};
+use super::{Estimate, Found, Person, Task, motion};
+
+/// What is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Known {
+    /// Force at the hand, by a gauge.
+    Gauge,
+    /// A mass that can be fastened to the hand, kg.
+    Mass(f64),
+}
+
+/// Slope of a line through points, with its 95 % interval.
+///
+/// # Errors
+/// They lie on no line.
+pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
+    let count = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
+    let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
+    // Student's t for 95 % of so few points.
+    let t = match points.len() {
+        0..=2 => return Err("two readings make no line: give at least three".to_owned()),
+        3 => 12.71,
+        4 => 4.30,
+        5 => 3.18,
+        _ => 2.78,
+    };
+    let within = t * (left / (count - 2.0) / squares).sqrt();
+    if !(within <= 0.25 * value.abs()) {
+        return Err(format!(
+            "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
+            Estimate { value, within }
+        ));
+    }
+    Ok(Estimate { value, within })
+}
+
+/// The constant for a force per full duty at the hand.
+fn constant(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Found {
+    let estimate = newton_per_duty.times(joint.lever.abs() / settings.motor.full_scale_a);
+    let unit = if joint.lever == 1.0 { "N/A" } else { "N·m/A" };
+    Found::number("motor.newton_or_newton_metre_per_a", estimate, unit)
+}
+
+/// Finds the constant of joint `number`'s motor.
+///
+/// # Errors
+/// What is wrong, in one line.
+pub fn calibrate(
+    board: &mut dyn Board,
+    person: &mut dyn Person,
+    number: u32,
+    known: Known,
+) -> Result<Vec<Found>, String> {
+    match known {
+        Known::Gauge => gauge(board, person, number),
+        Known::Mass(kilograms) => mass(board, person, number, kilograms),
+    }
+}
+
+fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<Vec<Found>, String> {
+    let settings = settings(board)?;
+    let joint = Joint::of(&settings, number)?;
+    let most = settings.probe.max_duty.min(settings.motor.max_duty);
+    person.please(&Task::Gauge { joint: number })?;
+    let mut points = Vec::new();
+    for step in 1..=4 {
+        let duty = most * f64::from(step) / 4.0;
+        let pushed = run(board, number, &format!("probe {number} pulse {duty:.4} {}", settings.probe.max_s))?;
+        if pushed.end != "done" {
+            return Err("the joint gave way: hold it against the gauge all the time".to_owned());
+        }
+        points.push((
+            duty,
+            person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
+        ));
+    }
+    Ok(vec![constant(slope(&points)?, &settings, &joint)])
+}
+
+fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: f64) -> Result<Vec<Found>, String> {
+    if !(kilograms > 0.0 && kilograms <= 100.0) {
+        return Err(format!("an added mass of {kilograms} kg is not allowed: it must be above 0 and up to 100"));
+    }
+    person.please(&Task::LetGo { joint: number })?;
+    let (alone, joint, settings) = motion::identify(board, number)?;
+    person.please(&Task::Fasten { joint: number, kilograms })?;
+    let (loaded, ..) = motion::identify(board, number)?;
+    let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
+    if !(within <= 0.2 * difference) {
+        return Err(format!(
+            "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
+            Estimate { value: difference / loaded.mass.value, within: within / loaded.mass.value },
+            1.0
+        ));
+    }
+    let newton_per_duty = kilograms / difference;
+    let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
+    Ok(vec![constant(estimate, &settings, &joint)])
+}

@@ -1,0 +1,61 @@
+//! The settings file that calibrations leave: a scene of a few keys, which `cooperate --scene` and boards take.
+//!
+//! Each calibration adds its keys to what the file holds; a key that is found again is replaced.
+
+use std::path::Path;
+
+use haptic_core::settings::{Settings, Value};
+
+use super::Found;
+use super::board::{Board, say};
+use crate::scene::SceneFile;
+
+/// Adds what was found to the file at `path`, which is made if it is not there.
+///
+/// # Errors
+/// The file is no scene, or cannot be written.
+pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
+    let place = path.display();
+    let before = if path.exists() {
+        std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?
+    } else {
+        String::new()
+    };
+    let mut document: toml::Table = before.parse().map_err(|error| format!("{place}: {error}").replace('\n', " "))?;
+    for Found { key, value, .. } in found {
+        let (table, name) = key.split_once('.').unwrap_or(("", key));
+        let entry = document.entry(table).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+        let Some(inner) = entry.as_table_mut() else { return Err(format!("{place}: {table} is no table")) };
+        inner.insert(name.to_owned(), value.clone());
+    }
+    let text = format!("# Found by `host-sim calibrate`; a scene file, in part.\n\n{document}");
+    SceneFile::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
+    std::fs::write(path, text).map_err(|cause| format!("cannot write {place}: {cause}"))
+}
+
+/// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
+///
+/// # Errors
+/// What the board says against it.
+pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
+    let scene = SceneFile::load(Some(path), &[]).map_err(|error| error.to_string())?;
+    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    let document: toml::Table = text.parse().map_err(|error| format!("{}: {error}", path.display()))?;
+    let named = |key: &str| {
+        key.split_once('.')
+            .is_some_and(|(table, name)| document.get(table).is_some_and(|inner| inner.get(name).is_some()))
+    };
+    let mut given = 0;
+    for key in Settings::KEYS.iter().filter(|key| named(key.name)) {
+        let line = match scene.peer.get(key.name) {
+            Some(Value::Number(number)) => format!("set {} {number:?}", key.name),
+            Some(Value::Flag(flag)) => format!("set {} {flag}", key.name),
+            Some(Value::Text(text)) => format!("set {} {text}", key.name),
+            None => continue,
+        };
+        say(board, &line)?;
+        given += 1;
+    }
+    say(board, "apply")?;
+    Ok(given)
+}

@@ -1,0 +1,45 @@
+//! `host-sim restarts`: peers that start anew at random instants, over the scene's network, in virtual time.
+
+use clap::Args;
+
+use super::{Failure, SceneArgs, print_json};
+use crate::live::restarts::{PATIENCE_S, run};
+
+/// Arguments of `restarts`.
+#[derive(Debug, Args)]
+pub(super) struct Restarts {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// How many restarts.
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    count: u64,
+    /// Seed of the instants; the network has its own, network.seed.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Restarts {
+    /// Runs them and reports.
+    ///
+    /// # Errors
+    /// A bad scene, or a network over which two peers never meet.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let report = run(&self.scene.load()?, self.count, self.seed)?;
+        if self.json {
+            return print_json(&report);
+        }
+        println!(
+            "{} restarts: engaged again after {:.1} ms on average, {:.0} ms at the most; {} took more than {PATIENCE_S} s",
+            report.restarts, report.mean_ms, report.slowest_ms, report.failed
+        );
+        println!("{} times the peer that stayed did not let go; {} faults", report.held_on, report.faults);
+        println!(
+            "motor forces begin at {} N and step by {:.3} N at the most ({} N allowed); coordination begins with {:.3} N",
+            report.arming_force_n, report.largest_step_n, report.allowed_step_n, report.first_force_n
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! `host-sim serve`: a server of a static world.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+use haptic_protocol::key::Key;
+
+use super::live::check_time;
+use super::{Failure, print_json};
+use crate::live::{key_file, serve};
+use crate::visit::host::{Host, MOST_LINES};
+use crate::world;
+
+/// Arguments of `serve`.
+#[derive(Debug, Args)]
+pub(super) struct Serve {
+    /// World file (TOML); `host-sim world` lists its keys.
+    #[arg(long, value_name = "WORLD")]
+    scene: PathBuf,
+    /// Where the server listens.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen: SocketAddr,
+    /// The server's key file (`host-sim keygen`); its clients' are made from it (`--line`, `--of`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    /// Which region of the world, counted from 1; without it, everything.
+    #[arg(long, value_name = "NUMBER")]
+    region: Option<usize>,
+    /// How many clients there may be: lines 1 to this.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    lines: u32,
+    /// How long, s.
+    #[arg(long, default_value_t = 3600.0, value_name = "S")]
+    duration_s: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Serve {
+    /// Serves until the time is over, and reports.
+    ///
+    /// # Errors
+    /// A bad world, key file, region or address.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        let world = world::load(&self.scene)?;
+        let place = self.scene.display();
+        let (number, region) = match self.region {
+            None => (1, None),
+            Some(wanted) => {
+                let most = world.regions().len();
+                let region =
+                    wanted.checked_sub(1).and_then(|at| world.regions().get(at)).ok_or_else(|| match most {
+                        0 => format!("--region {wanted} is not allowed: {place} has no regions"),
+                        _ => format!("--region {wanted} is not allowed: {place} has regions 1 to {most}"),
+                    })?;
+                (region.server, Some(region.id))
+            }
+        };
+        let key = key_file::read(&self.key_file)?;
+        let entropy = || {
+            let mut bytes = [0; Key::LEN];
+            // A link refuses entropy that nobody has drawn.
+            let _ = getrandom::fill(&mut bytes);
+            bytes
+        };
+        let objects = world.objects().len();
+        let mut host = Host::new(key, number, self.lines, *world, region, entropy)?;
+        let socket = serve::listen(self.listen)?;
+        eprintln!("server {number} of {place}, {objects} objects, listens on {}", self.listen);
+        let report = serve::run(
+            &socket,
+            &mut host,
+            std::time::Instant::now(),
+            0.0,
+            |_| 0,
+            |served_s| served_s >= self.duration_s,
+        )?;
+        if self.json {
+            return print_json(&report);
+        }
+        let counts = report.counts;
+        println!(
+            "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at once",
+            counts.received, counts.sent, counts.refused, counts.asks, counts.parts, counts.presences, report.clients
+        );
+        println!(
+            "turnaround: half below {:.1} us, 99 % below {:.1} us, the longest {:.1} us; real-time priority: {}",
+            report.turnaround.p50_us,
+            report.turnaround.p99_us,
+            report.turnaround.largest_us,
+            if report.realtime_priority { "yes" } else { "no, the system did not allow it" }
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+//! `host-sim visit`: a client of a static world.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::live::check_time;
+use super::{Failure, print_json};
+use crate::live::{key_file, visit};
+use crate::visit::host::MOST_LINES;
+
+/// Arguments of `visit`.
+#[derive(Debug, Args)]
+pub(super) struct Visit {
+    /// Key file of this client's line (`host-sim keygen FILE --line N --of SERVER-FILE`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    /// This client's line.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    line: u32,
+    /// A server and where it listens; one for each region, the first is where the visit begins.
+    #[arg(long = "server", required = true, value_name = "NUMBER=ADDRESS:PORT", value_parser = server)]
+    servers: Vec<(u8, SocketAddr)>,
+    /// Where this client listens; port 0 is any.
+    #[arg(long, default_value = "0.0.0.0:0", value_name = "ADDRESS:PORT")]
+    listen: SocketAddr,
+    /// How far around the hand the world is wanted, m; without it, everything.
+    #[arg(long, value_name = "M")]
+    radius_m: Option<f32>,
+    /// The hand goes from here, m.
+    #[arg(long, default_value = "0,0.1", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    from_m: [f64; 2],
+    /// To here and back, m.
+    #[arg(long, default_value = "0,-0.11", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    to_m: [f64; 2],
+    /// In this time, s.
+    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    stroke_s: f64,
+    /// How long, s.
+    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    duration_s: f64,
+    /// Another client that is told straight where this one is, by its line and where it listens.
+    #[arg(long, value_name = "LINE=ADDRESS:PORT", value_parser = friend, requires = "friend_key_file")]
+    friend: Option<(u32, SocketAddr)>,
+    /// Key file of the two (`host-sim keygen`).
+    #[arg(long, value_name = "FILE", requires = "friend")]
+    friend_key_file: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+fn numbered(text: &str) -> Result<(u32, SocketAddr), String> {
+    let (number, address) = text.split_once('=').ok_or("write it as NUMBER=ADDRESS:PORT")?;
+    let number = number.parse().map_err(|_| format!("{number} is no number"))?;
+    Ok((number, address.parse().map_err(|_| format!("{address} is no ADDRESS:PORT"))?))
+}
+
+fn server(text: &str) -> Result<(u8, SocketAddr), String> {
+    let (number, address) = numbered(text)?;
+    match u8::try_from(number) {
+        Ok(number @ 1..=254) => Ok((number, address)),
+        _ => Err("a server's number is from 1 to 254".to_owned()),
+    }
+}
+
+fn friend(text: &str) -> Result<(u32, SocketAddr), String> {
+    match numbered(text)? {
+        (1..=MOST_LINES, _) => numbered(text),
+        _ => Err(format!("a line is from 1 to {MOST_LINES}")),
+    }
+}
+
+fn point(text: &str) -> Result<[f64; 2], String> {
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match parts.as_deref() {
+        Some([x, y]) if [x, y].iter().all(|part| part.abs() <= 1000.0) => Ok([*x, *y]),
+        _ => Err("write it as X,Y, each from -1000 to 1000 m".to_owned()),
+    }
+}
+
+impl Visit {
+    /// Visits until the time is over, and reports.
+    ///
+    /// # Errors
+    /// A bad key file, radius, time or address.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        check_time("--stroke-s", self.stroke_s)?;
+        if let Some(radius) = self.radius_m.filter(|radius| !(*radius > 0.0 && *radius <= 1000.0)) {
+            return Err(format!("--radius-m {radius} is not allowed: it must be above 0 and up to 1000 m").into());
+        }
+        let friend = match (self.friend, &self.friend_key_file) {
+            (Some((line, _)), _) if line == self.line => {
+                return Err(format!("--friend {line} is not allowed: that is this client's own line").into());
+            }
+            (Some((line, address)), Some(file)) => Some(visit::Friend { line, address, key: key_file::read(file)? }),
+            _ => None,
+        };
+        let report = visit::run(&visit::Options {
+            key: key_file::read(&self.key_file)?,
+            line: self.line,
+            listen: self.listen,
+            servers: self.servers.clone(),
+            home: self.servers.first().map_or(1, |(number, _)| *number),
+            radius_m: self.radius_m,
+            from_m: self.from_m,
+            to_m: self.to_m,
+            stroke_s: self.stroke_s,
+            duration_s: self.duration_s,
+            friend,
+        })?;
+        if self.json {
+            return print_json(&report);
+        }
+        match report.complete_after_s {
+            Some(after_s) => println!(
+                "{} objects of world {} held, complete after {after_s:.3} s; {} parts were broken",
+                report.objects,
+                report.world.as_deref().unwrap_or("?"),
+                report.corrupt
+            ),
+            None => println!("{} objects held, never complete", report.objects),
+        }
+        println!(
+            "largest force {:.3} N, largest change in 1 ms {:.3} N; {} of {} ticks in contact, {} of them without a server",
+            report.largest_force_n, report.largest_step_n, report.felt_ticks, report.ticks, report.felt_alone_ticks
+        );
+        println!("at home at server {} after {} moves; others:", report.home, report.moves);
+        for other in &report.others {
+            println!("  line {} at {:.3}, {:.3} m", other.line, other.position_m[0], other.position_m[1]);
+        }
+        Ok(())
+    }
+}

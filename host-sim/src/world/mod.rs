@@ -1,0 +1,35 @@
+//! Worlds: what a server of a static environment holds, from a TOML file to the database that travels.
+//!
+//! ```toml
+//! version = 1
+//! margin_m = 0.1          # how far beyond its region a server knows
+//!
+//! [[region]]              # none: one server holds everything
+//! server = 1
+//! from_x_m = -1.0
+//! from_y_m = -1.0
+//! to_x_m = 0.0
+//! to_y_m = 1.0
+//!
+//! [[wall]]                # also [[body]] and [[strip]]
+//! id = 1
+//! from_x_m = -0.5
+//! # …
+//! ```
+//!
+//! Every key but `id` has a default; `host-sim world` lists them. What is wrong is one error that names file and line, object,
+//! key, value and what is allowed.
+
+mod file;
+pub mod render;
+
+pub use file::{OWN_KEYS, WorldError, load, parse};
+
+/// Most objects in a world file.
+pub const OBJECTS: usize = 1024;
+
+/// A world as a server holds it.
+pub type World = haptic_protocol::database::Database<OBJECTS>;
+
+/// How often local rendering computes a force, s: contact with a strip is stable or not by this period.
+pub const CONTROL_PERIOD_S: f64 = 0.001;

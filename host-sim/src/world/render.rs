@@ -1,0 +1,314 @@
+//! Local rendering: the force that a hand feels from what it knows of a world, 1000 times a second.
+//!
+//! The force of every contact is `haptic_core`'s, along the direction in which the shape pushes the hand out: a wall out of
+//! its nearest face, a body away from its centre, a strip to its free side. A strip is a chain of masses that moves while it
+//! is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its own, for in a static world nobody
+//! feels anybody else.
+//!
+//! **What is touched does not change under the hand.** A download, a new version or another server may bring, change or
+//! take away objects at any time. An object that appears around the hand is felt once the hand has left it; one that is
+//! touched is changed or taken away when the hand has left it. So no download makes a step in the force.
+//!
+//! **Limits**: at the diagonal of a wall's corner the direction turns at once; a strip that is approached from behind is not
+//! felt. Units SI; two dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
+
+use std::collections::BTreeMap;
+
+use haptic_core::list::Model as _;
+use haptic_core::motion::Motion;
+use haptic_core::object::semi_implicit::SemiImplicit;
+use haptic_core::object::{Before, Integrator};
+use haptic_core::render::{Contact, Side};
+use haptic_core::settings::Settings;
+use haptic_protocol::database::{Object, Shape, Strip};
+
+use super::CONTROL_PERIOD_S;
+
+type Vector = [f64; 2];
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// A line with a free side on its left.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    from: Vector,
+    along: Vector,
+    /// To the free side.
+    out: Vector,
+    length: f64,
+}
+
+impl Frame {
+    fn new(from: [f32; 2], to: [f32; 2]) -> Self {
+        let from = from.map(f64::from);
+        let way = minus(to.map(f64::from), from);
+        let length = libm::sqrt(dot(way, way));
+        let along = way.map(|part| part / length);
+        Self { from, along, out: [-along[1], along[0]], length }
+    }
+
+    /// How far along the line and how far out a point is, m.
+    fn local(&self, point: Vector) -> Vector {
+        let from = minus(point, self.from);
+        [dot(from, self.along), dot(from, self.out)]
+    }
+}
+
+/// A chain of masses between two fixed ends.
+#[derive(Clone, Debug)]
+struct Chain {
+    frame: Frame,
+    spring: f64,
+    integrator: SemiImplicit<f64>,
+    /// How far out each mass is, and how fast it moves.
+    masses: Vec<(Motion<f64>, Before<f64>)>,
+    /// Pushes of this tick, N.
+    push: Vec<f64>,
+    /// The hand was on the free side, or came from there.
+    entered: bool,
+    free: bool,
+}
+
+impl Chain {
+    fn new(strip: &Strip) -> Self {
+        let mut settings = Settings::default();
+        settings.timing.control_period_s = CONTROL_PERIOD_S;
+        settings.object.mass_kg = f64::from(strip.mass_kg);
+        settings.object.damping_n_s_per_m = f64::from(strip.drag_n_s_per_m);
+        settings.object.force_delay_ticks = 0.0;
+        let count = strip.masses as usize;
+        Self {
+            frame: Frame::new([strip.from_x_m, strip.from_y_m], [strip.to_x_m, strip.to_y_m]),
+            spring: f64::from(strip.spring_n_per_m),
+            integrator: SemiImplicit::build(&settings),
+            masses: vec![(Motion::REST, Before::default()); count],
+            push: vec![0.0; count],
+            entered: false,
+            free: false,
+        }
+    }
+
+    /// The motion of mass `at`, counted from 1; the ends are at rest.
+    fn mass(&self, at: usize) -> Motion<f64> {
+        at.checked_sub(1).and_then(|at| self.masses.get(at)).map_or(Motion::REST, |(motion, _)| *motion)
+    }
+
+    /// Force on the hand, and the chain one tick later.
+    fn step(&mut self, contact: &Contact<f64>, hand: [Motion<f64>; 2]) -> Touch {
+        let [along, out] = self.frame.local(hand.map(|axis| axis.position));
+        let speed = dot(hand.map(|axis| axis.velocity), self.frame.out);
+        let spacing = self.frame.length / (self.masses.len() + 1) as f64;
+        let over = along > 0.0 && along < self.frame.length;
+        let place = if over { along / spacing } else { 0.0 };
+        let (left, share) = (place as usize, place - (place as usize) as f64);
+        let mix = |a: f64, b: f64| (1.0 - share) * a + share * b;
+        let (a, b) = (self.mass(left), self.mass(left + 1));
+        let surface = Motion { position: mix(a.position, b.position), velocity: mix(a.velocity, b.velocity) };
+        let depth = surface.position - out;
+        // Felt from the moment the hand comes through the surface until it leaves it or its ends.
+        self.entered = over && depth > 0.0 && (self.entered || self.free);
+        self.free = depth <= 0.0;
+        self.push.fill(0.0);
+        let mut force = 0.0;
+        if self.entered {
+            // At the ends less and less is felt, down to nothing.
+            let felt = depth.min(along).min(self.frame.length - along);
+            force = contact.force(Motion { position: felt, velocity: surface.velocity - speed }, Motion::REST);
+            for (mass, share) in [(left, 1.0 - share), (left + 1, share)] {
+                if let Some(push) = mass.checked_sub(1).and_then(|at| self.push.get_mut(at)) {
+                    *push -= share * force;
+                }
+            }
+        }
+        self.advance();
+        Touch { depth: if self.entered { depth } else { 0.0 }, force: self.frame.out.map(|part| part * force) }
+    }
+
+    fn advance(&mut self) {
+        let mut before = 0.0;
+        for at in 0..self.masses.len() {
+            let after = self.mass(at + 2).position;
+            let (motion, state) = &mut self.masses[at];
+            let here = motion.position;
+            let force = self.spring * (before - 2.0 * here + after) + self.push[at];
+            *motion = self.integrator.step(state, *motion, force);
+            before = here;
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    Wall { frame: Frame, thickness: f64 },
+    Body { centre: Vector, radius: f64 },
+    Strip(Chain),
+}
+
+/// What the hand feels from one object.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touch {
+    depth: f64,
+    force: Vector,
+}
+
+/// One object as it is felt.
+#[derive(Clone, Debug)]
+struct Felt {
+    object: Object,
+    contact: Contact<f64>,
+    form: Form,
+    /// It appeared around the hand, which has not left it yet.
+    around: bool,
+    touched: bool,
+}
+
+impl Felt {
+    /// An object that appears while the hand is at `hand`.
+    fn new(object: Object, hand: Option<Vector>) -> Self {
+        let (form, stiffness, damping) = match &object.shape {
+            Shape::Wall(wall) => {
+                let frame = Frame::new([wall.from_x_m, wall.from_y_m], [wall.to_x_m, wall.to_y_m]);
+                let form = Form::Wall { frame, thickness: f64::from(wall.thickness_m) };
+                (form, wall.stiffness_n_per_m, wall.damping_n_s_per_m)
+            }
+            Shape::Body(body) => {
+                let form = Form::Body { centre: [body.x_m, body.y_m].map(f64::from), radius: f64::from(body.radius_m) };
+                (form, body.stiffness_n_per_m, body.damping_n_s_per_m)
+            }
+            Shape::Strip(strip) => (Form::Strip(Chain::new(strip)), strip.stiffness_n_per_m, strip.damping_n_s_per_m),
+        };
+        let mut settings = Settings::default();
+        settings.contact.one_sided = true;
+        settings.contact.side = Side::Left;
+        settings.contact.stiffness_n_per_m = f64::from(stiffness);
+        settings.contact.damping_n_s_per_m = f64::from(damping);
+        let mut felt = Self { object, contact: Contact::build(&settings), form, around: false, touched: false };
+        if let Some(hand) = hand {
+            felt.around = felt.depth(hand).0 > 0.0;
+            if let Form::Strip(chain) = &mut felt.form {
+                chain.free = chain.frame.local(hand)[1] >= 0.0;
+            }
+        }
+        felt
+    }
+
+    /// How deep the hand is in a shape that does not move, and which way is out.
+    fn depth(&self, hand: Vector) -> (f64, Vector) {
+        match &self.form {
+            Form::Wall { frame, thickness } => {
+                let [along, out] = frame.local(hand);
+                let faces = [
+                    (-out, frame.out),
+                    (out + thickness, frame.out.map(|part| -part)),
+                    (along, frame.along.map(|part| -part)),
+                    (frame.length - along, frame.along),
+                ];
+                faces
+                    .into_iter()
+                    .fold((f64::INFINITY, frame.out), |least, face| if face.0 < least.0 { face } else { least })
+            }
+            Form::Body { centre, radius } => {
+                let from = minus(hand, *centre);
+                let distance = libm::sqrt(dot(from, from));
+                let out = if distance > 0.0 { from.map(|part| part / distance) } else { [1.0, 0.0] };
+                (radius - distance, out)
+            }
+            Form::Strip(chain) => (0.0, chain.frame.out),
+        }
+    }
+
+    fn step(&mut self, hand: [Motion<f64>; 2]) -> Vector {
+        let touch = if let Form::Strip(chain) = &mut self.form {
+            chain.step(&self.contact, hand)
+        } else {
+            let (depth, out) = self.depth(hand.map(|axis| axis.position));
+            self.around &= depth > 0.0;
+            if self.around {
+                Touch::default()
+            } else {
+                let inward = -dot(hand.map(|axis| axis.velocity), out);
+                let force = self.contact.force(Motion { position: depth, velocity: inward }, Motion::REST);
+                Touch { depth, force: out.map(|part| part * force) }
+            }
+        };
+        self.touched = touch.depth > 0.0;
+        touch.force
+    }
+}
+
+/// Everything that is felt.
+#[derive(Clone, Debug, Default)]
+pub struct Renderer {
+    felt: BTreeMap<u32, Felt>,
+    /// What is known now, as far as it differs from what is felt: changed, or gone.
+    waiting: BTreeMap<u32, Option<Object>>,
+    /// Where the hand was last, m.
+    hand: Option<Vector>,
+}
+
+impl Renderer {
+    /// Takes over what is known now; what is touched stays as it is until it is left.
+    pub fn know<'a>(&mut self, objects: impl IntoIterator<Item = &'a Object>) {
+        let known: BTreeMap<u32, &Object> = objects.into_iter().map(|object| (object.id, object)).collect();
+        self.waiting.clear();
+        for (id, felt) in &self.felt {
+            match known.get(id) {
+                Some(object) if **object == felt.object => {}
+                other => drop(self.waiting.insert(*id, other.map(|object| **object))),
+            }
+        }
+        for (id, object) in known {
+            self.felt.entry(id).or_insert_with(|| Felt::new(*object, self.hand));
+        }
+        self.settle();
+    }
+
+    fn settle(&mut self) {
+        let (felt, hand) = (&mut self.felt, self.hand);
+        self.waiting.retain(|id, next| {
+            if felt.get(id).is_some_and(|felt| felt.touched) {
+                return true;
+            }
+            match next {
+                Some(object) => drop(felt.insert(*id, Felt::new(*object, hand))),
+                None => drop(felt.remove(id)),
+            }
+            false
+        });
+    }
+
+    /// Force on the hand, N; everything that moves is one tick later.
+    pub fn step(&mut self, hand: [Motion<f64>; 2]) -> [f64; 2] {
+        self.hand = Some(hand.map(|axis| axis.position));
+        let mut sum = [0.0; 2];
+        for felt in self.felt.values_mut() {
+            let [x, y] = felt.step(hand);
+            sum = [sum[0] + x, sum[1] + y];
+        }
+        if !self.waiting.is_empty() {
+            self.settle();
+        }
+        sum
+    }
+
+    /// How many objects are felt.
+    pub fn len(&self) -> usize {
+        self.felt.len()
+    }
+
+    /// Nothing is there.
+    pub fn is_empty(&self) -> bool {
+        self.felt.is_empty()
+    }
+
+    /// How many objects are touched.
+    pub fn touched(&self) -> usize {
+        self.felt.values().filter(|felt| felt.touched).count()
+    }
+}

@@ -1,0 +1,134 @@
+//! The operator's client over a real socket: against an end that does what a board does, and against nobody.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::lines::Lines;
+use haptic_protocol::link::{Config, Link};
+use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
+use host_sim::live::key_file;
+use host_sim::live::operator::Operator;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each.
+struct Board {
+    address: SocketAddr,
+    stop: Arc<AtomicBool>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Board {
+    fn start(key: Key, version: f64) -> Self {
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        socket.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
+        let address = socket.local_addr().unwrap();
+        let stop = Arc::new(AtomicBool::new(false));
+        let over = stop.clone();
+        let thread = std::thread::spawn(move || {
+            let mut parameters = Parameters::new();
+            parameters.add(Table::new("operator").number("version", version)).unwrap();
+            let ends = Ends { local: PeerId(2), remote: PeerId(0) };
+            let config = Config { key, ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
+            let (mut link, mut lines) = (Link::new(config).unwrap(), Lines::default());
+            let (start, mut came, mut out, mut to) = (Instant::now(), [0; 2048], [0; MAX_DATAGRAM], None);
+            while !over.load(Ordering::Relaxed) {
+                let now = start.elapsed().as_micros() as u64;
+                if let Ok((length, from)) = socket.recv_from(&mut came)
+                    && link.receive(now, &mut came[..length]).is_ok()
+                {
+                    to = Some(from);
+                }
+                let Some(to) = to else { continue };
+                if let Some(line) = lines.hear(&mut link) {
+                    lines.say(&if line == "no" { "error never".to_owned() } else { format!("ok {line}") });
+                    let sample = Sample::new(7, line.as_bytes()).unwrap();
+                    let length = link.send_sample(now, &sample, &mut out).unwrap();
+                    socket.send_to(&out[..length], to).unwrap();
+                }
+                lines.push(&mut link);
+                while let Some(length) = link.poll(now, &mut out) {
+                    socket.send_to(&out[..length], to).unwrap();
+                }
+            }
+        });
+        Self { address, stop, thread: Some(thread) }
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().map(std::thread::JoinHandle::join);
+    }
+}
+
+#[test]
+fn lines_are_answered_and_samples_come_under_the_right_key_only() {
+    let folder = folder("operator");
+    let (right, wrong) = (folder.join("right.key"), folder.join("wrong.key"));
+    key_file::generate(&right).unwrap();
+    key_file::generate(&wrong).unwrap();
+    let board = Board::start(key_file::read(&right).unwrap(), 1.0);
+
+    let mut operator = Operator::connect(board.address, &right).unwrap();
+    assert_eq!(operator.number(), 2);
+    let long = "set coordination.wave_impedance_n_s_per_m 10.000000000000002";
+    assert_eq!(operator.ask(long), Ok(format!("ok {long}")));
+    assert_eq!(operator.ask("arm"), Ok("ok arm".to_owned()));
+    let samples = operator.samples(Duration::from_millis(20));
+    assert_eq!(samples.iter().map(|sample| sample.payload().to_vec()).collect::<Vec<_>>(), [long.as_bytes(), b"arm"]);
+    assert!(operator.ask(&"x".repeat(400)).unwrap_err().contains("at most 384"));
+
+    // The next operator takes over; from the command line.
+    let run = |key: &Path, lines: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["operator", "--board", &board.address.to_string(), "--key-file"]).arg(key).args(lines);
+        let output = command.output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    assert_eq!(run(&right, &["status", "get a"]), (Some(0), "ok status\nok get a\n".into(), String::new()));
+    let refused = "host-sim: board 2: no: never\n";
+    assert_eq!(run(&right, &["one", "no", "two"]), (Some(2), "ok one\n".into(), refused.into()));
+    let (status, said, why) = run(&wrong, &["disarm"]);
+    assert_eq!((status, said.as_str()), (Some(2), ""));
+    assert!(why.contains("nobody who holds the key of") && why.lines().count() == 1, "{why}");
+}
+
+#[test]
+fn a_board_that_takes_other_commands_is_named() {
+    let key = folder("operator-version").join("a.key");
+    key_file::generate(&key).unwrap();
+    let board = Board::start(key_file::read(&key).unwrap(), 2.0);
+    let error = Operator::connect(board.address, &key).map(|_| ()).unwrap_err();
+    assert!(error.contains("takes other commands than this program"), "{error}");
+}
+
+#[test]
+fn a_key_image_is_the_keys_and_is_never_overwritten() {
+    let folder = folder("key-image");
+    let (key, image) = (folder.join("a.key"), folder.join("a.bin"));
+    key_file::generate(&key).unwrap();
+    let make = || {
+        Command::new(env!("CARGO_BIN_EXE_host-sim"))
+            .args(["key-image".as_ref(), key.as_os_str(), image.as_os_str()])
+            .output()
+    };
+    assert!(make().unwrap().status.success());
+    let bytes = std::fs::read(&image).unwrap();
+    assert_eq!(Key::from_image(&bytes.try_into().unwrap()), key_file::read(&key).ok());
+    assert_eq!(make().unwrap().status.code(), Some(2));
+}

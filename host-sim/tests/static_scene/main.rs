@@ -1,0 +1,7 @@
+//! A static environment: world files, local rendering, clients and servers over a simulated bad network, and as processes.
+
+mod network;
+mod processes;
+mod render;
+mod sim;
+mod world_file;

@@ -1,0 +1,225 @@
+//! Servers and clients as processes over UDP on loopback, as a user runs them; and what is refused.
+
+use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::world_file::TWO_ROOMS;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("static-scene").join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for keys");
+    folder
+}
+
+fn host_sim(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// An address on loopback that nobody listens on.
+fn free() -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    socket.local_addr().expect("an address").to_string()
+}
+
+/// A server's key and those of its first clients.
+struct Keys(PathBuf);
+
+impl Keys {
+    fn new(name: &str, lines: u32) -> Self {
+        let keys = Self(folder(name));
+        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
+        run(&["keygen", &keys.file(0)]);
+        for line in 1..=lines {
+            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
+        }
+        keys
+    }
+
+    fn file(&self, line: u32) -> String {
+        self.0.join(format!("{line}.key")).display().to_string()
+    }
+}
+
+/// A server that ends with the test.
+struct Served(Child);
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn serve(keys: &Keys, region: &str, address: &str) -> Served {
+    let key = keys.file(0);
+    let arguments = ["serve", "--scene", TWO_ROOMS, "--region", region, "--listen", address, "--key-file", &key];
+    Served(host_sim(&arguments).stderr(Stdio::null()).spawn().expect("host-sim runs"))
+}
+
+fn visit(keys: &Keys, line: u32, arguments: &[&str]) -> Child {
+    let (key, line) = (keys.file(line), line.to_string());
+    let all = [&["visit", "--json", "--key-file", &key, "--line", &line], arguments].concat();
+    host_sim(&all).spawn().expect("host-sim runs")
+}
+
+fn report(child: Child) -> Value {
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
+
+#[test]
+fn two_rooms_two_servers_two_clients() {
+    let keys = Keys::new("two-rooms", 2);
+    let (first, second) = (free(), free());
+    let _servers = [serve(&keys, "1", &first), serve(&keys, "2", &second)];
+    let (one, two) = (format!("1={first}"), format!("2={second}"));
+    // One client stays in the first room, the other goes through the door, along the ledge, and back.
+    let stays = visit(&keys, 1, &["--server", &one, "--duration-s", "7"]);
+    let strokes = ["--from-m=-0.2,-0.102", "--to-m=0.2,-0.102", "--stroke-s", "4", "--duration-s", "4"];
+    let goes = visit(&keys, 2, &[&["--server", &one, "--server", &two, "--radius-m", "0.2"], &strokes[..]].concat());
+    let (goes, stays) = (report(goes), report(stays));
+    assert_eq!(
+        (&goes["ticks"], &goes["moves"], &goes["home"], &goes["corrupt"]),
+        (&4_000.into(), &2.into(), &1.into(), &0.into())
+    );
+    assert!(goes["complete_after_s"].is_number() && goes["felt_ticks"].as_u64() > Some(100), "{goes}");
+    // Within the radius of (−0.2, −0.102) are the ledge, the ball above, and at the end of the turn nothing else.
+    assert!(goes["objects"].as_u64() >= Some(2), "{goes}");
+    // The whole room: both walls that reach it, the two balls, the ledge; the strip is behind the margin.
+    assert_eq!(stays["objects"], 5, "{stays}");
+    assert_eq!(stays["world"], goes["world"]);
+    // K = 1000 N/m, 1 cm deep at the end of a stroke.
+    assert!((stays["largest_force_n"].as_f64().expect("a number") - 10.0).abs() < 0.2, "{stays}");
+    assert_eq!(stays["others"], Value::Array(vec![]), "the other one left three seconds ago: {stays}");
+    assert_eq!(goes["others"][0]["line"], 1, "{goes}");
+}
+
+#[test]
+fn a_server_process_that_ends_takes_nothing_with_it() {
+    let keys = Keys::new("gone", 1);
+    let address = free();
+    let server = serve(&keys, "1", &address);
+    let visitor = visit(&keys, 1, &["--server", &format!("1={address}"), "--stroke-s", "0.5", "--duration-s", "3"]);
+    std::thread::sleep(Duration::from_millis(1_500));
+    drop(server);
+    let seen = report(visitor);
+    assert!(seen["complete_after_s"].is_number(), "{seen}");
+    assert_eq!(seen["objects"], 5);
+    let (felt, alone) = (seen["felt_ticks"].as_u64(), seen["felt_alone_ticks"].as_u64());
+    assert!(alone > Some(50) && felt > alone, "{seen}");
+}
+
+#[test]
+fn two_clients_that_tell_each_other_straight() {
+    let keys = Keys::new("friends", 2);
+    let pair = keys.0.join("pair.key").display().to_string();
+    assert!(host_sim(&["keygen", &pair]).status().expect("host-sim runs").success());
+    let (one, two, nobody) = (free(), free(), format!("1={}", free()));
+    let join = |line, arguments: &[&str]| visit(&keys, line, arguments);
+    let visit = |line: u32, listen: &str, friend: String| {
+        let place = format!("--from-m=0.{line},0.1");
+        let at = format!("--to-m=0.{line},0.1");
+        let own = ["--server", &nobody, "--listen", listen, "--duration-s", "1.5", "--friend-key-file", &pair];
+        join(line, &[&own[..], &["--friend", &friend, &place, &at]].concat())
+    };
+    let (first, second) = (visit(1, &one, format!("2={two}")), visit(2, &two, format!("1={one}")));
+    for (line, child) in [(1, first), (2, second)] {
+        let seen = report(child);
+        // No server, and aware all the same.
+        assert!(seen["complete_after_s"].is_null() && seen["objects"] == 0, "{seen}");
+        assert_eq!(seen["others"][0]["line"], 3 - line, "{seen}");
+        let x = seen["others"][0]["position_m"][0].as_f64().expect("a number");
+        assert!((x - 0.1 * f64::from(3 - line)).abs() < 1e-6, "{seen}");
+    }
+}
+
+#[test]
+fn a_small_crowd_is_answered() {
+    let output = host_sim(&["crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
+        .output()
+        .expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    let run = &document["runs"][0];
+    assert_eq!((&run["clients"], &run["complete"]), (&20.into(), &20.into()), "{run}");
+    let (packets, answered) = (run["packets"].as_u64().expect("a number"), run["answered"].as_u64().expect("a number"));
+    // No speed is asked for: what was sent was answered, with the places of four others each.
+    assert!(packets > 100 && answered * 10 >= packets * 9 && answered <= packets, "{run}");
+    assert_eq!(run["sightings"].as_u64(), Some(4 * answered), "{run}");
+    assert_eq!(run["server"]["clients"], 20);
+    assert_eq!(run["server"]["counts"]["refused"], 0, "{run}");
+}
+
+#[test]
+fn worlds_as_documents() {
+    let json = |arguments: &[&str]| -> Value {
+        let output = host_sim(arguments).output().expect("host-sim runs");
+        serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+    };
+    let world = json(&["world", "--json", "--scene", TWO_ROOMS]);
+    assert_eq!(
+        (&world["objects"], &world["regions"], &world["bytes"]),
+        (&7.into(), &2.into(), &(7 * 64 + 2 * 32).into())
+    );
+    let keys = json(&["world", "--json"]);
+    assert!(keys.as_array().is_some_and(|keys| keys.iter().any(|key| key["key"] == "strip.spring_n_per_m")));
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], names: &[&str]) {
+    let output = host_sim(arguments).output().expect("host-sim runs");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert!(output.stdout.is_empty() && error.trim_end().lines().count() == 1, "{arguments:?}: {error}");
+    for name in names {
+        assert!(error.contains(name), "{arguments:?}: {name:?} is missing in: {error}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_one_line() {
+    let keys = Keys::new("refused", 1);
+    let (server, client) = (keys.file(0), keys.file(1));
+    let world = keys.0.join("bad.toml").display().to_string();
+    std::fs::write(&world, "[[wall]]\nid = 1\nthickness_m = 0\n").expect("a bad world");
+    let serve = |rest: &[&str], names: &[&str]| {
+        refused(&[&["serve", "--listen", "127.0.0.1:0", "--key-file", &server], rest].concat(), names);
+    };
+    serve(&["--scene", &world], &["bad.toml:3", "wall 1", "thickness_m = 0", "0.001 to 1000 m"]);
+    serve(&["--scene", "/no/such.toml"], &["/no/such.toml"]);
+    serve(&["--scene", TWO_ROOMS, "--region", "3"], &["--region 3", "1 to 2"]);
+    serve(&["--scene", TWO_ROOMS, "--region", "0"], &["--region 0"]);
+    serve(&["--scene", TWO_ROOMS, "--lines", "5000"], &["5000", "4096"]);
+    serve(&["--scene", TWO_ROOMS, "--duration-s", "0"], &["--duration-s 0"]);
+    let taken = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let address = taken.local_addr().expect("an address").to_string();
+    refused(&["serve", "--scene", TWO_ROOMS, "--key-file", &server, "--listen", &address], &[&address, "listen"]);
+    let visit = |rest: &[&str], names: &[&str]| {
+        refused(&[&["visit", "--key-file", &client, "--line", "1"], rest].concat(), names);
+    };
+    visit(&[], &["--server"]);
+    visit(&["--server", "127.0.0.1:1"], &["NUMBER=ADDRESS:PORT"]);
+    visit(&["--server", "0=127.0.0.1:1"], &["1 to 254"]);
+    let one = ["--server", "1=127.0.0.1:1"];
+    visit(&[&one[..], &["--radius-m", "0"]].concat(), &["--radius-m 0"]);
+    visit(&[&one[..], &["--radius-m", "nan"]].concat(), &["--radius-m NaN"]);
+    visit(&[&one[..], &["--from-m", "1"]].concat(), &["X,Y"]);
+    visit(&[&one[..], &["--to-m", "1,inf"]].concat(), &["X,Y", "1000"]);
+    visit(
+        &[&one[..], &["--friend", "1=127.0.0.1:1", "--friend-key-file", &client]].concat(),
+        &["--friend 1", "own line"],
+    );
+    visit(&[&one[..], &["--friend", "2=127.0.0.1:1"]].concat(), &["--friend-key-file"]);
+    refused(&["keygen", "/tmp/x", "--line", "0", "--of", &server], &["0", "1..=4096"]);
+    refused(&["keygen", &client, "--line", "1", "--of", &server], &[&client, "exists"]);
+    refused(&["crowd", "--clients", "0"], &["0", "1..=4096"]);
+    refused(&["crowd", "--seconds=-1"], &["--seconds"]);
+}

@@ -1,0 +1,184 @@
+//! Scene database: objects and regions of a world, with ids, versions and checksums, in bounded memory.
+//!
+//! Every server of a world holds the same objects under the same ids, at least those of its own regions and a margin
+//! around them; so two servers agree about what lies on their border. Positions are in one plane, in metres.
+//!
+//! **Invariants**: objects and regions are in order of their ids; an id is there once. **Sizes**: 64 bytes of record an
+//! object, 32 a region; a [`Database`] of `N` objects takes about 60·N bytes and no heap.
+
+mod record;
+mod shape;
+
+use core::fmt;
+
+use heapless::Vec;
+
+pub use record::{Manifest, Object, RecordError, Region};
+pub use shape::{Body, Bounds, Field, Refused, Shape, Strip, Wall};
+
+use crate::key::Key;
+use crate::wire;
+
+/// Most objects of a world.
+pub const MAX_OBJECTS: usize = 4096;
+/// Most regions of a world.
+pub const MAX_REGIONS: usize = 32;
+
+/// Which part of a world is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Scope {
+    /// Everything.
+    #[default]
+    All,
+    /// What comes within a radius of a point.
+    Around {
+        /// Of the point, m.
+        x: f32,
+        /// Of the point, m.
+        y: f32,
+        /// 0 or more, m.
+        radius: f32,
+    },
+    /// One region and the margin around it.
+    Region(u8),
+}
+
+impl Scope {
+    /// Whether an object with these bounds is in scope.
+    pub fn holds(self, bounds: &Bounds, regions: &[Region], margin_m: f32) -> bool {
+        match self {
+            Self::All => true,
+            Self::Around { x, y, radius } => bounds.within([x, y], radius),
+            Self::Region(id) => {
+                regions.iter().any(|region| region.id == id && region.with_margin(margin_m).meets(bounds))
+            }
+        }
+    }
+}
+
+/// Why something cannot be added to a database.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Full {
+    /// There is no room for another object.
+    Objects {
+        /// How many there are.
+        most: usize,
+    },
+    /// There is no room for another region.
+    Regions {
+        /// How many there are.
+        most: usize,
+    },
+}
+
+impl fmt::Display for Full {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Objects { most } => write!(f, "no room for more than {most} objects"),
+            Self::Regions { most } => write!(f, "no room for more than {most} regions"),
+        }
+    }
+}
+
+impl core::error::Error for Full {}
+
+/// A world, or what is known of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Database<const OBJECTS: usize> {
+    /// Version of the world, for people.
+    pub version: u32,
+    /// How far beyond its region a server knows, m.
+    pub margin_m: f32,
+    objects: Vec<Object, OBJECTS>,
+    regions: Vec<Region, MAX_REGIONS>,
+}
+
+impl<const OBJECTS: usize> Database<OBJECTS> {
+    /// Adds an object, or replaces the one with its id.
+    pub fn put(&mut self, object: Object) -> Result<(), Full> {
+        match self.objects.binary_search_by_key(&object.id, |known| known.id) {
+            Ok(at) => {
+                if let Some(known) = self.objects.get_mut(at) {
+                    *known = object;
+                }
+                Ok(())
+            }
+            Err(at) => {
+                let most = OBJECTS.min(MAX_OBJECTS);
+                if self.objects.len() >= most {
+                    return Err(Full::Objects { most });
+                }
+                self.objects.insert(at, object).map_err(|_| Full::Objects { most })
+            }
+        }
+    }
+
+    /// Adds a region, or replaces the one with its id.
+    pub fn put_region(&mut self, region: Region) -> Result<(), Full> {
+        match self.regions.binary_search_by_key(&region.id, |known| known.id) {
+            Ok(at) => {
+                if let Some(known) = self.regions.get_mut(at) {
+                    *known = region;
+                }
+                Ok(())
+            }
+            Err(at) => self.regions.insert(at, region).map_err(|_| Full::Regions { most: MAX_REGIONS }),
+        }
+    }
+
+    /// Takes out every object for which `keep` is false.
+    pub fn retain(&mut self, keep: impl FnMut(&Object) -> bool) {
+        self.objects.retain(keep);
+    }
+
+    /// Every object, by id.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// Every region, by id.
+    pub fn regions(&self) -> &[Region] {
+        &self.regions
+    }
+
+    /// The object with this id.
+    pub fn get(&self, id: u32) -> Option<&Object> {
+        self.objects.get(self.objects.binary_search_by_key(&id, |known| known.id).ok()?)
+    }
+
+    /// What a client is told first.
+    pub fn manifest(&self) -> Manifest {
+        Manifest {
+            version: self.version,
+            objects: u16::try_from(self.objects.len()).unwrap_or(u16::MAX),
+            regions: u8::try_from(self.regions.len()).unwrap_or(u8::MAX),
+            margin_m: self.margin_m,
+        }
+    }
+
+    /// Checksum of the whole: the first 8 bytes of `D(0³², "world", manifest ‖ region records ‖ object records)`.
+    pub fn checksum(&self) -> Result<u64, wire::Error> {
+        world_checksum(&self.manifest(), &self.regions, &self.objects)
+    }
+}
+
+/// Checksum of a world that is put together from its pieces, each in order of ids.
+pub(crate) fn world_checksum<'a>(
+    manifest: &Manifest,
+    regions: impl IntoIterator<Item = &'a Region>,
+    objects: impl IntoIterator<Item = &'a Object>,
+) -> Result<u64, wire::Error> {
+    let mut sum = Key::new([0; Key::LEN]).derive("world").with(&manifest.emit()?);
+    for region in regions {
+        sum = sum.with(&region.emit()?);
+    }
+    for object in objects {
+        sum = sum.with(&object.emit()?);
+    }
+    Ok(u64::from_le_bytes(sum.first()))
+}
+
+/// The checksum that ends a record.
+pub(crate) fn checksum_of(record: &[u8]) -> u64 {
+    record.last_chunk().map_or(0, |sum| u64::from_le_bytes(*sum))
+}

@@ -1,0 +1,161 @@
+//! Lines: text between a person and a machine over a link's reliable events: whole lines, once and in order.
+//!
+//! A line goes in parts of up to 48 bytes, as many as there is room for under way; the last part says that it is the last.
+//! One line at a time is on its way in each direction: who asks waits for the answer.
+//!
+//! **Limits**: 384 bytes a line; what is longer is cut at a whole character. Parts of a line whose sender started anew in
+//! the middle of it are dropped with the link's session ([`Lines::forget`]).
+
+use heapless::{String, Vec};
+
+use crate::link::Link;
+use crate::wire::Event;
+
+/// Longest line, bytes.
+pub const LONGEST: usize = 384;
+/// Code of an event that is part of a line, with more to follow.
+pub const PART: u16 = 1;
+/// Code of an event that ends a line.
+pub const END: u16 = 2;
+
+/// A line of text.
+pub type Line = String<LONGEST>;
+
+/// Both directions of one end.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    saying: Line,
+    /// Bytes of it that the link has taken in charge; `None`: nothing is being said.
+    said: Option<usize>,
+    hearing: Vec<u8, LONGEST>,
+}
+
+impl Lines {
+    /// Begins to say a line; false while another one is not yet with the link.
+    pub fn say(&mut self, text: &str) -> bool {
+        if self.said.is_some() {
+            return false;
+        }
+        self.saying.clear();
+        let _ = text.chars().try_for_each(|character| self.saying.push(character));
+        self.said = Some(0);
+        true
+    }
+
+    /// Whether a line is not yet with the link.
+    pub fn is_saying(&self) -> bool {
+        self.said.is_some()
+    }
+
+    /// Gives the link what it has room for. Call after every [`Lines::say`] and before every [`Link::poll`].
+    pub fn push(&mut self, link: &mut Link) {
+        while let Some(said) = self.said {
+            let rest = self.saying.as_bytes().get(said..).unwrap_or(&[]);
+            let part = rest.get(..Event::MAX_PAYLOAD).unwrap_or(rest);
+            let last = part.len() == rest.len();
+            let Ok(event) = Event::new(if last { END } else { PART }, part) else { return };
+            if link.push_event(event).is_err() {
+                return;
+            }
+            self.said = (!last).then_some(said.saturating_add(part.len()));
+        }
+    }
+
+    /// The next whole line that came, if any. Events that are no lines are dropped.
+    pub fn hear(&mut self, link: &mut Link) -> Option<Line> {
+        while let Some(event) = link.take_event() {
+            if event.code != PART && event.code != END {
+                continue;
+            }
+            for byte in event.payload() {
+                // What is beyond the longest line is cut.
+                let _ = self.hearing.push(*byte);
+            }
+            if event.code == END {
+                let bytes = core::mem::take(&mut self.hearing);
+                // A line that is no text ends where it stops to be text.
+                let whole = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
+                return Some(whole.chars().collect());
+            }
+        }
+        None
+    }
+
+    /// Forgets what was half said and half heard: the other end has started anew.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ends::Ends;
+    use crate::key::Key;
+    use crate::link::Config;
+    use crate::parameters::Parameters;
+    use crate::wire::{MAX_DATAGRAM, PeerId};
+
+    extern crate std;
+    use std::string::ToString;
+    use std::vec::Vec as List;
+
+    fn link(local: u8, remote: u8) -> Link {
+        Link::new(Config {
+            key: Key::new([7; 32]),
+            ends: Ends { local: PeerId(local), remote: PeerId(remote) },
+            packet_period_us: 20_000,
+            parameters: Parameters::new(),
+            entropy: [local; 32],
+        })
+        .unwrap()
+    }
+
+    /// What either end hears in 20 s, every `lose`-th datagram lost.
+    fn talk(texts: [&[&str]; 2], lose: usize) -> [List<std::string::String>; 2] {
+        let mut links = [link(1, 2), link(2, 1)];
+        let mut lines = [Lines::default(), Lines::default()];
+        let (mut heard, mut left) = ([List::new(), List::new()], texts.map(|texts| texts.iter()));
+        let mut count = 0;
+        for now in (0..20_000_000).step_by(5_000) {
+            for end in 0..2 {
+                if !lines[end].is_saying()
+                    && let Some(text) = left[end].next()
+                {
+                    assert!(lines[end].say(text) && !lines[end].say("one at a time"));
+                }
+                lines[end].push(&mut links[end]);
+                let mut out = [0; MAX_DATAGRAM];
+                while let Some(len) = links[end].poll(now, &mut out) {
+                    count += 1;
+                    if count % lose != 0 {
+                        let _ = links[1 - end].receive(now, &mut out[..len]);
+                    }
+                }
+                while let Some(line) = lines[end].hear(&mut links[end]) {
+                    heard[end].push(line.to_string());
+                }
+            }
+        }
+        heard
+    }
+
+    #[test]
+    fn lines_arrive_whole_once_and_in_order_whatever_is_lost() {
+        let long = "set every key there is to its default, please: ".repeat(8);
+        let (questions, answers) =
+            ([&*long, "", "three µ of 48 bytes and more, so that one is split: µµµµµµ"], ["ok", &*long]);
+        for lose in [usize::MAX, 5, 3] {
+            let [answered, asked] = talk([&questions, &answers], lose);
+            assert_eq!(asked, questions);
+            assert_eq!(answered, answers);
+        }
+    }
+
+    #[test]
+    fn what_is_too_long_is_cut_at_a_whole_character() {
+        let text = "µ".repeat(LONGEST);
+        let [_, asked] = talk([&[&text], &[]], usize::MAX);
+        assert_eq!(asked, ["µ".repeat(LONGEST / 2)]);
+    }
+}

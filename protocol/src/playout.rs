@@ -1,0 +1,298 @@
+//! Play-out: makes the delay constant, by letting what came early wait for what comes late.
+//!
+//! Flow carries its sender's tick. What arrives `now` and was sent at tick t took `now − t`, up to the unknown and constant
+//! difference of the two clocks; the least that any packet took is the **anchor**. Each packet is played at
+//! `t + anchor + depth`: all of them equally late, as long as none is later than the fastest one by more than the depth. One
+//! that is later is played at once if nothing newer was.
+//!
+//! **Drift.** Clocks run apart, and paths change. A packet that is faster than the anchor moves it at once. Where the
+//! fastest of [`WINDOW`] packets is slower than the anchor by more than a quarter of a packet period, the anchor moves there;
+//! less is left alone, so that jitter does not push it about. Where [`RUN`] packets in a row come too late, it moves to
+//! their fastest. In between the delay is constant to the tick.
+//!
+//! **Units**: control periods, each peer's own, in counts that wrap. **Bounded**: [`MOST`] packets; when more wait, the oldest
+//! goes. Total: any tick may come at any time. **Cost**: the depth, on top of the fastest packet's delay.
+
+use heapless::Vec;
+
+/// Packets that wait at the most: a depth of half as many packet periods leaves as much for jitter.
+pub const MOST: usize = 64;
+/// Packets over which the fastest is looked for.
+pub const WINDOW: u32 = 64;
+/// Packets in a row, all too late, that are a new path and no accident.
+pub const RUN: u32 = 8;
+
+/// Packets that wait to be played.
+#[derive(Clone, Debug)]
+pub struct Playout<P> {
+    /// Ticks that every packet waits, if it was as fast as the fastest.
+    depth: u32,
+    /// What the anchor may be off by before it moves up, ticks.
+    slack: u32,
+    /// Tick of the sender and packet, in no order.
+    waiting: Vec<(u32, P), MOST>,
+    /// The least that a packet took, in ticks and up to the difference of the clocks.
+    anchor: Option<u32>,
+    /// All packets of late.
+    window: Fastest,
+    /// Packets that came too late, since one that did not.
+    run: Fastest,
+    /// Sender's tick of the newest packet played.
+    played: Option<u32>,
+}
+
+/// Some packets: how many, and the least by which one was slower than the anchor, ticks.
+#[derive(Clone, Copy, Debug)]
+struct Fastest {
+    count: u32,
+    least: u32,
+}
+
+impl Fastest {
+    const NONE: Self = Self { count: 0, least: u32::MAX };
+
+    /// With one more: the least, once there are `enough`.
+    fn with(&mut self, slower: u32, enough: u32) -> Option<u32> {
+        *self = Self { count: self.count.saturating_add(1), least: self.least.min(slower) };
+        (self.count >= enough).then_some(self.least)
+    }
+}
+
+/// Whether tick `a` is after tick `b`, in a count that wraps.
+fn after(a: u32, b: u32) -> bool {
+    (a.wrapping_sub(b) as i32) > 0
+}
+
+impl<P> Playout<P> {
+    /// Nothing waiting; packets come every `ticks_per_packet` and wait for `depth_packets` times that.
+    pub fn new(depth_packets: u32, ticks_per_packet: u32) -> Self {
+        Self {
+            depth: depth_packets.saturating_mul(ticks_per_packet).min(i32::MAX as u32 / 2),
+            slack: ticks_per_packet / 4,
+            waiting: Vec::new(),
+            anchor: None,
+            window: Fastest::NONE,
+            run: Fastest::NONE,
+            played: None,
+        }
+    }
+
+    /// Forgets everything: the other peer has started anew.
+    pub fn clear(&mut self) {
+        self.waiting.clear();
+        self.anchor = None;
+        self.window = Fastest::NONE;
+        self.run = Fastest::NONE;
+        self.played = None;
+    }
+
+    /// Takes a packet that was sent at `tick` on its sender's clock and came `now` on this one's; false if it is too old
+    /// to be played, or a copy.
+    pub fn put(&mut self, now: u32, tick: u32, packet: P) -> bool {
+        self.measure(now.wrapping_sub(tick));
+        let old = self.played.is_some_and(|played| !after(tick, played));
+        if old || self.waiting.iter().any(|(waiting, _)| *waiting == tick) {
+            return false;
+        }
+        if self.waiting.is_full() {
+            self.drop_oldest();
+        }
+        // There is room now.
+        self.waiting.push((tick, packet)).is_ok()
+    }
+
+    /// Moves the anchor, if a packet that took `took` is a reason to.
+    fn measure(&mut self, took: u32) {
+        let anchor = *self.anchor.get_or_insert(took);
+        if after(anchor, took) {
+            return self.move_to(took);
+        }
+        let slower = took.wrapping_sub(anchor);
+        if slower <= self.depth {
+            self.run = Fastest::NONE;
+        } else if let Some(least) = self.run.with(slower, RUN) {
+            return self.move_to(anchor.wrapping_add(least));
+        }
+        if let Some(least) = self.window.with(slower, WINDOW) {
+            self.move_to(anchor.wrapping_add(if least > self.slack { least } else { 0 }));
+        }
+    }
+
+    fn move_to(&mut self, anchor: u32) {
+        self.anchor = Some(anchor);
+        self.window = Fastest::NONE;
+        self.run = Fastest::NONE;
+    }
+
+    /// The newest packet whose time has come `now`; older ones are dropped.
+    pub fn take(&mut self, now: u32) -> Option<P> {
+        let late = self.anchor?.wrapping_add(self.depth);
+        let due = |tick: u32| !after(tick.wrapping_add(late), now);
+        let mut newest: Option<u32> = None;
+        for (tick, _) in &self.waiting {
+            if due(*tick) && newest.is_none_or(|newest| after(*tick, newest)) {
+                newest = Some(*tick);
+            }
+        }
+        let newest = newest?;
+        self.played = Some(newest);
+        let at = self.waiting.iter().position(|(tick, _)| *tick == newest)?;
+        let (_, packet) = self.waiting.swap_remove(at);
+        self.waiting.retain(|(tick, _)| after(*tick, newest));
+        Some(packet)
+    }
+
+    /// Packets that wait.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    fn drop_oldest(&mut self) {
+        let mut oldest: Option<(usize, u32)> = None;
+        for (at, (tick, _)) in self.waiting.iter().enumerate() {
+            if oldest.is_none_or(|(_, oldest)| after(oldest, *tick)) {
+                oldest = Some((at, *tick));
+            }
+        }
+        if let Some((at, _)) = oldest {
+            self.waiting.swap_remove(at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    const M: u32 = 8;
+
+    /// Packets 0.. that take `took(number)` ticks on a wire whose two clocks differ by `offset`; `rate` is the sender's
+    /// clock over the receiver's. What is played at each of the receiver's exchanges.
+    fn played(
+        count: u32,
+        depth: u32,
+        offset: u32,
+        rate: f64,
+        took: impl Fn(u32) -> u32,
+    ) -> (Vec<Option<u32>>, Playout<u32>) {
+        let mut playout = Playout::new(depth, M);
+        // Arrival in ticks of the receiver, and number.
+        let mut on_the_way: Vec<(u32, u32)> =
+            (0..count).map(|number| ((f64::from(number * M) / rate) as u32 + took(number), number)).collect();
+        on_the_way.sort_unstable();
+        let (mut next, mut out) = (on_the_way.into_iter().peekable(), Vec::new());
+        for local in 0..(f64::from(count * M) / rate) as u32 {
+            while let Some((_, number)) = next.next_if(|(at, _)| *at <= local) {
+                playout.put(local.wrapping_add(offset), number * M, number);
+            }
+            if local % M == 0 {
+                out.push(playout.take(local.wrapping_add(offset)));
+            }
+        }
+        (out, playout)
+    }
+
+    /// Something that looks random in 0..=most.
+    fn noise(number: u32, most: u32) -> u32 {
+        (number.wrapping_mul(2_654_435_761) >> 16) % (most + 1)
+    }
+
+    #[test]
+    fn every_packet_is_as_late_as_every_other_whatever_the_clocks_show() {
+        for offset in [0, 5, 1_000_003, u32::MAX - 3_000, 1 << 31] {
+            let (out, _) = played(4_000, 2, offset, 1.0, |number| M + noise(number, 12));
+            // The fastest takes one packet period; two more are waited.
+            let settled = 100;
+            for (period, number) in out.iter().enumerate().skip(settled) {
+                assert_eq!(*number, Some(period as u32 - 3), "period {period} with clocks {offset} apart");
+            }
+        }
+    }
+
+    #[test]
+    fn clocks_that_drift_skip_or_repeat_a_packet_when_a_whole_period_has_gathered_and_never_else() {
+        for (rate, skips) in [(1.0 + 500e-6, true), (1.0 - 500e-6, false)] {
+            let count = 100_000;
+            let (out, _) = played(count, 3, 77, rate, |number| M + noise(number, 12));
+            let (mut missed, mut empty, mut last) = (0, 0, None::<u32>);
+            for number in out.into_iter().skip(100) {
+                match (number, last) {
+                    (Some(number), Some(last)) => missed += number - last - 1,
+                    (None, _) => empty += 1,
+                    _ => {}
+                }
+                last = number.or(last);
+            }
+            // 500 ppm of 100,000 packets; the anchor moves in steps, which may cross a boundary there and back.
+            let (wanted, unwanted) = if skips { (missed, empty) } else { (empty, missed) };
+            assert!((48..=60).contains(&(wanted - unwanted)) && unwanted <= 8, "{missed} missed, {empty} empty");
+        }
+    }
+
+    #[test]
+    fn a_path_that_becomes_longer_or_shorter_is_followed() {
+        for (before, since) in [(M, 13 * M), (13 * M, M)] {
+            let (out, _) = played(2_000, 2, 9, 1.0, |number| {
+                let path = if number < 1_000 { before } else { since };
+                path + noise(number, 12)
+            });
+            // Long after the change everything is as late as before it, measured from the new path.
+            let late = since / M + 2;
+            for (period, number) in out.iter().enumerate().skip(1_200) {
+                assert_eq!(*number, Some(period as u32 - late), "period {period}");
+            }
+            // And no packet had to wait for that: silence is no longer than the change itself.
+            let silent = out.iter().skip(100).filter(|number| number.is_none()).count();
+            assert!(silent <= 20, "{silent} periods without a packet");
+        }
+    }
+
+    #[test]
+    fn copies_and_the_past_are_refused() {
+        let mut playout = Playout::new(1, M);
+        assert!(playout.put(100, 0, 'a'));
+        assert!(!playout.put(101, 0, 'a'));
+        assert_eq!((playout.take(107), playout.take(108), playout.take(109)), (None, Some('a'), None));
+        assert!(!playout.put(109, 0, 'a') && !playout.put(110, u32::MAX - 7, 'z'));
+        assert!(playout.put(110, 8, 'b'));
+        playout.clear();
+        assert!(playout.waiting() == 0 && playout.put(5, 0, 'c'));
+        assert_eq!(playout.take(13), Some('c'));
+    }
+
+    #[test]
+    fn more_than_can_wait_drops_the_oldest() {
+        let mut playout = Playout::new(1_000, M);
+        for number in 0..=MOST as u32 {
+            assert!(playout.put(number * M, number * M, number));
+        }
+        assert_eq!(playout.waiting(), MOST);
+        assert_eq!(playout.take(1_000 * M), None);
+        assert_eq!(playout.take(1_001 * M), Some(1));
+    }
+
+    #[test]
+    fn anything_at_any_time_is_played_in_order_or_not_at_all() {
+        let mut random = 1_u64;
+        let mut draw = || {
+            // Knuth's generator: its upper half.
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as u32
+        };
+        let (mut playout, mut last) = (Playout::new(3, M), None::<u32>);
+        for step in 0..200_000_u32 {
+            // Mostly about now, now and then from anywhere.
+            let tick = if draw() % 100 == 0 { draw() << 1 } else { step.wrapping_sub(draw() % 64) };
+            let kept = playout.put(step, tick, tick);
+            assert!(!kept || last.is_none_or(|last| after(tick, last)));
+            assert!(playout.waiting() <= MOST);
+            if let Some(played) = playout.take(step) {
+                assert!(last.is_none_or(|last| after(played, last)), "{played} after {last:?}");
+                last = Some(played);
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Ask: a client wants parts of the world that its server holds. Unreliable: what does not come is asked for again.
+//!
+//! | offset | type | field | unit |
+//! |---|---|---|---|
+//! | 0 | u8 | kind = 16 | |
+//! | 1 | u8 | topic: 0 manifest, 1 regions, 2 pages, 3 objects | |
+//! | 2 | u16 | first: bit i below stands for number first + i | |
+//! | 4 | u8 | scope: 0 everything, 1 around a point, 2 one region and its margin | |
+//! | 5 | u8 | region, 0 unless the scope is 2 | |
+//! | 6 | u8 | tag: comes back with every part of the answer | |
+//! | 7 | u8 | 0 | |
+//! | 8 | f32 | x of the point, 0 unless the scope is 1 | m |
+//! | 12 | f32 | y of the point, likewise | m |
+//! | 16 | f32 | radius, 0 or more, likewise | m |
+//! | 20 | u8 × 32 | wanted: 256 bits, bit i is bit i mod 8 of byte i/8 | |
+//!
+//! 52 bytes. The manifest is number 0.
+
+use super::Error;
+use super::bytes::{Reader, Writer};
+use crate::database::Scope;
+
+/// 256 yes or no.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bits(pub [u8; Bits::LEN]);
+
+impl Bits {
+    /// Bytes.
+    pub const LEN: usize = 32;
+    /// Bits.
+    pub const COUNT: usize = 8 * Self::LEN;
+
+    /// Whether bit `at` is set; beyond the last it is not.
+    pub fn has(&self, at: usize) -> bool {
+        self.0.get(at / 8).is_some_and(|byte| byte >> (at % 8) & 1 == 1)
+    }
+
+    /// Sets bit `at`; beyond the last, nothing.
+    pub fn set(&mut self, at: usize) {
+        if let Some(byte) = self.0.get_mut(at / 8) {
+            *byte |= 1 << (at % 8);
+        }
+    }
+
+    /// The bits that are set, in order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..Self::COUNT).filter(|at| self.has(*at))
+    }
+}
+
+/// What is asked for, or told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Topic {
+    /// What the world is: version, checksum, how many objects and regions.
+    #[default]
+    Manifest = 0,
+    /// Regions, by number.
+    Region = 1,
+    /// Which of 8 objects are in scope, and their checksums.
+    Page = 2,
+    /// Objects, by their place in the order of ids.
+    Object = 3,
+}
+
+impl Topic {
+    pub(super) fn parse(byte: u8, message: &'static str) -> Result<Self, Error> {
+        [Self::Manifest, Self::Region, Self::Page, Self::Object]
+            .into_iter()
+            .find(|topic| *topic as u8 == byte)
+            .ok_or(Error::OutOfRange { message, field: "topic" })
+    }
+}
+
+/// A question about the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ask {
+    /// What is asked for.
+    pub topic: Topic,
+    /// Number that bit 0 of `wanted` stands for.
+    pub first: u16,
+    /// Which part of the world this is about.
+    pub scope: Scope,
+    /// Comes back with every part of the answer, so that one about an older scope is known.
+    pub tag: u8,
+    /// Which numbers are wanted.
+    pub wanted: Bits,
+}
+
+impl Ask {
+    /// First byte.
+    pub const KIND: u8 = 16;
+    /// Bytes.
+    pub const LEN: usize = 52;
+
+    /// The numbers that are wanted.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
+        self.wanted.iter().map(|bit| usize::from(self.first) + bit)
+    }
+
+    /// Reads a question, which must fill `bytes` exactly.
+    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
+        let mut reader = Reader::exact(bytes, "ask", Self::LEN)?;
+        reader.kind(Self::KIND)?;
+        let topic = Topic::parse(reader.u8()?, "ask")?;
+        let first = reader.u16()?;
+        let [scope, region, tag] = reader.array()?;
+        reader.reserved::<1>()?;
+        let point = [reader.f32()?, reader.f32()?, reader.f32()?];
+        // Minus zero is another encoding of zero: only the one with all bits 0 is meant.
+        let no_point = point.iter().all(|number| number.to_bits() == 0);
+        let scope = match (scope, region, point) {
+            (0, 0, _) if no_point => Scope::All,
+            (1, 0, [x, y, radius]) if radius.is_sign_positive() => Scope::Around { x, y, radius },
+            (2, region, _) if no_point => Scope::Region(region),
+            _ => return Err(Error::OutOfRange { message: "ask", field: "scope" }),
+        };
+        let wanted = Bits(reader.array()?);
+        reader.end()?;
+        Ok(Self { topic, first, scope, tag, wanted })
+    }
+
+    /// Writes the question to the front of `out` and gives its length.
+    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
+        let (scope, region, [x, y, radius]) = match self.scope {
+            Scope::All => (0, 0, [0.0; 3]),
+            Scope::Around { x, y, radius } => (1, 0, [x, y, radius]),
+            Scope::Region(region) => (2, region, [0.0; 3]),
+        };
+        if !radius.is_sign_positive() {
+            return Err(Error::OutOfRange { message: "ask", field: "scope" });
+        }
+        Writer::new(out, "ask")
+            .put(&[Self::KIND, self.topic as u8])
+            .put(&self.first.to_le_bytes())
+            .put(&[scope, region, self.tag, 0])
+            .f32(x)
+            .f32(y)
+            .f32(radius)
+            .put(&self.wanted.0)
+            .end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn literal_bytes() {
+        let mut wanted = Bits::default();
+        wanted.set(0);
+        wanted.set(9);
+        wanted.set(255);
+        let scope = Scope::Around { x: 1.0, y: -0.5, radius: 2.5 };
+        let ask = Ask { topic: Topic::Object, first: 0x0100, scope, tag: 7, wanted };
+        let mut bytes = [0; Ask::LEN];
+        bytes[..8].copy_from_slice(&[16, 3, 0, 1, 1, 0, 7, 0]);
+        bytes[8..20].copy_from_slice(&[0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf, 0, 0, 0x20, 0x40]);
+        (bytes[20], bytes[21], bytes[51]) = (1, 2, 0x80);
+        let mut out = [0; Ask::LEN];
+        assert_eq!(ask.emit(&mut out), Ok(Ask::LEN));
+        assert_eq!(out, bytes);
+        assert_eq!(Ask::parse(&bytes), Ok(ask));
+        assert!(ask.numbers().eq([256, 265, 511]));
+    }
+
+    #[test]
+    fn a_scope_has_what_belongs_to_it_and_nothing_else() {
+        let error = Err(Error::OutOfRange { message: "ask", field: "scope" });
+        let mut bytes = [0; Ask::LEN];
+        bytes[0] = Ask::KIND;
+        assert_eq!(Ask::parse(&bytes).map(|ask| ask.scope), Ok(Scope::All));
+        bytes[4] = 2;
+        bytes[5] = 9;
+        assert_eq!(Ask::parse(&bytes).map(|ask| ask.scope), Ok(Scope::Region(9)));
+        bytes[4] = 0;
+        assert_eq!(Ask::parse(&bytes), error);
+        bytes[4] = 3;
+        assert_eq!(Ask::parse(&bytes), error);
+        bytes[4..6].copy_from_slice(&[1, 0]);
+        bytes[19] = 0xbf; // a radius below 0
+        assert_eq!(Ask::parse(&bytes), error);
+    }
+}

@@ -1,0 +1,193 @@
+//! `cargo xtask fuzz`: every fuzz target of protocol/fuzz for a while, with the corpus that earlier runs left.
+//!
+//! The targets are libFuzzer's, built as cargo-fuzz would build them but for the address sanitizer: there is no unsafe code in
+//! what they call, so coverage and overflow checks are all they need. That makes the project's own toolchain and a C++
+//! compiler (libFuzzer is C++) enough: no nightly, nothing to install.
+//!
+//! Inputs that reach something new are kept: those that add to the coverage of `protocol/fuzz/corpus` are merged into it.
+//! An input that crashes a target is left in `protocol/fuzz/artifacts`, and the command that runs it again is printed.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use crate::run::{self, Failure, cargo, command, step};
+
+/// Targets, as `protocol/fuzz/Cargo.toml` names them.
+const TARGETS: [&str; 4] = ["wire", "replay", "link", "session"];
+/// Time for each target unless told, s.
+const SECONDS: u32 = 60;
+/// Longest time for each target, s.
+const MOST_SECONDS: u32 = 86_400;
+/// Coverage counters and comparisons that libFuzzer steers by, and checks that a release build leaves out.
+const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+                     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+                     -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1 --cfg fuzzing";
+
+/// What the command line asks for.
+struct Plan {
+    targets: Vec<&'static str>,
+    seconds: u32,
+}
+
+impl Plan {
+    fn parse(arguments: &[&str]) -> Result<Self, Failure> {
+        let mut plan = Self { targets: TARGETS.to_vec(), seconds: SECONDS };
+        let mut words = arguments.iter();
+        while let Some(word) = words.next() {
+            match *word {
+                "--seconds" => {
+                    let value = words.next().copied().unwrap_or_default();
+                    plan.seconds =
+                        value.parse().ok().filter(|seconds| (1..=MOST_SECONDS).contains(seconds)).ok_or_else(|| {
+                            Failure::new(format!(
+                                "--seconds \"{value}\" is not allowed: it must be a whole number from 1 to {MOST_SECONDS}"
+                            ))
+                        })?;
+                }
+                "--target" => {
+                    let value = words.next().copied().unwrap_or_default();
+                    let known = TARGETS.into_iter().find(|known| *known == value);
+                    plan.targets = vec![known.ok_or_else(|| {
+                        Failure::new(format!(
+                            "--target \"{value}\" is not allowed: it must be one of {}",
+                            TARGETS.join(", ")
+                        ))
+                    })?];
+                }
+                other => {
+                    return Err(Failure::new(format!(
+                        "there is no option {other}; `cargo xtask fuzz --help` lists them"
+                    )));
+                }
+            }
+        }
+        Ok(plan)
+    }
+}
+
+/// Builds the targets and runs them one after the other.
+pub(crate) fn fuzz(arguments: &[&str]) -> Result<(), Failure> {
+    let plan = Plan::parse(arguments)?;
+    let binaries = step("build", build)?;
+    let mut rows = Vec::new();
+    for target in plan.targets {
+        rows.push(step(target, || run_one(&binaries, target, plan.seconds))?);
+    }
+    println!("| fuzz target | seconds | executions | inputs kept | new among them |\n|---|---:|---:|---:|---:|");
+    for row in rows {
+        println!("{row}");
+    }
+    Ok(())
+}
+
+/// Builds; gives the folder of the binaries.
+fn build() -> Result<PathBuf, Failure> {
+    let host = run::output(&mut command("rustc", &["-vV"]))?;
+    let host = host
+        .lines()
+        .find_map(|line| line.strip_prefix("host: "))
+        .ok_or_else(|| Failure::new("`rustc -vV` does not say what it builds for"))?;
+    let target = match env::var_os("CARGO_TARGET_DIR") {
+        Some(shared) => run::root().join(shared).join("fuzz"),
+        None => run::root().join("protocol/fuzz/target"),
+    };
+    let mut build = cargo(&["build", "--locked", "--release", "--manifest-path", "protocol/fuzz/Cargo.toml"]);
+    // With a target named, build scripts are left without the counters, which are nothing to them.
+    build.args(["--target", host]).env("RUSTFLAGS", FLAGS).env("CARGO_TARGET_DIR", &target);
+    run::run(&mut build).map_err(|failure| {
+        Failure::new(format!("{failure}; libFuzzer needs a C++ compiler (`apt-get install g++`)"))
+    })?;
+    Ok(target.join(host).join("release"))
+}
+
+/// Runs one target, keeps what it found; a line of the table.
+fn run_one(binaries: &Path, target: &str, seconds: u32) -> Result<String, Failure> {
+    let binary = binaries.join(target);
+    let fuzz = run::root().join("protocol/fuzz");
+    let (corpus, artifacts) = (fuzz.join("corpus").join(target), fuzz.join("artifacts").join(target));
+    let found = binaries.join("found").join(target);
+    // What an earlier run found was merged then, or is found again.
+    let _ = std::fs::remove_dir_all(&found);
+    for folder in [&corpus, &artifacts, &found] {
+        std::fs::create_dir_all(folder)
+            .map_err(|cause| Failure::new(format!("cannot make {}: {cause}", folder.display())))?;
+    }
+    let before = count(&corpus);
+    let start = Instant::now();
+    let mut libfuzzer = Command::new(&binary);
+    libfuzzer.args([&found, &corpus]).arg(format!("-max_total_time={seconds}")).arg("-print_final_stats=1");
+    let said = quietly(libfuzzer.arg(format!("-artifact_prefix={}/", artifacts.display())), || {
+        format!(
+            "{target} crashed (see above): `{} {}/FILE` runs the input again; mend the cause and keep the input in {}",
+            binary.display(),
+            artifacts.display(),
+            corpus.display()
+        )
+    })?;
+    let spent = start.elapsed().as_secs();
+    let executions = said.lines().find_map(|line| line.strip_prefix("stat::number_of_executed_units:"));
+    let executions = executions.map(str::trim).ok_or_else(|| {
+        Failure::new(format!("{target} did not say how often it ran: has libFuzzer's output changed?"))
+    })?;
+    quietly(Command::new(&binary).arg("-merge=1").args([&corpus, &found]), || {
+        format!("what {target} found could not be merged into {}", corpus.display())
+    })?;
+    // Nothing in it: no crash.
+    let _ = std::fs::remove_dir(&artifacts).and_then(|()| std::fs::remove_dir(fuzz.join("artifacts")));
+    let after = count(&corpus);
+    Ok(format!("| {target} | {spent} | {executions} | {after} | {} |", after.saturating_sub(before)))
+}
+
+/// Runs and gives what went to standard error, which is shown only when it failed.
+fn quietly(command: &mut Command, failed: impl Fn() -> String) -> Result<String, Failure> {
+    eprintln!("    {}", run::spelled(command));
+    let output = command
+        .stdout(Stdio::null())
+        .output()
+        .map_err(|cause| Failure::new(format!("cannot run {}: {cause}", command.get_program().to_string_lossy())))?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if output.status.success() {
+        return Ok(said);
+    }
+    eprintln!("{said}");
+    Err(Failure::new(failed()))
+}
+
+/// Files in a folder.
+fn count(folder: &Path) -> usize {
+    std::fs::read_dir(folder).map_or(0, |entries| entries.flatten().count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_checked_before_anything_is_built() {
+        let plan = Plan::parse(&["--seconds", "5", "--target", "replay"]).expect("good options");
+        assert_eq!((plan.targets, plan.seconds), (vec!["replay"], 5));
+        assert_eq!(Plan::parse(&[]).map(|plan| (plan.targets.len(), plan.seconds)).ok(), Some((4, 60)));
+        for (bad, allowed) in [
+            (&["--seconds", "0"][..], "from 1 to 86400"),
+            (&["--seconds"], "from 1 to 86400"),
+            (&["--target", "wires"], "one of wire, replay, link, session"),
+            (&["--fast"], "there is no option --fast"),
+        ] {
+            let said = Plan::parse(bad).err().map(|failure| failure.to_string()).unwrap_or_default();
+            assert!(said.contains(allowed), "{said}");
+        }
+    }
+
+    #[test]
+    fn every_target_of_the_manifest_is_run() {
+        let manifest = std::fs::read_to_string(run::root().join("protocol/fuzz/Cargo.toml")).expect("the manifest");
+        let named: Vec<&str> = manifest
+            .split("[[bin]]")
+            .skip(1)
+            .filter_map(|part| part.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"')))
+            .collect();
+        assert_eq!(named, TARGETS);
+    }
+}
