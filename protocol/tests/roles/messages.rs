@@ -7,7 +7,7 @@ use haptic_protocol::roles::squash::{self, Ball, Ending, Game, Phase, Turn, Verd
 use haptic_protocol::wire::{Event, PeerId};
 use proptest::prelude::*;
 
-fn locks() -> impl Strategy<Value = lock::Message> {
+pub(crate) fn locks() -> impl Strategy<Value = lock::Message> {
     any::<([u32; 4], [u8; 24], bool)>().prop_flat_map(|([one, two, three, four], value, flag)| {
         prop_oneof![
             Just(lock::Message::Follow { known: one }),
@@ -25,7 +25,7 @@ fn locks() -> impl Strategy<Value = lock::Message> {
     })
 }
 
-fn rings() -> impl Strategy<Value = ring::Message> {
+pub(crate) fn rings() -> impl Strategy<Value = ring::Message> {
     any::<([u32; 4], [u16; 2], [u8; 24], [bool; 2])>().prop_flat_map(
         |([epoch, turn, version, number], rosters, value, [wants, leaves])| {
             let ballot = Ballot { epoch, turn };
@@ -45,7 +45,7 @@ fn rings() -> impl Strategy<Value = ring::Message> {
     )
 }
 
-fn squashes() -> impl Strategy<Value = squash::Message> {
+pub(crate) fn squashes() -> impl Strategy<Value = squash::Message> {
     let finite = || any::<f32>().prop_filter("finite", |number| number.is_finite());
     (any::<([u16; 4], [u32; 2], [u64; 3], [u8; 17])>(), prop::array::uniform4(finite()), 0..3_usize, 0..5_usize)
         .prop_flat_map(
