@@ -21,6 +21,7 @@ mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod squash;
 mod stability;
 mod tune;
 mod visit;
@@ -65,6 +66,8 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
+    Squash(squash::Squash),
     /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
     Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
@@ -154,6 +157,7 @@ pub fn main() -> ExitCode {
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Squash(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
