@@ -11,6 +11,7 @@
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
 //! | [`collaborate`] | one at a time edits: lock and token ring on trial |
+//! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -23,6 +24,7 @@ extern crate alloc;
 
 pub mod accuracy;
 pub mod analysis;
+pub mod calibrate;
 pub mod cli;
 pub mod collaborate;
 pub mod experiment;

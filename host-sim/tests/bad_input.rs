@@ -122,6 +122,29 @@ fn arguments() {
 }
 
 #[test]
+fn live_peers_floods_and_restarts() {
+    refused(&["flood", "--rate", "0"], &["--rate 0", "1 to 10000000"]);
+    refused(&["flood", "--seconds", "nan"], &["--seconds NaN", "86400 s"]);
+    refused(&["restarts", "--count", "0"], &["--count", "1..=10000000"]);
+    refused(&["restarts", "--set", "network.playout_packets=33"], &["network.playout_packets = 33", "0 to 32"]);
+    refused(&["restarts", "--set", "network.one_way_delay_packets=100"], &["do not meet within 0.5 s"]);
+    refused(&["relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
+    let key = file("open.key", &"5a".repeat(32));
+    let peer = ["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", "127.0.0.1:9", "--key-file"];
+    refused(&[&peer[..], &["/no/such.key"]].concat(), &["/no/such.key"]);
+    refused(&[&peer[..], &[&key, "--duration-s", "0"]].concat(), &["--duration-s 0"]);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = |mode| std::fs::set_permissions(&key, std::fs::Permissions::from_mode(mode)).expect("chmod");
+        mode(0o644);
+        refused(&[&peer[..], &[&key]].concat(), &["can be read by others", "chmod 600"]);
+        mode(0o600);
+        refused(&[&peer[..], &[&key, "--patience-s", "0.05"]].concat(), &["nobody answered", "127.0.0.1:9"]);
+    }
+}
+
+#[test]
 fn stability_of_one_device() {
     let rendering = |arguments: &[&str], names: &[&str]| {
         refused(&[&["stability", "rendering", "--json"], arguments].concat(), names);

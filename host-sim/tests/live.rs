@@ -77,10 +77,16 @@ fn compare(live: &Value, memory: &Value) {
     // F_T balances the push of 1 N.
     assert!((number(live, "coordination_force_n").abs() - 1.0).abs() < 0.05, "{live}");
     assert!(number(live, "round_trip_us") > 0.0 && number(live, "jitter_us") >= 0.0, "{live}");
+    // Both read the same machine's clock, from when each began: within the seconds that this takes.
+    assert!(number(live, "clock_offset_us").abs() < 60e6 && number(live, "clock_drift_ppm").is_finite(), "{live}");
+    // The other one armed, and feels the same force the other way round.
+    let other = &live["other"];
+    assert_eq!((number(other, "mode"), number(other, "fault")), (1.0, 0.0), "{live}");
+    let pull = number(other, "coordination_force_n") * number(live, "coordination_force_n").signum();
+    assert!((pull + 1.0).abs() < 0.1 && number(other, "ticks") >= 3000.0, "{live}");
     let kept = &live["punctuality"];
     assert!(number(kept, "missed") <= number(kept, "beats") && number(kept, "beats") >= 4000.0, "{live}");
     assert!(kept["realtime_priority"].is_boolean(), "{live}");
-    assert_eq!(number(live, "datagrams_refused"), 0.0, "{live}");
     let told: Vec<&str> =
         live["notices"].as_array().expect("a list").iter().filter_map(|one| one[1].as_str()).collect();
     assert!(told.contains(&"Joined") && told.contains(&"Engaged"), "{told:?}");
@@ -98,6 +104,7 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
         compare(&live, &memory);
         // Nothing is lost on loopback but what a late start misses.
         let number = |key: &str| live[key].as_f64().unwrap_or(f64::NAN);
+        assert_eq!(number("datagrams_refused"), 0.0, "{live}");
         assert!(number("datagrams_taken") > 400.0 && number("datagrams_missing") <= 8.0, "{live}");
     }
 }

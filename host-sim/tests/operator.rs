@@ -116,3 +116,19 @@ fn a_board_that_takes_other_commands_is_named() {
     let error = Operator::connect(board.address, &key).map(|_| ()).unwrap_err();
     assert!(error.contains("takes other commands than this program"), "{error}");
 }
+
+#[test]
+fn a_key_image_is_the_keys_and_is_never_overwritten() {
+    let folder = folder("key-image");
+    let (key, image) = (folder.join("a.key"), folder.join("a.bin"));
+    key_file::generate(&key).unwrap();
+    let make = || {
+        Command::new(env!("CARGO_BIN_EXE_host-sim"))
+            .args(["key-image".as_ref(), key.as_os_str(), image.as_os_str()])
+            .output()
+    };
+    assert!(make().unwrap().status.success());
+    let bytes = std::fs::read(&image).unwrap();
+    assert_eq!(Key::from_image(&bytes.try_into().unwrap()), key_file::read(&key).ok());
+    assert_eq!(make().unwrap().status.code(), Some(2));
+}

@@ -8,6 +8,9 @@
 //! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
 //! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
 //!
+//! It is for a caller whose coordination knows nothing of silence. One that fades its packets itself, counted in packets as its
+//! analysis needs them, takes the notices (a session began, ended) and leaves the level alone: two in a row fade twice.
+//!
 //! The level starts from 0 whenever the peers come together. It changes with time only, never with what was in a packet,
 //! so it has no jumps but the one to 0 when a session ends. **Unit**: µs in, a factor from 0 to 1 out. Exact: counted in
 //! whole 1/36 of a µs, the least that both 1/12 and 1/9 divide. Time that goes backwards counts as standing still.

@@ -273,4 +273,26 @@ mod tests {
         assert_eq!(playout.take(1_000 * M), None);
         assert_eq!(playout.take(1_001 * M), Some(1));
     }
+
+    #[test]
+    fn anything_at_any_time_is_played_in_order_or_not_at_all() {
+        let mut random = 1_u64;
+        let mut draw = || {
+            // Knuth's generator: its upper half.
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as u32
+        };
+        let (mut playout, mut last) = (Playout::new(3, M), None::<u32>);
+        for step in 0..200_000_u32 {
+            // Mostly about now, now and then from anywhere.
+            let tick = if draw() % 100 == 0 { draw() << 1 } else { step.wrapping_sub(draw() % 64) };
+            let kept = playout.put(step, tick, tick);
+            assert!(!kept || last.is_none_or(|last| after(tick, last)));
+            assert!(playout.waiting() <= MOST);
+            if let Some(played) = playout.take(step) {
+                assert!(last.is_none_or(|last| after(played, last)), "{played} after {last:?}");
+                last = Some(played);
+            }
+        }
+    }
 }

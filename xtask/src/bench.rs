@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 
+use crate::count;
 use crate::instructions::{self, SCALARS};
 use crate::run::{self, Failure, cargo};
 
@@ -37,6 +38,12 @@ pub(crate) fn bench(quick: bool) -> Result<(), Failure> {
     let seconds = Group::read(&home, "two-peer-second")?;
     for scene in &seconds.names {
         println!("| {scene} | {:.1} |", TICKS_PER_SECOND / seconds.fastest_ns(scene)? * 1e3);
+    }
+
+    println!("\nThe wire on the board's processor, a Cortex-M7 (reviewed; `cargo xtask count` counts anew).\n");
+    println!("| what a link does | instructions |\n|---|---:|");
+    for (what, counts) in count::rows(&count::reviewed(count::WIRE)?) {
+        println!("| {what} | {} |", counts.iter().map(f64::to_string).collect::<String>());
     }
     Ok(())
 }

@@ -11,8 +11,9 @@ use crate::run::{self, Failure, step};
 use crate::setup;
 
 /// Programs of tests/count, and where what they print was reviewed.
-const TABLES: [(&str, &str); 2] =
-    [("count", "host-sim/src/accuracy/instructions-cortex-m7.txt"), ("wire", "protocol/instructions-cortex-m7.txt")];
+const TABLES: [(&str, &str); 2] = [("count", "host-sim/src/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
+/// The reviewed counts of the wire.
+pub(crate) const WIRE: &str = "protocol/instructions-cortex-m7.txt";
 /// Largest accepted change, either way, as a fraction.
 const TOLERANCE: f64 = 0.02;
 /// What is accepted in any case, instructions.
@@ -34,16 +35,12 @@ pub(crate) fn count(bless: bool) -> Result<(), Failure> {
             // The target and the emulator are settings of that folder.
             output(cargo.current_dir(run::root().join("tests/count")).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))
         })?;
-        let path = run::root().join(file);
         if bless {
-            write(&path, &printed)?;
+            write(&run::root().join(file), &printed)?;
             eprintln!("    {file} rewritten: look at its difference");
             continue;
         }
-        let reviewed = std::fs::read_to_string(&path).map_err(|cause| {
-            Failure::new(format!("cannot read {file}: {cause}; `cargo xtask count --bless` writes it"))
-        })?;
-        let differences = differences(&reviewed, &printed);
+        let differences = differences(&reviewed(file)?, &printed);
         changed += differences.len();
         for difference in differences {
             eprintln!("    {file}: {difference}");
@@ -60,6 +57,12 @@ pub(crate) fn count(bless: bool) -> Result<(), Failure> {
     }
 }
 
+/// A reviewed table.
+pub(crate) fn reviewed(file: &str) -> Result<String, Failure> {
+    std::fs::read_to_string(run::root().join(file))
+        .map_err(|cause| Failure::new(format!("cannot read {file}: {cause}; `cargo xtask count --bless` writes it")))
+}
+
 fn output(command: &mut Command) -> Result<String, Failure> {
     eprintln!("    {}", run::spelled(command));
     run::output(command)
@@ -70,7 +73,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
 }
 
 /// A table's rows: what was counted, and the counts.
-fn rows(table: &str) -> impl Iterator<Item = (String, Vec<f64>)> {
+pub(crate) fn rows(table: &str) -> impl Iterator<Item = (String, Vec<f64>)> {
     table.lines().filter(|line| !line.starts_with('#')).map(|line| {
         let words: Vec<&str> = line.split_whitespace().collect();
         let counts = words.iter().rev().take_while(|word| word.parse::<u64>().is_ok()).count();

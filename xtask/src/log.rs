@@ -5,11 +5,10 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
 use crate::board;
+use crate::provision::CHIP;
 use crate::run::{self, Failure, command, step};
 use crate::setup;
 
-/// The chip, as probe-rs calls it.
-const CHIP: &str = "STM32H743ZITx";
 /// Where the log goes.
 const FILE: &str = "out/board.log";
 

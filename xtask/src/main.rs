@@ -11,6 +11,7 @@
 //! | [`fuzz`] | runs the protocol's fuzz targets |
 //! | [`log`] | what a running board says, to a file |
 //! | [`no_panic`] | shows that no panic is reachable from the tick |
+//! | [`provision`] | gives a board its key |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
@@ -23,6 +24,7 @@ mod fuzz;
 mod instructions;
 mod log;
 mod no_panic;
+mod provision;
 mod readme;
 mod run;
 mod setup;
@@ -45,6 +47,7 @@ Usage: cargo xtask COMMAND [--help]
   fuzz         run every fuzz target of the protocol for a minute, keep what it finds
   log          attach to a running board and keep what it says in out/board.log
   no-panic     show that no panic is reachable from the 1 kHz interrupt
+  provision    give a board the key that it shares with its peer and its operator, over the debug probe
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -144,6 +147,16 @@ simulator's, the paper's three kinds of communications on two boards, budgets, f
 Usage: cargo xtask board-test
 ";
 
+const PROVISION_HELP: &str = "\
+Gives a board the key that it shares with its peer and its operator (`host-sim keygen` makes one): puts it into the flash
+sector that memory.x calls KEY, over the debug probe, and starts the board anew. Flashing an image leaves it there.
+
+Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
+
+  --key-file  the key
+  --probe     which board, where two are connected (`probe-rs list` names them)
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -172,6 +185,8 @@ fn main() -> ExitCode {
         ["log"] => log::log(),
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
         ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
+        ["provision", "--help" | "-h"] => print(PROVISION_HELP),
+        ["provision", arguments @ ..] => provision::provision(arguments),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

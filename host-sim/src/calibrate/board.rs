@@ -81,7 +81,9 @@ pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
             "false" => Value::Flag(false),
             _ => text.parse().map_or(Value::Text(text), Value::Number),
         };
-        settings.set(key.name, value).map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
+        settings
+            .set(key.name, value)
+            .map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
     }
     Ok(settings)
 }
@@ -113,9 +115,11 @@ impl Joint {
             KinematicsName::Direct => encoder.counts_per_m,
             KinematicsName::Capstan => encoder.counts_per_rev / std::f64::consts::TAU,
             KinematicsName::FiveBar => {
-                return Err("kinematics.model = \"five-bar\" is not allowed here: what one joint moves depends on the \
+                return Err(
+                    "kinematics.model = \"five-bar\" is not allowed here: what one joint moves depends on the \
                             pose; `calibrate sign` works, the rest is for \"direct\" and \"capstan\""
-                    .to_owned());
+                        .to_owned(),
+                );
             }
         };
         let model = haptic_core::axis::kinematics::AnyKinematics::<f64>::build(settings);
@@ -195,4 +199,15 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
         waited_s += LOOK_S;
     }
     Err(format!("no ticks of {line:?} came within {PATIENCE_S} s"))
+}
+
+impl Board for crate::live::operator::Operator {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        Self::ask(self, line)
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        let samples = self.samples(std::time::Duration::from_secs_f64(seconds));
+        Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
+    }
 }

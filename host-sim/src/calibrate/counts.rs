@@ -4,7 +4,7 @@
 //! interval: how well the person meets the marks. For a relative error e of the scale they must be met to e times the distance.
 
 use super::board::{Board, Joint, Tick, say, settings};
-use super::{Estimate, Found, Person};
+use super::{Estimate, Found, Person, Task};
 use haptic_core::axis::kinematics::KinematicsName;
 
 /// By how much the joint is to be moved.
@@ -101,20 +101,22 @@ pub fn calibrate(
     }
     match distance {
         Distance::Metres(_) if turns => return Err("this joint turns: give --revolutions, not --distance-m".to_owned()),
-        Distance::Revolutions(_) if !turns => return Err("this joint is a slide: give --distance-m, not --revolutions".to_owned()),
+        Distance::Revolutions(_) if !turns => {
+            return Err("this joint is a slide: give --distance-m, not --revolutions".to_owned());
+        }
         _ => {}
     }
-    let words = match distance {
-        Distance::Metres(metres) => format!("{metres} m"),
-        Distance::Revolutions(turns) => format!("{turns} revolutions of the motor"),
+    let task = match distance {
+        Distance::Metres(metres) => Task::MoveMetres { joint: number, metres },
+        Distance::Revolutions(revolutions) => Task::Turn { joint: number, revolutions },
     };
-    person.please(&format!("hold joint {number} still at the first mark"))?;
+    person.please(&Task::HoldStill { joint: number })?;
     board.ticks(0.0)?;
     say(board, &format!("stream {EVERY}"))?;
     let outcome = (|| {
         let (at, mut last, mut total) = (number as usize - 1, None, 0.0);
         let (start, first) = rest(board, at, &mut last, &mut total)?;
-        person.please(&format!("move it by {words} along its axis, the way it counts up, and hold it still there"))?;
+        person.please(&task)?;
         let (end, second) = rest(board, at, &mut last, &mut total)?;
         scale(end - start, first.max(second), distance)
     })();

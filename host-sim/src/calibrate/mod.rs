@@ -74,13 +74,47 @@ impl Found {
     }
 }
 
+/// What a person is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the sentences say it")]
+pub enum Task {
+    HoldStill { joint: u32 },
+    MoveMetres { joint: u32, metres: f64 },
+    Turn { joint: u32, revolutions: f64 },
+    Gauge { joint: u32 },
+    LetGo { joint: u32 },
+    Fasten { joint: u32, kilograms: f64 },
+}
+
+impl std::fmt::Display for Task {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::HoldStill { joint } => write!(f, "hold joint {joint} still at the first mark"),
+            Self::MoveMetres { joint, metres } => {
+                write!(f, "move joint {joint} by {metres} m the way its axis points, and hold it still there")
+            }
+            Self::Turn { joint, revolutions } => write!(
+                f,
+                "turn the motor of joint {joint} by {revolutions} revolutions the way its axis points, and hold it still there"
+            ),
+            Self::Gauge { joint } => {
+                write!(f, "hold joint {joint} against the gauge, so that a push along the axis presses on it")
+            }
+            Self::LetGo { joint } => write!(f, "let go of joint {joint}, with room to both sides"),
+            Self::Fasten { joint, kilograms } => {
+                write!(f, "fasten {kilograms} kg to the hand of joint {joint}, and let go of it")
+            }
+        }
+    }
+}
+
 /// The person at the device.
 pub trait Person {
     /// Asks for something to be done, and comes back when it is.
     ///
     /// # Errors
     /// Nobody is there.
-    fn please(&mut self, what: &str) -> Result<(), String>;
+    fn please(&mut self, task: &Task) -> Result<(), String>;
 
     /// Asks for a number.
     ///

@@ -108,7 +108,8 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
 
 /// Least squares: the unknowns, their standard errors, and how well the columns tell each other apart (1: fully).
 fn solve(rows: &[([f64; UNKNOWNS], f64)]) -> Option<[(f64, f64); UNKNOWNS]> {
-    let scale: [f64; UNKNOWNS] = std::array::from_fn(|j| rows.iter().map(|(row, _)| row[j] * row[j]).sum::<f64>().sqrt());
+    let scale: [f64; UNKNOWNS] =
+        std::array::from_fn(|j| rows.iter().map(|(row, _)| row[j] * row[j]).sum::<f64>().sqrt());
     if scale.iter().any(|scale| !(*scale > 0.0)) {
         return None;
     }
@@ -142,10 +143,8 @@ fn solve(rows: &[([f64; UNKNOWNS], f64)]) -> Option<[(f64, f64); UNKNOWNS]> {
     }
     let solution: [f64; UNKNOWNS] =
         std::array::from_fn(|i| (0..UNKNOWNS).map(|j| table[i][UNKNOWNS + j] * right[j]).sum::<f64>() / scale[i]);
-    let squares: f64 = rows
-        .iter()
-        .map(|(row, y)| (y - row.iter().zip(solution).map(|(a, x)| a * x).sum::<f64>()).powi(2))
-        .sum();
+    let squares: f64 =
+        rows.iter().map(|(row, y)| (y - row.iter().zip(solution).map(|(a, x)| a * x).sum::<f64>()).powi(2)).sum();
     let variance = squares / (rows.len() - UNKNOWNS) as f64;
     Some(std::array::from_fn(|i| (solution[i], (variance * table[i][UNKNOWNS + i]).sqrt() / scale[i])))
 }
@@ -168,7 +167,8 @@ pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
                  probe.max_duty, probe.max_travel_counts or probe.max_s"
             ));
         }
-        found = solve(&all).ok_or("the motion does not tell mass, friction and delay apart: other frequencies are needed")?;
+        found = solve(&all)
+            .ok_or("the motion does not tell mass, friction and delay apart: other frequencies are needed")?;
         delay_s = (delay_s + found[4].0).clamp(-0.002, 0.02);
     }
     // Student's t for 95 %, to 1 % from 15 degrees of freedom on.

@@ -7,7 +7,7 @@
 use haptic_core::settings::Settings;
 
 use super::board::{Board, Joint, run, settings};
-use super::{Estimate, Found, Person, motion};
+use super::{Estimate, Found, Person, Task, motion};
 
 /// What is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let most = settings.probe.max_duty.min(settings.motor.max_duty);
-    person.please(&format!("hold joint {number} against the gauge, so that pushing along the axis presses on it"))?;
+    person.please(&Task::Gauge { joint: number })?;
     let mut points = Vec::new();
     for step in 1..=4 {
         let duty = most * f64::from(step) / 4.0;
@@ -82,7 +82,10 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
         if pushed.end != "done" {
             return Err("the joint gave way: hold it against the gauge all the time".to_owned());
         }
-        points.push((duty, person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?));
+        points.push((
+            duty,
+            person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
+        ));
     }
     Ok(vec![constant(slope(&points)?, &settings, &joint)])
 }
@@ -91,9 +94,9 @@ fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: 
     if !(kilograms > 0.0 && kilograms <= 100.0) {
         return Err(format!("an added mass of {kilograms} kg is not allowed: it must be above 0 and up to 100"));
     }
-    person.please(&format!("let joint {number} stand free"))?;
+    person.please(&Task::LetGo { joint: number })?;
     let (alone, joint, settings) = motion::identify(board, number)?;
-    person.please(&format!("fasten {kilograms} kg to the hand of joint {number}, and let it stand free"))?;
+    person.please(&Task::Fasten { joint: number, kilograms })?;
     let (loaded, ..) = motion::identify(board, number)?;
     let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
     if !(within <= 0.2 * difference) {

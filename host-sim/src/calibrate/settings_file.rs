@@ -42,7 +42,8 @@ pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
     let document: toml::Table = text.parse().map_err(|error| format!("{}: {error}", path.display()))?;
     let named = |key: &str| {
-        key.split_once('.').is_some_and(|(table, name)| document.get(table).is_some_and(|inner| inner.get(name).is_some()))
+        key.split_once('.')
+            .is_some_and(|(table, name)| document.get(table).is_some_and(|inner| inner.get(name).is_some()))
     };
     let mut given = 0;
     for key in Settings::KEYS.iter().filter(|key| named(key.name)) {

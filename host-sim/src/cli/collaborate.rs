@@ -19,7 +19,7 @@ enum SchemeName {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MistakeName {
-    /// Some clocks count half of the time.
+    /// Some clocks count a quarter of the time.
     SlowClock,
     /// Records are not there after a crash.
     Amnesia,

@@ -1,4 +1,4 @@
-//! `host-sim keygen`, `peer`, `relay` and `trace`: two peers as two processes, for real.
+//! `host-sim keygen`, `key-image`, `peer`, `relay` and `trace`: two peers as two processes, for real.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -36,6 +36,27 @@ impl Keygen {
         }
         println!("wrote {}: copy it to the other peer over a way that you trust", self.file.display());
         Ok(())
+    }
+}
+
+/// Arguments of `key-image`.
+#[derive(Debug, Args)]
+pub(super) struct KeyImage {
+    /// Key file (`host-sim keygen`).
+    #[arg(value_name = "FILE")]
+    key_file: PathBuf,
+    /// File to make, as secret as the key; an existing one is left alone.
+    #[arg(value_name = "IMAGE")]
+    image: PathBuf,
+}
+
+impl KeyImage {
+    /// Writes the key as a board keeps it in flash; `cargo xtask provision` puts it there.
+    ///
+    /// # Errors
+    /// No key file, or the image exists or cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        Ok(key_file::write_secret(&self.image, &key_file::read(&self.key_file)?.image())?)
     }
 }
 
@@ -113,9 +134,11 @@ impl Peer {
             if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
         );
         println!(
-            "round trip {} us, jitter {} us; datagrams: {} taken, {} missing, {} refused",
+            "round trip {} us, jitter {} us, the other clock {} us ahead and {:.1} ppm faster; datagrams: {} taken, {} missing, {} refused",
             report.round_trip_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
             report.jitter_us,
+            report.clock_offset_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
+            report.clock_drift_ppm,
             report.datagrams_taken,
             report.datagrams_missing,
             report.datagrams_refused

@@ -5,6 +5,7 @@
 //! change.
 
 mod accuracy;
+mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
@@ -60,8 +61,12 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
+    Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
     Keygen(live::Keygen),
+    /// The key as a board keeps it in flash, for `cargo xtask provision`.
+    KeyImage(live::KeyImage),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
     /// Say lines to a board: arm, stop, set up; sealed.
@@ -106,6 +111,11 @@ impl SceneArgs {
         SceneFile::load(self.scene.as_deref(), &self.set)
     }
 
+    /// Whether any of it was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || !self.set.is_empty()
+    }
+
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
@@ -137,7 +147,9 @@ pub fn main() -> ExitCode {
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
+        Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
         Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),

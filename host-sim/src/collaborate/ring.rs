@@ -14,8 +14,8 @@ use super::{Mistake, Trial};
 const OBJECT: u16 = 9;
 /// Lease of the token, µs.
 const LEASE_US: u32 = 300_000;
-/// A turn while others want to edit, µs: longer than any edit, so that nobody is cut short when all is well.
-const TURN_US: u64 = 200_000;
+/// A turn while others want to edit, µs: longer than a lease, so that only the lease stops an owner that nobody hears.
+const TURN_US: u64 = 600_000;
 
 /// A member, what it has stored, and its user.
 pub struct Member {

@@ -155,7 +155,7 @@ impl<P: Peer> World<P> {
         let clocks = (0..count)
             .map(|_| Clock {
                 start_us: dice.below(1 << 40),
-                rate: if slow && dice.chance(0.5) { 0.5 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
+                rate: if slow && dice.chance(0.5) { 0.25 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
             })
             .collect();
         let network = Network {

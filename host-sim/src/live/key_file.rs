@@ -24,14 +24,21 @@ pub fn generate(path: &Path) -> Result<(), String> {
 /// # Errors
 /// Why it could not be made, in one line.
 pub fn write(path: &Path, key: &Key) -> Result<(), String> {
-    let failed = |cause: &dyn std::fmt::Display| format!("cannot make the key file {}: {cause}", path.display());
+    let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
+    write_secret(path, format!("{digits}\n").as_bytes())
+}
+
+/// The same for a key in another form.
+///
+/// # Errors
+/// Why it could not be made, in one line.
+pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]
     options.mode(0o600);
-    let mut file = options.open(path).map_err(|cause| failed(&cause))?;
-    let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
-    writeln!(file, "{digits}").map_err(|cause| failed(&cause))
+    options.open(path).map_err(failed)?.write_all(bytes).map_err(failed)
 }
 
 /// Reads a key file.

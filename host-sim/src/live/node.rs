@@ -23,7 +23,7 @@ use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::playout::Playout;
-use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
 use crate::plant::Plant;
 use crate::scene::SceneFile;
@@ -43,8 +43,15 @@ pub struct Node {
     /// Control periods since the start.
     ticks: u32,
     armed_ticks: u64,
+    /// Control periods until the other one is told how this one is doing.
+    until_telemetry: u32,
+    /// What the other one last said about itself.
+    heard: Option<Telemetry>,
     notices: Vec<(u64, Notice)>,
 }
+
+/// Time from telemetry to telemetry, s.
+const TELEMETRY_S: f64 = 0.5;
 
 /// Tables that both peers must have been told alike; the rest is each device's own.
 const SHARED_TABLES: [&str; 3] = ["timing", "object", "coordination"];
@@ -67,6 +74,7 @@ fn parameters(settings: &Settings) -> Result<Parameters, String> {
     Ok(parameters)
 }
 
+/// On the wire as in core. Neither room knows the other, so whoever joins them spells this out (the board does, too).
 fn flow_of(packet: Packet<f32>, engaged: bool, tick: u32) -> Flow {
     Flow {
         engaged,
@@ -132,6 +140,8 @@ impl Node {
             period_s,
             ticks: 0,
             armed_ticks: 0,
+            until_telemetry: 0,
+            heard: None,
             notices: Vec::new(),
         })
     }
@@ -144,7 +154,14 @@ impl Node {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.
         self.heed(now_us);
-        let Some(Incoming::Flow(flow)) = taken? else { return Ok(None) };
+        let flow = match taken? {
+            Some(Incoming::Flow(flow)) => flow,
+            Some(Incoming::Telemetry(telemetry)) => {
+                self.heard = Some(telemetry);
+                return Ok(None);
+            }
+            _ => return Ok(None),
+        };
         match &mut self.playout {
             Some(playout) => {
                 playout.put(self.ticks, flow.tick, flow);
@@ -190,6 +207,16 @@ impl Node {
                 send(&out[..len]);
             }
         }
+        if self.until_telemetry == 0 {
+            let telemetry = self.telemetry(now_us);
+            // Without a session it is made up for as soon as there is one.
+            if let Some(len) = self.link.send_telemetry(now_us, &telemetry, &mut out) {
+                send(&out[..len]);
+                self.until_telemetry = (TELEMETRY_S / self.period_s) as u32;
+            }
+        } else {
+            self.until_telemetry -= 1;
+        }
         self.ticks = self.ticks.wrapping_add(1);
         let actuators = peer::tick(&self.scene, &mut self.state, &self.plant.sensors());
         // A hand that waits for the other one holds still.
@@ -198,6 +225,36 @@ impl Node {
             self.armed_ticks += 1;
         }
         actuators
+    }
+
+    /// How this one is doing, for the other end's people and logs.
+    fn telemetry(&self, now_us: u64) -> Telemetry {
+        let (seen, ledger) = (self.state.observed(), self.state.ledger());
+        let (mode, fault) = match self.state.mode() {
+            Mode::Armed => (1, 0),
+            Mode::Faulted(fault) => (2, fault.number()),
+            _ => (0, 0),
+        };
+        let mut telemetry = Telemetry {
+            mode,
+            fault,
+            tick: self.ticks,
+            device_position: seen.device.position,
+            object_position: seen.object.position,
+            desired_position: seen.desired.position,
+            contact_force: seen.contact_force,
+            coordination_force: seen.coordination_force,
+            energy_received: ledger.received_j().into(),
+            energy_sent: ledger.sent_j().into(),
+            ..Telemetry::default()
+        };
+        self.link.describe(now_us, &mut telemetry);
+        telemetry
+    }
+
+    /// What the other one last said about itself, every half second.
+    pub fn heard(&self) -> Option<&Telemetry> {
+        self.heard.as_ref()
     }
 
     /// What a reset leaves: the device, in a hand that holds it still.
@@ -250,6 +307,6 @@ impl Node {
         let link = format!("{:?}", self.link);
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?} {:?}", self.newest, self.playout, self.state)
+        format!("{link} {:?} {:?} {:?} {:?}", self.newest, self.playout, self.heard, self.state)
     }
 }

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
+use haptic_protocol::wire::Telemetry;
 use serde::Serialize;
 
 use super::node::Node;
@@ -51,6 +52,12 @@ pub struct Report {
     pub round_trip_us: Option<u32>,
     /// Jitter of the round trip, µs.
     pub jitter_us: u32,
+    /// The other peer's clock less this one's, µs.
+    pub clock_offset_us: Option<i64>,
+    /// How much faster the other peer's clock runs, ppm.
+    pub clock_drift_ppm: f32,
+    /// What the other peer last said about itself.
+    pub other: Option<Other>,
     /// Datagrams taken.
     pub datagrams_taken: u32,
     /// Datagrams of the other peer that never came.
@@ -59,6 +66,39 @@ pub struct Report {
     pub datagrams_refused: u32,
     /// How well the 1 kHz beat was kept.
     pub punctuality: Punctuality,
+}
+
+/// What the other peer's telemetry says.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Other {
+    /// Its ticks so far.
+    pub ticks: u32,
+    /// 0 disarmed, 1 armed, 2 faulted.
+    pub mode: u8,
+    /// Its fault's number, 0 none.
+    pub fault: u8,
+    /// Its coordination force, N.
+    pub coordination_force_n: f32,
+    /// The round trip as it measures it, µs.
+    pub round_trip_us: u32,
+    /// Energy that it took from the network, J.
+    pub energy_received_j: f64,
+    /// Energy that it gave to the network, J.
+    pub energy_sent_j: f64,
+}
+
+impl Other {
+    fn new(said: &Telemetry) -> Self {
+        Self {
+            ticks: said.tick,
+            mode: said.mode,
+            fault: said.fault,
+            coordination_force_n: said.coordination_force,
+            round_trip_us: said.round_trip_us,
+            energy_received_j: said.energy_received,
+            energy_sent_j: said.energy_sent,
+        }
+    }
 }
 
 /// Fresh randomness for a link.
@@ -121,6 +161,9 @@ pub fn run(scene: &SceneFile, key: Key, options: &Options) -> Result<Report, Str
         notices: node.notices().iter().map(told).collect(),
         round_trip_us: link.clock().round_trip_us(),
         jitter_us: link.clock().jitter_us(),
+        clock_offset_us: link.clock().offset_us(pace.now_us()),
+        clock_drift_ppm: link.clock().drift_ppm(),
+        other: node.heard().map(Other::new),
         datagrams_taken: counts.taken,
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,

@@ -31,7 +31,7 @@ pub struct Counts {
     pub lost: u64,
     /// Arrived broken.
     pub corrupt: u64,
-    /// Arrived after a newer one, after their play-out time, or twice.
+    /// Arrived after a newer one was taken, together with one, or twice.
     pub dropped: u64,
 }
 

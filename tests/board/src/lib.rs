@@ -10,8 +10,9 @@
 //! | [`cost`] | instructions of every tick |
 //! | [`reviewed`] | what the emulator does not model, against a reviewed list |
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
-//! | [`wire`] | the switch between boards and PC: delay, loss, a cable pulled out |
-//! | [`pc`] | the operator's PC: ARP, commands, telemetry |
+//! | [`wire`] | the switch between boards and PC: delay, and whatever a bad network does |
+//! | [`partner`] | host-sim's live peer in place of the second board |
+//! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
 //! | [`node`] | one board on a thread of its own, stepped from outside |
 //! | [`image`] | the release image: built, found, its symbols |
 //! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
@@ -27,6 +28,7 @@ pub mod image;
 pub mod node;
 pub mod pair;
 pub mod part;
+pub mod partner;
 pub mod pc;
 pub mod reviewed;
 pub mod trial;

@@ -27,6 +27,7 @@ use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Bridges;
+use crate::partner::Partner;
 use crate::pc::{Pc, key, key_in_flash};
 use crate::wire::{Line, PC, Wire};
 
@@ -121,6 +122,8 @@ pub struct Bench {
     pub wire: Wire,
     /// Who talks to them.
     pub pc: Pc,
+    /// Who stands in for board 2, if anyone.
+    pub partner: Option<Partner>,
     scene: SceneFile,
     devices: Vec<Option<Device>>,
     /// The devices while nobody holds them; empty while somebody does.
@@ -170,6 +173,7 @@ impl Bench {
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
+            partner: None,
             now_ns: 1000,
             period_s: 1e-3,
             stops: 0,
@@ -204,10 +208,13 @@ impl Bench {
     /// Makes sure that a board (1 or 2) knows the PC and the PC has a session with it.
     ///
     /// # Panics
-    /// They do not meet within a second.
+    /// They do not meet within two seconds.
     pub fn meet(&mut self, number: usize) {
-        self.wire.send(PC, self.now_ns, &Pc::resolve(number));
-        for _ in 0..1000 {
+        for ms in 0..2000 {
+            // As a PC does that has something to send: a board that is not up yet does not hear it.
+            if ms % 100 == 0 {
+                self.wire.send(PC, self.now_ns, &Pc::resolve(number));
+            }
             self.step();
             if self.pc.reaches(number) {
                 return;
@@ -261,6 +268,14 @@ impl Bench {
     /// One period of boards and devices.
     pub fn step(&mut self) {
         self.run_to(self.now_ns + PERIOD_NS);
+        if let Some(partner) = &mut self.partner {
+            for frame in self.wire.receive(1, self.now_ns) {
+                partner.hear(self.now_ns, &frame);
+            }
+            for frame in partner.beat(self.now_ns) {
+                self.wire.send(1, self.now_ns, &frame);
+            }
+        }
         let time_s = self.ticks as f64 * self.period_s;
         if !self.loose.is_empty() {
             for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
@@ -385,14 +400,14 @@ impl Bench {
         }
         // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
-        self.meet()
+        self.settle()
     }
 
     /// Waits until two boards talk to each other under the settings that they have.
     ///
     /// # Errors
     /// They do not.
-    fn meet(&mut self) -> Result<(), String> {
+    fn settle(&mut self) -> Result<(), String> {
         if self.nodes.len() == 2 {
             let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
             let steps = u64::from(safety.disengage_packets - safety.fade_packets);
@@ -485,7 +500,7 @@ impl Bench {
             assert_eq!(self.ask(number, "apply"), "ok applied");
         }
         self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
-        self.meet().unwrap_or_else(|found| panic!("{found}"));
+        self.settle().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));
         }

@@ -7,7 +7,8 @@ use haptic_protocol::key::Key;
 use haptic_protocol::wire::MAX_DATAGRAM;
 use host_sim::live::operator::{PORT, Session};
 
-const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
+/// The PC's address.
+pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
 const IP: [u8; 4] = [192, 168, 77, 10];
 /// The PC's own port.
 const OWN: u16 = 40_000;
@@ -74,6 +75,15 @@ pub fn udp(from: ([u8; 6], [u8; 4], u16), to: ([u8; 6], [u8; 4], u16), payload: 
     frame
 }
 
+/// The answer to a frame that asks by ARP who has `ip`: `mac` has.
+pub fn resolved(frame: &[u8], mac: [u8; 6], ip: [u8; 4]) -> Option<Vec<u8>> {
+    let asks = frame.get(12..14)? == [8, 6] && frame.get(20..22)? == [0, 1] && frame.get(38..42)? == ip;
+    asks.then(|| {
+        let (sender_mac, sender_ip) = (&frame[22..28], &frame[28..32]);
+        [sender_mac, &mac, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 2], &mac, &ip, sender_mac, sender_ip].concat()
+    })
+}
+
 impl Pc {
     /// Says `line` to a board (1 or 2).
     ///
@@ -108,21 +118,13 @@ impl Pc {
     /// Takes in a frame, and gives the one that answers it, if any.
     pub fn hear(&mut self, now_ns: u64, frame: &[u8]) -> Option<Vec<u8>> {
         match frame.get(12..14)? {
-            [0x08, 0x06] => Self::arp(frame),
+            [0x08, 0x06] => resolved(frame, MAC, IP),
             [0x08, 0x00] if frame.get(..6)? == MAC && frame.get(30..34)? == IP => {
                 self.datagram(now_ns, frame);
                 None
             }
             _ => None,
         }
-    }
-
-    fn arp(frame: &[u8]) -> Option<Vec<u8>> {
-        let asks_for_us = frame.get(20..22)? == [0, 1] && frame.get(38..42)? == IP;
-        asks_for_us.then(|| {
-            let (sender_mac, sender_ip) = (&frame[22..28], &frame[28..32]);
-            [sender_mac, &MAC, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 2], &MAC, &IP, sender_mac, sender_ip].concat()
-        })
     }
 
     fn datagram(&mut self, now_ns: u64, frame: &[u8]) {

@@ -40,7 +40,7 @@ pub struct Trial {
     pub packets_dropped: u64,
     /// Frames that the wire lost.
     pub wire_lost: u64,
-    /// Ticks of both boards whose bits equal host-sim's.
+    /// Ticks of both boards whose bits equal host-sim's; on a bad line, of a host-sim that is given the same arrivals.
     pub equal: Equal,
     /// The same of each board's recorded inputs, run again here.
     pub replayed: [Equal; 2],
@@ -65,12 +65,9 @@ pub fn line(scene: &SceneFile) -> Result<Line, String> {
             "network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".to_owned()
         );
     }
-    if Fates::new(scene, Direction::OneToTwo).is_some()
-        || network.clock_drift_ppm != 0.0
-        || network.playout_packets != 0
-    {
-        return Err("the virtual wire only delays: of the table network, leave all but one_way_delay_packets alone; \
-                    `host-sim cooperate` runs impaired networks"
+    if network.clock_drift_ppm != 0.0 || network.playout_packets != 0 {
+        return Err("the boards' clocks do not drift and have no play-out buffer: leave network.clock_drift_ppm and \
+                    network.playout_packets alone; `host-sim cooperate` runs them"
             .to_owned());
     }
     let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
@@ -96,12 +93,14 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<Trial, String> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
+    let impaired = Fates::new(&scene, Direction::OneToTwo).is_some();
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
     let host_sim = host_sim::experiment::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
         .map_err(|refused| refused.to_string())?;
     let wall = Instant::now();
     let mut bench = Bench::start(firmware, 2, line);
     bench.set_up(&scene)?;
+    bench.wire.impair(&scene);
     let before: u64 = (1..=2).map(|number| dropped(&mut bench, number)).sum();
     bench.arm();
     bench.run_for_ms(1);
@@ -135,7 +134,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<
         packets_received: flagged(RECEIVED),
         packets_dropped: after - before,
         wire_lost,
-        equal: twin::closed_loop(&scene, both),
+        equal: if impaired { twin::closed_loop_given(&scene, both) } else { twin::closed_loop(&scene, both) },
         replayed: [0, 1].map(|index| twin::replay(&settings[index], both[index])),
         instructions,
         records,

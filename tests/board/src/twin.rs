@@ -1,12 +1,15 @@
 //! The same scene in host-sim, in f32, and one tick of a board on this PC: what a board must equal, bit for bit.
 //!
-//! Two comparisons that fail for different reasons. [`closed_loop`]: host-sim runs the scene on its own, and every tick of
-//! both peers must give the state that the boards had. [`replay`]: one board's recorded inputs go through the same code
-//! here, and the whole record must come out again, motor duties included.
+//! Three comparisons that fail for different reasons. [`closed_loop`]: host-sim runs the scene on its own, and every tick of
+//! both peers must give the state that the boards had. [`closed_loop_given`]: the same on a bad line, where the boards say
+//! which packets arrived when, and nothing else: every one must be, to the bit, one that host-sim's other peer had sent by
+//! then. [`replay`]: one board's recorded inputs go through the same code here, and the whole record must come out again,
+//! motor duties included.
 
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::axis::Reading;
 use haptic_core::axis::encoder::Counts;
+use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Sensors, State};
 use haptic_core::render::Contact;
@@ -54,15 +57,69 @@ pub fn closed_loop(scene: &SceneFile, boards: [&[Record]; 2]) -> Equal {
     )
 }
 
+/// How far back a packet may come from, packet periods.
+const LATEST: usize = 64;
+
+/// host-sim's peers and devices, given the arrivals that the boards had, against both boards' ticks since arming.
+///
+/// # Panics
+/// host-sim refuses the scene.
+pub fn closed_loop_given(scene: &SceneFile, boards: [&[Record]; 2]) -> Equal {
+    let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
+    let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
+    let mut sent: [Vec<Packet<f32>>; 2] = [Vec::new(), Vec::new()];
+    compare(
+        |tick| {
+            let mut same = true;
+            for (side, sent) in pair.sides.iter().zip(&mut sent).filter(|(side, _)| side.state.packet_due()) {
+                sent.push(peer::outgoing(&side.scene, &side.state));
+            }
+            for (at, (side, records)) in pair.sides.iter_mut().zip(boards).enumerate() {
+                let board = &records[tick as usize];
+                if board.flags() & record::PARTED != 0 {
+                    side.state.part();
+                }
+                if side.state.packet_due() {
+                    let incoming = board.incoming();
+                    same &= incoming
+                        .is_none_or(|packet| sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet));
+                    peer::exchange(&side.scene, &mut side.state, incoming);
+                }
+                let sensors = side.plant.sensors::<f32>();
+                let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
+                side.plant.step(tick as f64 * scene.peer.timing.control_period_s, &actuators);
+                same &= sensors.reading == Reading::Counts(board.counts().map(Counts))
+                    && digest(&mut side.state) == board.digest()
+                    && actuators.duties.map(|duty| duty.0) == board.duties();
+            }
+            same
+        },
+        ticks,
+    )
+}
+
 /// One board's recorded inputs through the code here, from the tick that armed it.
 ///
 /// # Panics
 /// The settings are refused.
 pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
+    replay_from(settings, records, |_| {})
+}
+
+/// The same for a board that had not yet heard anybody when the records begin.
+///
+/// # Panics
+/// The settings are refused.
+pub fn replay_alone(settings: &Settings, records: &[Record]) -> Equal {
+    replay_from(settings, records, State::part)
+}
+
+fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut State<Any<f32>>)) -> Equal {
     let scene = Scene::<Any<f32>>::build(settings).expect("the board took it");
     let home = Motion::at(-Contact::<f32>::build(settings).clear_of(0.0));
     let mut state = State::new(&scene, [home, Motion::REST]);
     state.command(&scene, Command::Arm);
+    begin(&mut state);
     compare(
         |tick| {
             let board = &records[tick as usize];

@@ -1,29 +1,33 @@
-//! The switch between the boards and the PC: every frame goes to every other port, late, and some not at all.
+//! The switch between the boards and the PC: a frame goes to the port it is addressed to, or to every other one.
 //!
-//! Delay and loss are between the boards only; the PC's line is ideal. Randomness is seeded: a run is a function of its
-//! seed. A frame that is to arrive between two stops arrives at the later one.
+//! Delay and bad luck are between the boards only; the PC's line is ideal. What becomes of each frame there is host-sim's to
+//! say ([`Fates`]: drawn from the scene's network, or read from a trace): greetings and ARP fare as flow does. A frame that is to
+//! arrive between two stops arrives at the later one.
 
 use std::collections::VecDeque;
+
+use host_sim::network::fate::{Arrival, Direction, Fates};
+use host_sim::scene::SceneFile;
+
+use crate::pc::{MAC, board_mac};
 
 /// Boards 1 and 2, and the PC.
 pub const PORTS: usize = 3;
 /// The PC's port.
 pub const PC: usize = 2;
 
-/// What the line between the boards does to frames.
+/// The line between the boards.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     /// Delay, ns.
     pub delay_ns: u64,
-    /// Probability that a frame is lost.
-    pub loss: f64,
-    /// Of everything random.
-    pub seed: u64,
+    /// Nothing passes.
+    pub silent: bool,
 }
 
 impl Default for Line {
     fn default() -> Self {
-        Self { delay_ns: 4_000_000, loss: 0.0, seed: 1 }
+        Self { delay_ns: 4_000_000, silent: false }
     }
 }
 
@@ -32,37 +36,64 @@ impl Default for Line {
 pub struct Wire {
     /// Between the boards.
     pub line: Line,
+    /// What becomes of frames from board 1 and from board 2; `None`: they arrive.
+    fates: [Option<Fates>; 2],
+    sent: [u64; 2],
     flying: VecDeque<(u64, usize, Vec<u8>)>,
-    random: u64,
     /// Frames lost between the boards.
     pub lost: u64,
+    /// Frames that arrived twice.
+    pub doubled: u64,
+    /// Frames broken on purpose.
+    pub corrupt: u64,
 }
 
 impl Wire {
     /// An empty switch.
     pub fn new(line: Line) -> Self {
-        Self { line, flying: VecDeque::new(), random: line.seed, lost: 0 }
+        Self { line, fates: [None, None], sent: [0; 2], flying: VecDeque::new(), lost: 0, doubled: 0, corrupt: 0 }
     }
 
-    /// The next number in [0, 1): splitmix64.
-    fn draw(&mut self) -> f64 {
-        self.random = self.random.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.random;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ z >> 31) >> 11) as f64 / (1_u64 << 53) as f64
+    /// From now on the line between the boards is as bad as the scene's network.
+    pub fn impair(&mut self, scene: &SceneFile) {
+        self.fates = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Fates::new(scene, direction));
+    }
+
+    /// The copies of a frame from a board that arrive at the other.
+    fn copies(&mut self, from: usize, at_ns: u64) -> Vec<Arrival> {
+        if self.line.silent {
+            return Vec::new();
+        }
+        let number = self.sent[from];
+        self.sent[from] += 1;
+        match &mut self.fates[from] {
+            Some(fates) => fates.next(number, at_ns as f64 * 1e-9),
+            None => vec![Arrival { delay_s: 0.0, corrupt: false }],
+        }
     }
 
     /// Takes a frame that left `from` at `at_ns`.
     pub fn send(&mut self, from: usize, at_ns: u64, frame: &[u8]) {
-        for to in (0..PORTS).filter(|to| *to != from) {
-            let between_boards = from != PC && to != PC;
-            if between_boards && self.line.loss > 0.0 && self.draw() < self.line.loss {
-                self.lost += 1;
+        let known = [board_mac(1), board_mac(2), MAC];
+        let addressed = known.iter().position(|mac| frame.get(..6) == Some(mac));
+        for to in (0..PORTS).filter(|to| *to != from && addressed.is_none_or(|only| only == *to)) {
+            if from == PC || to == PC {
+                self.flying.push_back((at_ns, to, frame.to_vec()));
                 continue;
             }
-            let due = at_ns + if between_boards { self.line.delay_ns } else { 0 };
-            self.flying.push_back((due, to, frame.to_vec()));
+            let copies = self.copies(from, at_ns);
+            self.lost += u64::from(copies.is_empty());
+            self.doubled += copies.len().saturating_sub(1) as u64;
+            for copy in copies {
+                let mut frame = frame.to_vec();
+                if copy.corrupt {
+                    let middle = frame.len() / 2;
+                    frame[middle] ^= 0x10;
+                    self.corrupt += 1;
+                }
+                let due = at_ns + self.line.delay_ns + (1e9 * copy.delay_s).round() as u64;
+                self.flying.push_back((due, to, frame));
+            }
         }
     }
 

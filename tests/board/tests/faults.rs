@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use board_bench::image::Firmware;
 use board_bench::pair::{Bench, for_boards};
-use board_bench::pc::{Pc, board_ip, board_mac, udp};
-use board_bench::wire::{Line, PC};
+use board_bench::pc::{board_ip, board_mac, udp};
+use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use host_sim::scenes;
 
@@ -76,8 +76,7 @@ impl Campaign {
             bench.step();
             assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
         }
-        bench.wire.send(PC, bench.now_ns(), &Pc::resolve(1));
-        bench.run_for_ms(5);
+        bench.meet(1);
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");
         let mut refusal = "-".to_owned();
@@ -172,8 +171,8 @@ fn outputs_go_off_and_stay_off() {
     };
     campaign.inject("encoder reversed (20 W, as set)", 2, &faulted(3000, "fault 9"), &mirrored, &nothing);
 
-    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 1.0;
-    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.loss = 0.0;
+    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = true;
+    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = false;
     campaign.inject("peer silent (12 packets, as set)", 2, &faulted(112, "fault 5"), &silent, &heard);
 
     let pulled = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(false);

@@ -149,7 +149,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
             if let Some(value) = value {
                 self.record.copy = Copy { version: fence, value };
                 self.note_taken(from, fence);
-                for (client, _) in &self.followers {
+                for (client, _) in self.followers.iter().filter(|(client, _)| *client != from) {
                     out.send(*client, Message::State { copy: self.record.copy });
                 }
             }

@@ -133,6 +133,7 @@ pub enum Notice {
 
 /// What a member is just now.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
 enum Part {
     Member,
     Candidate(Candidacy),

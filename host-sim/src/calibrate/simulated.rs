@@ -1,0 +1,235 @@
+//! A board with a software device and a person at it: to practise calibration on, and to test it against a known truth.
+//!
+//! The device is what a scene says: its mass, friction, encoder and motor are the truth. The board starts with the defaults, as
+//! a new one does, and runs the peer's own tick; of the operator's lines it knows those that calibration needs. The person does
+//! what is asked, exactly.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use haptic_core::axis::velocity::VelocityName;
+use haptic_core::axis::{AXES, Reading};
+use haptic_core::motion::Motion;
+use haptic_core::peer::{self, State};
+use haptic_core::probe::{End, Probe, Request, Shape};
+use haptic_core::safety::Mode;
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::{Choice, Settings, Value};
+
+use super::board::{Board, Tick};
+use super::{Person, Task};
+use crate::plant::Plant;
+use crate::scene::SceneFile;
+
+/// The board and its device.
+#[derive(Debug)]
+pub struct Simulated {
+    truth: SceneFile,
+    plant: Plant,
+    settings: Settings,
+    scene: Scene<Any<f32>>,
+    state: State<Any<f32>>,
+    tick: u32,
+    every: u32,
+    records: Vec<Tick>,
+    /// The gauge that the hand is held against: force on it, N.
+    gauge_n: Option<f64>,
+}
+
+/// A [`Simulated`] that board and person share.
+#[derive(Clone, Debug)]
+pub struct Shared(Rc<RefCell<Simulated>>);
+
+impl Shared {
+    /// The device that `truth` describes, on a new board.
+    ///
+    /// # Errors
+    /// The board cannot run with it.
+    pub fn new(truth: &SceneFile) -> Result<Self, String> {
+        let mut truth = truth.clone();
+        truth.world.plant.encoder = true;
+        truth.world.plant.motor = true;
+        let mut settings = Settings::default();
+        settings.axis.velocity = VelocityName::Filtered;
+        settings.axis.count = truth.peer.axis.count;
+        settings.kinematics = truth.peer.kinematics;
+        let scene = Scene::build(&settings).map_err(|refused| refused.to_string())?;
+        let simulated = Simulated {
+            plant: Plant::new(&truth, 0),
+            state: State::new(&scene, [Motion::REST; AXES]),
+            truth,
+            settings,
+            scene,
+            tick: 0,
+            every: 0,
+            records: Vec::new(),
+            gauge_n: None,
+        };
+        Ok(Self(Rc::new(RefCell::new(simulated))))
+    }
+
+    /// What the board has been given so far.
+    pub fn settings(&self) -> Settings {
+        self.0.borrow().settings
+    }
+}
+
+impl Simulated {
+    fn step(&mut self) {
+        let sensors = self.plant.sensors::<f32>();
+        let actuators = peer::tick(&self.scene, &mut self.state, &sensors);
+        self.tick += 1;
+        if self.every > 0
+            && self.tick.is_multiple_of(self.every)
+            && let Reading::Counts(counts) = sensors.reading
+        {
+            let mode = match self.state.mode() {
+                Mode::Disarmed => 0,
+                Mode::Armed => 1,
+                Mode::Faulted(_) => super::board::FAULTED,
+                Mode::Probing => super::board::PROBING,
+            };
+            let (counts, duties) = (counts.map(|counts| counts.0), actuators.duties.map(|duty| duty.0));
+            self.records.push(Tick { number: self.tick, mode, counts, duties });
+        }
+        let before = *self.plant.free_axis().0;
+        self.plant.step(f64::from(self.tick) * self.truth.peer.timing.control_period_s, &actuators);
+        if let Some(gauge_n) = &mut self.gauge_n {
+            let (motion, force) = self.plant.free_axis();
+            *motion = before;
+            // The last force that there was stays on the dial.
+            *gauge_n = if *force == 0.0 { *gauge_n } else { *force };
+        }
+    }
+
+    fn steps(&mut self, seconds: f64) {
+        let ticks = (seconds / self.truth.peer.timing.control_period_s).round() as u64;
+        (0..ticks).for_each(|_| self.step());
+    }
+
+    /// Moves the device by hand.
+    fn carry(&mut self, metres: f64) {
+        const TICKS: u32 = 1000;
+        for _ in 0..TICKS {
+            let motion = self.plant.free_axis().0;
+            *motion = Motion::at(motion.position + metres / f64::from(TICKS));
+            self.step();
+        }
+        *self.plant.free_axis().0 = Motion::at(self.plant.motions()[0].position);
+    }
+
+    fn begin(&mut self, probe: Result<Probe<f32>, haptic_core::settings::Refused<'static>>) -> String {
+        match (self.state.mode(), probe) {
+            (_, Err(refused)) => format!("error {refused}"),
+            (Mode::Disarmed, Ok(probe)) => {
+                self.state.probe(probe);
+                format!("ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
+            }
+            (mode, _) => format!("error {mode:?}"),
+        }
+    }
+
+    fn answer(&mut self, line: &str) -> Option<String> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        Some(match words.as_slice() {
+            ["get", key] => format!("ok {key} = {}", self.settings.get(key)?),
+            ["set", key, text] => {
+                let value = match *text {
+                    "true" => Value::Flag(true),
+                    "false" => Value::Flag(false),
+                    _ => text.parse().map_or(Value::Text(text), Value::Number),
+                };
+                match self.settings.set(key, value) {
+                    Ok(()) => format!("ok {key} = {text}"),
+                    Err(error) => format!("error {error:?}"),
+                }
+            }
+            ["apply"] => match Scene::build(&self.settings) {
+                Ok(scene) => {
+                    self.scene = scene;
+                    self.state = State::new(&self.scene, [Motion::REST; AXES]);
+                    "ok applied".to_owned()
+                }
+                Err(refused) => format!("error {refused}"),
+            },
+            ["stream", every] => {
+                self.every = every.parse().unwrap_or(0);
+                format!("ok every {every} ticks")
+            }
+            ["check", joint] => self.begin(Probe::check(&self.settings, joint.parse().ok()?)),
+            ["probe", joint, shape, duty, seconds, hertz @ ..] => self.begin(Probe::build(
+                &self.settings,
+                &Request {
+                    joint: joint.parse().ok()?,
+                    shape: Shape::from_name(shape)?,
+                    duty: duty.parse().ok()?,
+                    duration_s: seconds.parse().ok()?,
+                    frequency_hz: hertz.first().map_or(Some(0.0), |hertz| hertz.parse().ok())?,
+                },
+            )),
+            ["probed"] => {
+                let outcome = self.state.probed();
+                let (joint, end) = (outcome.joint, outcome.end);
+                let verdict = outcome.verdict();
+                match end {
+                    End::None | End::Running => format!("ok joint {joint} {}: {}", end.name(), end.explain()),
+                    _ => format!(
+                        "ok joint {joint} {} work {} {} of {}: {}; {}: {}",
+                        end.name(),
+                        outcome.most_counts,
+                        outcome.least_counts,
+                        outcome.verdict_counts,
+                        end.explain(),
+                        verdict.name(),
+                        verdict.explain()
+                    ),
+                }
+            }
+            _ => return None,
+        })
+    }
+}
+
+impl Board for Shared {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        let mut simulated = self.0.borrow_mut();
+        simulated.steps(0.002);
+        Ok(simulated.answer(line).unwrap_or_else(|| "error the simulated board does not know this line".to_owned()))
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        let mut simulated = self.0.borrow_mut();
+        simulated.steps(seconds);
+        Ok(std::mem::take(&mut simulated.records))
+    }
+}
+
+impl Person for Shared {
+    fn please(&mut self, task: &Task) -> Result<(), String> {
+        let mut simulated = self.0.borrow_mut();
+        let Simulated { truth, .. } = &*simulated;
+        let (kinematics, mut heavier) = (truth.peer.kinematics, truth.clone());
+        match *task {
+            Task::HoldStill { .. } => simulated.carry(0.0),
+            Task::MoveMetres { metres, .. } => simulated.carry(metres),
+            Task::Turn { revolutions, .. } => {
+                // The paddle's way for so many turns of the motor.
+                let radians = revolutions * std::f64::consts::TAU;
+                simulated.carry(radians * kinematics.paddle_radius_m / kinematics.capstan_ratio);
+            }
+            Task::Gauge { .. } => simulated.gauge_n = Some(0.0),
+            Task::LetGo { .. } => simulated.steps(1.0),
+            Task::Fasten { kilograms, .. } => {
+                heavier.world.device.mass_kg += kilograms;
+                simulated.plant = Plant::new(&heavier, 0);
+                let home = simulated.scene;
+                simulated.state = State::new(&home, [Motion::REST; AXES]);
+            }
+        }
+        Ok(())
+    }
+
+    fn reading(&mut self, _: &str) -> Result<f64, String> {
+        Ok(self.0.borrow().gauge_n.unwrap_or(0.0))
+    }
+}

@@ -1,0 +1,198 @@
+//! `host-sim calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
+//!
+//! In this order, each into the same settings file: counts, sign, motor, friction, inertia. What is found is given to the board at
+//! once, until power goes off; `host-sim operator … save` keeps it.
+
+use std::io::{BufRead, IsTerminal};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use super::{Failure, SceneArgs, operator, print_json};
+use crate::calibrate::board::Board;
+use crate::calibrate::counts::{self, Distance};
+use crate::calibrate::motor::{self, Known};
+use crate::calibrate::simulated::Shared;
+use crate::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
+use crate::live::operator::Operator;
+
+/// Arguments of `calibrate`.
+#[derive(Debug, Args)]
+pub(super) struct Calibrate {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Counts per metre (or revolution) and sign of an encoder: you move the joint by a known distance.
+    Counts {
+        #[command(flatten)]
+        at: At,
+        /// By how much you will move it, m: a slide.
+        #[arg(long, value_name = "M", allow_negative_numbers = true)]
+        distance_m: Option<f64>,
+        /// By how much you will turn its motor: a joint that turns.
+        #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "distance_m")]
+        revolutions: Option<f64>,
+    },
+    /// Sign of a motor: a weak push both ways. After `counts`.
+    Sign {
+        #[command(flatten)]
+        at: At,
+    },
+    /// Motor constant, against a force gauge that you read, or with a known mass that you fasten. After `sign`.
+    Motor {
+        #[command(flatten)]
+        at: At,
+        /// A force gauge.
+        #[arg(long)]
+        gauge: bool,
+        /// A mass, kg.
+        #[arg(long, value_name = "KG", allow_negative_numbers = true, conflicts_with = "gauge")]
+        added_mass_kg: Option<f64>,
+    },
+    /// Viscous and dry friction, from how the joint moves. After `motor`.
+    Friction {
+        #[command(flatten)]
+        at: At,
+    },
+    /// Moving mass and delay of the force, from how the joint moves. After `motor`.
+    Inertia {
+        #[command(flatten)]
+        at: At,
+    },
+}
+
+/// Which joint of which board, and where the result goes.
+#[derive(Clone, Debug, Args)]
+struct At {
+    /// The board's address; its port is 7702 unless another is given. Or `simulated`: a software device, to practise.
+    #[arg(long, value_name = "ADDRESS[:PORT]")]
+    board: String,
+    /// The key file that the board was provisioned with.
+    #[arg(long, value_name = "FILE")]
+    key_file: Option<PathBuf>,
+    /// Which joint, 1 or 2.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    joint: u32,
+    /// Settings file: what it holds is given to the board first, what is found is added to it.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    truth: SceneArgs,
+}
+
+/// Asks on standard error, hears on standard input.
+struct Terminal;
+
+impl Terminal {
+    fn line() -> Result<String, String> {
+        let mut line = String::new();
+        match std::io::stdin().lock().read_line(&mut line) {
+            Ok(0) => Err("standard input has ended: somebody has to be at the device".to_owned()),
+            Ok(_) => Ok(line.trim().to_owned()),
+            Err(cause) => Err(format!("cannot read standard input: {cause}")),
+        }
+    }
+}
+
+impl Person for Terminal {
+    fn please(&mut self, task: &Task) -> Result<(), String> {
+        eprintln!("{task}; then press Enter");
+        Self::line().map(|_| ())
+    }
+
+    fn reading(&mut self, what: &str) -> Result<f64, String> {
+        eprintln!("{what}:");
+        let line = Self::line()?;
+        let number: Option<f64> = line.parse().ok();
+        number.filter(|number| number.is_finite()).ok_or_else(|| format!("{line:?} is no number"))
+    }
+}
+
+#[derive(Serialize)]
+struct Row<'a> {
+    key: &'a str,
+    value: &'a toml::Value,
+    said: &'a str,
+}
+
+impl At {
+    fn parties(&self) -> Result<(Box<dyn Board>, Box<dyn Person>), Failure> {
+        let truth = self.truth.load()?;
+        if self.board == "simulated" {
+            let shared = Shared::new(&truth)?;
+            return Ok((Box::new(shared.clone()), Box::new(shared)));
+        }
+        if self.truth.is_given() {
+            return Err(
+                "--scene and --set describe the device of --board simulated; a real one describes itself".into()
+            );
+        }
+        let address: SocketAddr = operator::board(&self.board)?;
+        let key_file =
+            self.key_file.as_ref().ok_or("--key-file is missing: the file that the board was provisioned with")?;
+        if std::io::stdin().is_terminal() {
+            eprintln!("motors will move: keep the emergency stop at hand");
+        }
+        Ok((Box::new(Operator::connect(address, key_file)?), Box::new(Terminal)))
+    }
+
+    fn run(
+        &self,
+        find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, String>,
+    ) -> Result<(), Failure> {
+        let (mut board, mut person) = self.parties()?;
+        if self.out.exists() {
+            settings_file::give(&mut *board, &self.out)?;
+        }
+        let found = find(&mut *board, &mut *person)?;
+        settings_file::add(&self.out, &found)?;
+        settings_file::give(&mut *board, &self.out)?;
+        if self.json {
+            let rows: Vec<Row<'_>> = found.iter().map(|Found { key, value, said }| Row { key, value, said }).collect();
+            return print_json(&rows);
+        }
+        for Found { key, said, .. } in &found {
+            println!("{key} = {said}");
+        }
+        println!("added to {}", self.out.display());
+        Ok(())
+    }
+}
+
+impl Calibrate {
+    /// Finds one quantity.
+    ///
+    /// # Errors
+    /// A bad argument, nobody there, or data that do not give the number.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        match &self.what {
+            What::Counts { at, distance_m, revolutions } => {
+                let distance = match (distance_m, revolutions) {
+                    (Some(metres), _) => Distance::Metres(*metres),
+                    (_, Some(turns)) => Distance::Revolutions(*turns),
+                    _ => return Err("give --distance-m or --revolutions: how far you will move the joint".into()),
+                };
+                at.run(|board, person| counts::calibrate(board, person, at.joint, distance))
+            }
+            What::Sign { at } => at.run(|board, _| sign::calibrate(board, at.joint)),
+            What::Motor { at, gauge, added_mass_kg } => {
+                let known = match (gauge, added_mass_kg) {
+                    (true, _) => Known::Gauge,
+                    (_, Some(kilograms)) => Known::Mass(*kilograms),
+                    _ => return Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
+                };
+                at.run(|board, person| motor::calibrate(board, person, at.joint, known))
+            }
+            What::Friction { at } => at.run(|board, _| friction::calibrate(board, at.joint)),
+            What::Inertia { at } => at.run(|board, _| inertia::calibrate(board, at.joint)),
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Roles as their messages: layouts, decoders against anything, and the cases that a lock and a ring exist for.
+
+mod lock;
+mod messages;
+mod ring;

@@ -1,0 +1,83 @@
+//! Every message comes back as it was, has one encoding only, and no decoder is surprised by anything.
+
+use haptic_protocol::roles::code;
+use haptic_protocol::roles::collaborative::lock::{self, Copy};
+use haptic_protocol::roles::collaborative::ring::{self, Ballot, Roster, State};
+use haptic_protocol::wire::Event;
+use proptest::prelude::*;
+
+fn locks() -> impl Strategy<Value = lock::Message> {
+    any::<([u32; 4], [u8; 24], bool)>().prop_flat_map(|([one, two, three, four], value, flag)| {
+        prop_oneof![
+            Just(lock::Message::Follow { known: one }),
+            Just(lock::Message::Ask { incarnation: one, number: two, known: three }),
+            Just(lock::Message::Release { fence: one, value: flag.then_some(value) }),
+            Just(lock::Message::Grant {
+                incarnation: one,
+                number: two,
+                fence: three,
+                copy: Copy { version: four, value }
+            }),
+            Just(lock::Message::State { copy: Copy { version: one, value } }),
+            Just(lock::Message::Answer { fence: one, taken: flag }),
+        ]
+    })
+}
+
+fn rings() -> impl Strategy<Value = ring::Message> {
+    any::<([u32; 4], [u16; 2], [u8; 24], [bool; 2])>().prop_flat_map(
+        |([epoch, turn, version, number], rosters, value, [wants, leaves])| {
+            let ballot = Ballot { epoch, turn };
+            let [roster, before] = rosters.map(|seats| Roster::of((0..16).filter(move |seat| seats >> seat & 1 == 1)));
+            let state = State { version, roster, before, value };
+            prop_oneof![
+                Just(ring::Message::Hold { ballot, state, number }),
+                Just(ring::Message::Held { ballot, version, number, wants, leaves }),
+                Just(ring::Message::Pass { ballot, state }),
+                Just(ring::Message::Elect { epoch }),
+                Just(ring::Message::Vote { epoch: number, ballot, state }),
+                Just(ring::Message::Newer { epoch }),
+                Just(ring::Message::Join),
+                Just(ring::Message::Leave),
+            ]
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn there_and_back(object: u16, lock in locks(), ring in rings()) {
+        prop_assert_eq!(lock::Message::parse(&lock.event(object).unwrap()), Ok((object, lock)));
+        prop_assert_eq!(ring::Message::parse(&ring.event(object).unwrap()), Ok((object, ring)));
+    }
+
+    #[test]
+    fn one_encoding_only(own in any::<bool>(), kind in 0..10_u8, flag in 0..5_u8, rest in prop::collection::vec(any::<u8>(), 0..47)) {
+        let mut bytes = vec![kind, flag];
+        bytes.extend(rest);
+        let code = |code| if own { code } else { code ^ 1 };
+        let event = Event::new(code(code::LOCK), &bytes[..bytes.len().min(48)]).unwrap();
+        if let Ok((object, message)) = lock::Message::parse(&event) {
+            prop_assert!(own);
+            prop_assert_eq!(message.event(object).unwrap(), event);
+        }
+        let event = Event::new(code(code::RING), &bytes[..bytes.len().min(48)]).unwrap();
+        if let Ok((object, message)) = ring::Message::parse(&event) {
+            prop_assert_eq!(message.event(object).unwrap(), event);
+        }
+    }
+}
+
+#[test]
+fn literal_bytes() {
+    let release = lock::Message::Release { fence: 0x0102_0304, value: None };
+    assert_eq!(release.event(0x0506).unwrap().payload(), [3, 0, 6, 5, 4, 3, 2, 1]);
+    let held = ring::Message::Held {
+        ballot: Ballot { epoch: 0x11, turn: 2 },
+        version: 3,
+        number: 4,
+        wants: true,
+        leaves: false,
+    };
+    assert_eq!(held.event(1).unwrap().payload(), [2, 1, 1, 0, 0x11, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0]);
+}

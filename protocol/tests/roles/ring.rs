@@ -1,0 +1,163 @@
+//! A token ring on a network that delivers everything at once, and what happens when one end is cut off.
+
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
+use haptic_protocol::roles::collaborative::{Lease, NotOwner};
+use haptic_protocol::wire::PeerId;
+
+const LEASE_US: u32 = 300_000;
+
+struct Circle {
+    rings: Vec<Ring>,
+    /// Who hears nobody and is not heard.
+    cut: Roster,
+    now: u64,
+    flying: Vec<(u8, PeerId, Message)>,
+}
+
+impl Circle {
+    fn new(founders: u8, outsiders: u8) -> Self {
+        let (founded, all) = (Roster::of(0..founders), Roster::of(0..founders + outsiders));
+        let rings = all.seats().map(|seat| {
+            let record = if founded.contains(seat) { Record::founder(founded, [0; 24]) } else { Record::outsider() };
+            let lease = Lease::new(LEASE_US).unwrap();
+            Ring::new(Config { seat, contacts: all, lease, turn_us: 100_000, seed: u64::from(seat) }, 0, record)
+        });
+        Self { rings: rings.collect(), cut: Roster::EMPTY, now: 0, flying: vec![] }
+    }
+
+    /// Time passes; what is said is heard 1 ms later.
+    fn run(&mut self, us: u64, mut each: impl FnMut(&mut Self)) {
+        for _ in 0..us / 1_000 {
+            self.now += 1_000;
+            let mut out = Outbox::<_, 64>::new();
+            for (from, to, message) in std::mem::take(&mut self.flying) {
+                if !self.cut.contains(from) && !self.cut.contains(to.0) {
+                    self.rings[usize::from(to.0)].receive(self.now, PeerId(from), &message, &mut out);
+                    self.flying.extend(std::iter::from_fn(|| out.take()).map(|(next, message)| (to.0, next, message)));
+                }
+            }
+            for (seat, ring) in (0..).zip(&mut self.rings) {
+                ring.poll(self.now, &mut out);
+                self.flying.extend(std::iter::from_fn(|| out.take()).map(|(to, message)| (seat, to, message)));
+            }
+            assert!(self.owners().len() <= 1);
+            each(self);
+        }
+    }
+
+    fn owners(&self) -> Vec<usize> {
+        (0..self.rings.len()).filter(|seat| self.rings[*seat].owns(self.now)).collect()
+    }
+
+    /// Whoever may edit publishes its number.
+    fn publish(&mut self) {
+        for seat in self.owners() {
+            let mut out = Outbox::<_, 64>::new();
+            self.rings[seat].publish(self.now, [seat as u8 + 1; 24], &mut out).unwrap();
+            assert_eq!(self.rings[seat].publish(self.now, [9; 24], &mut out), Err(NotOwner));
+            self.flying.extend(std::iter::from_fn(|| out.take()).map(|(to, message)| (seat as u8, to, message)));
+        }
+    }
+}
+
+fn granted(ring: &mut Ring) -> usize {
+    std::iter::from_fn(|| ring.take_notice()).filter(|notice| *notice == Notice::Granted).count()
+}
+
+#[test]
+fn the_right_to_edit_goes_round() {
+    let mut circle = Circle::new(4, 0);
+    let mut order = vec![];
+    circle.run(5_000_000, |circle| {
+        for ring in &mut circle.rings {
+            ring.ask();
+        }
+        order.extend(circle.owners());
+        circle.publish();
+    });
+    order.dedup();
+    assert!(order.len() > 100, "{}", order.len());
+    assert!(order.windows(2).all(|pair| pair[1] == (pair[0] + 1) % 4), "{order:?}");
+}
+
+#[test]
+fn the_token_rests_while_nobody_wants_it() {
+    let mut circle = Circle::new(3, 0);
+    circle.run(2_000_000, |_| ());
+    let ballots = |circle: &Circle| circle.rings.iter().map(|ring| ring.record().ballot).collect::<Vec<_>>();
+    let before = ballots(&circle);
+    circle.run(2_000_000, |_| ());
+    assert_eq!(ballots(&circle), before);
+}
+
+#[test]
+fn a_new_token_is_made_where_the_majority_is_after_the_old_owner_has_stopped() {
+    let mut circle = Circle::new(3, 0);
+    circle.rings[1].ask();
+    circle.run(2_000_000, |_| ());
+    assert_eq!(circle.owners(), [1]);
+    circle.cut = Roster::of([1]);
+    for seat in [0, 2] {
+        circle.rings[seat].ask();
+    }
+    circle.run(2_000_000, Circle::publish);
+    assert!(granted(&mut circle.rings[0]) > 0 && granted(&mut circle.rings[2]) > 0);
+    // Back again, it follows.
+    circle.cut = Roster::EMPTY;
+    circle.run(1_000_000, |_| ());
+    assert_eq!(circle.rings[1].state(), circle.rings[0].state());
+    assert!(std::iter::from_fn(|| circle.rings[1].take_notice()).any(|notice| notice == Notice::Lost));
+}
+
+#[test]
+fn without_a_majority_nobody_edits() {
+    let mut circle = Circle::new(4, 0);
+    circle.run(1_000_000, |_| ());
+    circle.cut = Roster::of([0, 1]);
+    circle.run(400_000, |_| ());
+    for ring in &mut circle.rings {
+        ring.ask();
+    }
+    circle.run(5_000_000, |circle| assert!(circle.owners().is_empty()));
+}
+
+#[test]
+fn members_come_and_go() {
+    let mut circle = Circle::new(2, 2);
+    circle.run(3_000_000, |_| ());
+    assert!(circle.rings.iter().all(|ring| ring.state().roster == Roster::of(0..4)));
+    for seat in [0, 3] {
+        circle.rings[seat].leave();
+    }
+    circle.run(3_000_000, |_| ());
+    assert!(circle.rings[0].has_left() && circle.rings[3].has_left() && !circle.rings[1].has_left());
+    assert_eq!(circle.rings[1].state().roster, Roster::of([1, 2]));
+    // Two are left, and need nobody else.
+    circle.cut = Roster::of([0, 3]);
+    for seat in [1, 2] {
+        let _ = granted(&mut circle.rings[seat]);
+        circle.rings[seat].ask();
+    }
+    circle.run(2_000_000, Circle::publish);
+    assert!(granted(&mut circle.rings[1]) > 0 && granted(&mut circle.rings[2]) > 0);
+}
+
+#[test]
+fn who_is_silent_for_long_is_left_out_and_joins_anew() {
+    let mut circle = Circle::new(5, 0);
+    circle.cut = Roster::of([4]);
+    let go_on = |circle: &mut Circle| {
+        for ring in &mut circle.rings {
+            ring.ask();
+        }
+        circle.publish();
+    };
+    circle.run(6_000_000, go_on);
+    assert_eq!(circle.rings[0].state().roster, Roster::of(0..4));
+    circle.cut = Roster::EMPTY;
+    let _ = granted(&mut circle.rings[4]);
+    circle.run(3_000_000, go_on);
+    assert_eq!(circle.rings[0].state().roster, Roster::of(0..5));
+    assert!(granted(&mut circle.rings[4]) > 0);
+}

@@ -1,0 +1,71 @@
+//! Two boards on a bad wire: a fifth of the frames lost, others late, twice, out of order or broken.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::reviewed;
+use board_bench::trial::{self, Trial};
+use firmware_parts::record::Record;
+use host_sim::scenes;
+
+const SECONDS: f64 = 10.0;
+
+fn run(set: &[&str]) -> Trial {
+    let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
+    set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
+    trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it")
+}
+
+/// The largest change from one tick to the next of the force that a hand feels, N.
+fn jerk(trial: &Trial) -> f32 {
+    let largest = |records: &[Record]| {
+        records.windows(2).map(|two| (two[1].contact_n() - two[0].contact_n()).abs()).fold(0.0, f32::max)
+    };
+    largest(&trial.records[0]).max(largest(&trial.records[1]))
+}
+
+#[test]
+fn they_stay_armed_and_nothing_jerks() {
+    let clean = run(&[]);
+    let bad = run(&[
+        "network.loss=0.2",
+        "network.jitter=uniform",
+        "network.jitter_s=0.012",
+        "network.duplicate=0.1",
+        "network.reorder=0.1",
+        "network.reorder_depth_packets=3",
+        "network.corrupt=0.02",
+    ]);
+    println!(
+        "clean: true {:.3} mm, decoded {:.3} mm, largest change of a hand's force {:.3} N a tick",
+        clean.boards.true_discrepancy_mm,
+        clean.boards.decoded_discrepancy_mm,
+        jerk(&clean)
+    );
+    println!(
+        "bad: true {:.3} mm, decoded {:.3} mm, {:.3} N a tick; {} frames lost, {} packets of {} came in, {} refused or dropped, {} ticks equal",
+        bad.boards.true_discrepancy_mm,
+        bad.boards.decoded_discrepancy_mm,
+        jerk(&bad),
+        bad.wire_lost,
+        bad.packets_received,
+        bad.packets_sent,
+        bad.packets_dropped,
+        bad.equal.ticks
+    );
+    let ticks = (1000.0 * SECONDS) as u64;
+    for trial in [&clean, &bad] {
+        assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, ticks, 0));
+        assert!(trial.records.iter().flatten().all(|record| record.mode() == 1), "a board did not stay armed");
+        assert_eq!(trial.equal.first_difference, None);
+        assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
+        trial.reports.iter().for_each(reviewed::check);
+    }
+    let frames = bad.packets_sent as f64 * 1.2;
+    assert!((0.15..0.25).contains(&(bad.wire_lost as f64 / frames)), "{} frames of about {frames} lost", bad.wire_lost);
+    // Of 2500 packets a fifth is lost; of the others some are overtaken. Of broken ones not one is taken: all are equal.
+    let (sent, received) = (bad.packets_sent as f64, bad.packets_received as f64);
+    assert!(received > 0.5 * sent && received < 0.8 * sent, "{received} of {sent}");
+    assert!(bad.packets_dropped > 100, "duplicates and broken frames are refused: {}", bad.packets_dropped);
+    assert!(jerk(&bad) <= 1.5 * jerk(&clean), "{} N a tick on a bad wire, {} on a good one", jerk(&bad), jerk(&clean));
+}

@@ -1,0 +1,66 @@
+//! One board and host-sim's live peer on one wire: the same bytes both ways, sealed, on a good wire and on a bad one.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::pair::{Bench, for_boards};
+use board_bench::partner::Partner;
+use board_bench::twin::{self, Equal};
+use board_bench::wire::Line;
+use firmware_parts::record::ENGAGED;
+use haptic_core::safety::Mode;
+use host_sim::scenes;
+
+fn hold_one_object(set: &[&str]) {
+    let firmware = Arc::new(Firmware::release());
+    let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
+    set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
+    let scene = for_boards(&scene);
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    bench.set_up(&scene).expect("the board takes the scene");
+    bench.wire.impair(&scene);
+    bench.arm();
+    assert!(bench.ask(1, "status").contains("link calling"));
+
+    // It comes, calls, hears that the board is there, arms and engages.
+    bench.partner = Some(Partner::new(&scene, 2).expect("host-sim takes it too"));
+    bench.run_for_ms(5000);
+    let status = bench.ask(1, "status");
+    assert!(status.contains("ok board 1 armed") && status.contains("link running"), "{status}");
+    let partner = bench.partner.take().expect("it is there");
+    let (node, records) = (&partner.node, bench.armed_ticks(1));
+    assert_eq!((node.mode(), node.is_engaged()), (Mode::Armed, true));
+
+    let engaged = records.iter().position(|record| record.flags() & ENGAGED != 0).expect("the board engages");
+    assert_eq!(records[..engaged].iter().map(|record| record.coordination_n()).fold(0.0, f32::max), 0.0);
+    let last = records.last().expect("ticks were recorded");
+    let (force, counts) = (last.coordination_n(), node.link().counts());
+    println!(
+        "engaged after {engaged} ticks; coordination {force:.3} N on the board, {:.3} N in host-sim; decoded {:.3} mm; {counts:?}",
+        node.observed().coordination_force,
+        1e3 * (last.object_m() - last.desired_m()),
+    );
+    // What one pulls the other is pulled by: the forces of a line that is at rest are equal and opposite.
+    let sum = force + node.observed().coordination_force;
+    assert!(
+        force.abs() > 0.5 && sum.abs() < 0.2 * force.abs(),
+        "{force} N and {} N",
+        node.observed().coordination_force
+    );
+
+    // And every tick of the board is what the code here makes of the same arrivals.
+    let from = &records[engaged..];
+    assert!(from.iter().filter(|record| record.incoming().is_some()).count() > 200);
+    let settings = &scene.peers()[0];
+    assert_eq!(twin::replay_alone(settings, records), Equal { ticks: records.len() as u64, first_difference: None });
+}
+
+#[test]
+fn on_a_good_wire() {
+    hold_one_object(&[]);
+}
+
+#[test]
+fn on_a_bad_wire() {
+    hold_one_object(&["network.loss=0.2", "network.jitter=uniform", "network.jitter_s=0.008", "network.duplicate=0.1"]);
+}
