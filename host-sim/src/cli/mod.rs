@@ -9,6 +9,7 @@ mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
+mod cooperative;
 mod crowd;
 mod flood;
 mod keys;
@@ -20,6 +21,7 @@ mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod squash;
 mod stability;
 mod tune;
 mod visit;
@@ -50,6 +52,8 @@ struct CommandLine {
 enum Command {
     /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
     Cooperate(cooperate::Cooperate),
+    /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
+    Cooperative(cooperative::Cooperative),
     /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
     Paper(paper::Paper),
     /// Stability regions, limits and margins, computed from the code that flies.
@@ -62,6 +66,8 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
+    Squash(squash::Squash),
     /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
     Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
@@ -144,12 +150,14 @@ pub fn main() -> ExitCode {
     };
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
         Command::Cooperate(command) => command.run(),
+        Command::Cooperative(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Squash(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
