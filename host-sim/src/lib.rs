@@ -17,6 +17,7 @@
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
+//! | [`squash`] | one ball, many players: the paper's game, played by bots |
 //! | [`visit`] | a static environment: its servers and clients |
 //! | [`world`] | worlds that a server holds and a hand feels |
 //! | [`cli`] | the command line |
@@ -39,6 +40,7 @@ pub mod plant;
 pub mod report;
 pub mod scene;
 pub mod scenes;
+pub mod squash;
 pub mod user;
 pub mod visit;
 pub mod world;

@@ -18,9 +18,11 @@ mod live;
 mod operator;
 mod paper;
 mod precision;
+mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod squash;
 mod stability;
 mod tune;
 mod visit;
@@ -67,6 +69,8 @@ enum Command {
     Campaign(campaign::Campaign),
     /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
     Collaborate(collaborate::Collaborate),
+    /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
+    Squash(squash::Squash),
     /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
     Calibrate(calibrate::Calibrate),
     /// Make a key file for two peers.
@@ -93,6 +97,8 @@ enum Command {
     Flood(flood::Flood),
     /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
     Restarts(restarts::Restarts),
+    /// What one peer of a scene reads, for the same peer on another processor.
+    Record(record::Record),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -155,6 +161,7 @@ pub fn main() -> ExitCode {
         Command::Accuracy(command) => command.run(),
         Command::Campaign(command) => command.run(),
         Command::Collaborate(command) => command.run(),
+        Command::Squash(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
@@ -168,6 +175,7 @@ pub fn main() -> ExitCode {
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),
+        Command::Record(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

@@ -5,6 +5,7 @@
 //! | [`static_scene`] | a server holds the environment, a client downloads it and renders locally |
 //! | [`collaborative`] | one at a time edits an object: a lock at a central server, or a token that goes round |
 //! | [`cooperative`] | one dynamics engine, at the server or at a client, and who has it |
+//! | [`squash`] | one ball, 2 to 8 players, one at a time hits it |
 //!
 //! A role is a state machine without I/O, like everything in this crate: `receive` takes a message and who it is from, `poll`
 //! lets time pass, both put what is to be said into an [`Outbox`]. Time is µs on the peer's own clock, which may start
@@ -24,6 +25,7 @@ use crate::wire::PeerId;
 
 pub mod collaborative;
 pub mod cooperative;
+pub mod squash;
 pub mod static_scene;
 
 /// Event codes of the roles: what [`crate::wire::Event::code`] says.
@@ -32,6 +34,8 @@ pub mod code {
     pub const LOCK: u16 = 0x0101;
     /// [`super::collaborative::ring`].
     pub const RING: u16 = 0x0102;
+    /// [`super::squash`].
+    pub const SQUASH: u16 = 0x0103;
     /// [`super::cooperative`].
     pub const COOPERATIVE: u16 = 0x0201;
 }

@@ -15,7 +15,7 @@ use super::bytes::{Reader, Writer};
 use super::{Error, TAG_LEN, VERSION};
 
 /// Which peer of the installation; the two ends of a link have different numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PeerId(pub u8);
 
 /// The readable part of a sealed datagram.

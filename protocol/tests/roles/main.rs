@@ -3,3 +3,4 @@
 mod lock;
 mod messages;
 mod ring;
+mod total;

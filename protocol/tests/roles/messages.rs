@@ -3,10 +3,11 @@
 use haptic_protocol::roles::code;
 use haptic_protocol::roles::collaborative::lock::{self, Copy};
 use haptic_protocol::roles::collaborative::ring::{self, Ballot, Roster, State};
-use haptic_protocol::wire::Event;
+use haptic_protocol::roles::squash::{self, Ball, Ending, Game, Phase, Turn, Verdict};
+use haptic_protocol::wire::{Event, PeerId};
 use proptest::prelude::*;
 
-fn locks() -> impl Strategy<Value = lock::Message> {
+pub(crate) fn locks() -> impl Strategy<Value = lock::Message> {
     any::<([u32; 4], [u8; 24], bool)>().prop_flat_map(|([one, two, three, four], value, flag)| {
         prop_oneof![
             Just(lock::Message::Follow { known: one }),
@@ -24,7 +25,7 @@ fn locks() -> impl Strategy<Value = lock::Message> {
     })
 }
 
-fn rings() -> impl Strategy<Value = ring::Message> {
+pub(crate) fn rings() -> impl Strategy<Value = ring::Message> {
     any::<([u32; 4], [u16; 2], [u8; 24], [bool; 2])>().prop_flat_map(
         |([epoch, turn, version, number], rosters, value, [wants, leaves])| {
             let ballot = Ballot { epoch, turn };
@@ -44,9 +45,47 @@ fn rings() -> impl Strategy<Value = ring::Message> {
     )
 }
 
+pub(crate) fn squashes() -> impl Strategy<Value = squash::Message> {
+    let finite = || any::<f32>().prop_filter("finite", |number| number.is_finite());
+    (any::<([u16; 4], [u32; 2], [u64; 3], [u8; 17])>(), prop::array::uniform4(finite()), 0..3_usize, 0..5_usize)
+        .prop_flat_map(
+            |(
+                ([rally, stroke, revision, life], [number, round_trip_us], [sent_us, received_us, answered_us], bytes),
+                [x, y, vx, vy],
+                phase,
+                ending,
+            )| {
+                let turn = Turn { rally, stroke };
+                let ball = Ball { position: [x, y], velocity: [vx, vy] };
+                let phase = [Phase::Waiting, Phase::Rally, Phase::Over][phase];
+                let ending = [Ending::None, Ending::Missed, Ending::Fault, Ending::Unseen, Ending::Broken][ending];
+                let game = Game {
+                    phase,
+                    rally,
+                    revision,
+                    players: std::array::from_fn(|at| PeerId(bytes[at])),
+                    round_trip_us,
+                    last: Verdict { rally: life, strokes: stroke, ending, loser: PeerId(bytes[16]) },
+                    score: std::array::from_fn(|at| bytes[8 + at]),
+                };
+                prop_oneof![
+                    Just(squash::Message::Join),
+                    Just(squash::Message::Leave),
+                    Just(squash::Message::Game(game)),
+                    Just(squash::Message::Place { turn, revision, life, number, round_trip_us, racket: ball }),
+                    Just(squash::Message::Hit { turn, at_us: sent_us, ball }),
+                    Just(squash::Message::Miss { turn, ending }),
+                    Just(squash::Message::Ping { number, sent_us }),
+                    Just(squash::Message::Pong { number, sent_us, received_us, answered_us }),
+                ]
+            },
+        )
+}
+
 proptest! {
     #[test]
-    fn there_and_back(object: u16, lock in locks(), ring in rings()) {
+    fn there_and_back(object: u16, lock in locks(), ring in rings(), squash in squashes()) {
+        prop_assert_eq!(squash::Message::parse(&squash.event().unwrap()), Ok(squash));
         prop_assert_eq!(lock::Message::parse(&lock.event(object).unwrap()), Ok((object, lock)));
         prop_assert_eq!(ring::Message::parse(&ring.event(object).unwrap()), Ok((object, ring)));
     }
@@ -60,6 +99,10 @@ proptest! {
         if let Ok((object, message)) = lock::Message::parse(&event) {
             prop_assert!(own);
             prop_assert_eq!(message.event(object).unwrap(), event);
+        }
+        let event = Event::new(code(code::SQUASH), &bytes[..bytes.len().min(48)]).unwrap();
+        if let Ok(message) = squash::Message::parse(&event) {
+            prop_assert_eq!(message.event().unwrap(), event);
         }
         let event = Event::new(code(code::RING), &bytes[..bytes.len().min(48)]).unwrap();
         if let Ok((object, message)) = ring::Message::parse(&event) {

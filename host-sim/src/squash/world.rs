@@ -1,0 +1,370 @@
+//! One game from one seed: server and players with clocks of their own, bots, and the scene's network between all of them.
+//!
+//! Everything moves in control periods of true time. Peer 0 is the server; each ordered pair of peers has its own
+//! [`Fates`]. Messages cross as the bytes of their events; a broken one does not pass the seal.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::squash::{
+    Ball, Court, Message, Notice, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig,
+};
+use haptic_protocol::wire::{Event, PeerId};
+
+use super::bot::{Action, BALL_KG, Bot, MOTION, SCALE};
+use super::referee::{Referee, Report};
+use crate::collaborate::world::Dice;
+use crate::network::fate::{Direction, Fates, Generator};
+use crate::scene::Network;
+
+/// Control period, s.
+pub const TICK_S: f64 = 0.001;
+
+/// Bytes of an event before its payload, and of a sealed datagram around it.
+const AROUND: usize = 8 + 16 + 16;
+
+/// Somebody goes or comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Says that it leaves.
+    Leaves,
+    /// Is switched off without a word.
+    Vanishes,
+    /// Is switched on, and knows nothing.
+    Comes,
+}
+
+/// What to play.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// 2 to 8.
+    pub players: u8,
+    /// Between any two, s; the network may add to it.
+    pub round_trip_s: f64,
+    /// What else the network does.
+    pub network: Network,
+    /// The ball is bounded by the round trip.
+    pub bounder: bool,
+    /// The hands are damped by the round trip.
+    pub motion_bounder: bool,
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Of everything random.
+    pub seed: u64,
+    /// Who goes and comes, when (s), by number.
+    pub changes: Vec<(f64, u8, Change)>,
+    /// Keep what happened every so many ticks, for pictures; 0 keeps nothing.
+    pub record_every: u64,
+}
+
+/// One moment of a game.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// True time, s.
+    pub time_s: f64,
+    /// Where each player thinks that the ball is.
+    pub balls: Vec<Option<Ball>>,
+    /// Where each player is.
+    pub hands: Vec<[f64; 2]>,
+    /// Who may hit, by its own account.
+    pub active: Option<usize>,
+    /// Which rally, and hit, by the newest that anybody knows.
+    pub turn: (u16, u16),
+}
+
+/// A game that was played.
+#[derive(Clone, Debug)]
+pub struct Game {
+    /// What it came to.
+    pub report: Report,
+    /// What happened, if it was recorded.
+    pub moments: Vec<Moment>,
+}
+
+struct Peer {
+    start_us: u64,
+    rate: f64,
+    on: bool,
+}
+
+struct Seat {
+    player: Player,
+    bot: Bot,
+    out: Outbox<Message, 64>,
+    bytes: u64,
+    /// Where the hand was in each tick of the last round trip.
+    trail: std::collections::VecDeque<[f64; 2]>,
+    was_active: bool,
+}
+
+struct World<'a> {
+    options: &'a Options,
+    court: Court,
+    peers: Vec<Peer>,
+    server: Server,
+    server_out: Outbox<Message, 64>,
+    seats: Vec<Seat>,
+    fates: Vec<Fates>,
+    flying: BinaryHeap<Reverse<(u64, u64)>>,
+    letters: Vec<Option<(usize, usize, Event)>>,
+    dice: Dice,
+    referee: Referee,
+    rallies: u16,
+}
+
+fn seat(court: Court, number: usize, dice: &mut Dice) -> Seat {
+    let config =
+        PlayerConfig { number: PeerId(number as u8), court, ball_kg: BALL_KG, life: dice.below(1 << 16) as u16 };
+    Seat {
+        player: Player::new(config),
+        bot: Bot::new(court, dice.below(u64::MAX)),
+        out: Outbox::new(),
+        bytes: 0,
+        trail: std::collections::VecDeque::new(),
+        was_active: false,
+    }
+}
+
+impl<'a> World<'a> {
+    fn new(options: &'a Options) -> Self {
+        let court = Court::SINGLES;
+        let mut dice = Dice::new(options.seed);
+        let count = usize::from(options.players) + 1;
+        let peers = (0..count)
+            .map(|_| Peer {
+                start_us: dice.below(1 << 40),
+                // Quartz: 100 ppm.
+                rate: 1.0 + (dice.below(201) as f64 - 100.0) * 1e-6,
+                on: true,
+            })
+            .collect();
+        let network =
+            Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
+        let fates = (0..count * count)
+            .map(|_| {
+                let network = Network { seed: dice.below(1 << 32) as u32, ..network };
+                Fates::Seeded(Box::new(Generator::new(network, Direction::OneToTwo, 0.05)))
+            })
+            .collect();
+        let config = ServerConfig { players: options.players, rallies: u16::MAX, bounder: options.bounder };
+        Self {
+            options,
+            court,
+            peers,
+            server: Server::new(config),
+            server_out: Outbox::new(),
+            seats: (1..count).map(|number| seat(court, number, &mut dice)).collect(),
+            fates,
+            flying: BinaryHeap::new(),
+            letters: Vec::new(),
+            dice,
+            referee: Referee::new(court, options.players),
+            rallies: 0,
+        }
+    }
+
+    fn clock(&self, peer: usize, true_us: u64) -> u64 {
+        let Peer { start_us, rate, .. } = self.peers[peer];
+        start_us + (true_us as f64 * rate) as u64
+    }
+
+    /// What a peer has said goes out.
+    fn send(&mut self, now_us: u64, from: usize) {
+        let count = self.peers.len();
+        loop {
+            let said = if from == 0 { self.server_out.take() } else { self.seats[from - 1].out.take() };
+            let Some((to, message)) = said else { return };
+            let (to, Ok(event)) = (usize::from(to.0), message.event()) else { continue };
+            if from > 0 {
+                self.seats[from - 1].bytes += (AROUND + event.payload().len()) as u64;
+            }
+            if to >= count {
+                continue;
+            }
+            let number = self.letters.len() as u64;
+            for arrival in self.fates[from * count + to].next(number, now_us as f64 * 1e-6) {
+                if !arrival.corrupt {
+                    self.flying.push(Reverse((now_us + (arrival.delay_s * 1e6) as u64, self.letters.len() as u64)));
+                    self.letters.push(Some((from, to, event)));
+                }
+            }
+        }
+    }
+
+    /// What has arrived.
+    fn deliver(&mut self, now_us: u64) {
+        while let Some(Reverse((due, letter))) = self.flying.pop() {
+            if due > now_us {
+                self.flying.push(Reverse((due, letter)));
+                return;
+            }
+            let Some((from, to, event)) = self.letters[letter as usize].take() else { continue };
+            let Ok(message) = Message::parse(&event) else { continue };
+            if !self.peers[to].on {
+                continue;
+            }
+            let (clock, from) = (self.clock(to, due), PeerId(from as u8));
+            if to == 0 {
+                self.server.receive(clock, from, &message, &mut self.server_out);
+                self.judge();
+            } else {
+                let Seat { player, out, .. } = &mut self.seats[to - 1];
+                player.receive(clock, from, &message, out);
+                self.notices(due, to);
+            }
+            self.send(due, to);
+        }
+    }
+
+    /// What the server has decided since.
+    fn judge(&mut self) {
+        let last = self.server.game().last;
+        if last.rally > self.rallies {
+            self.rallies = last.rally;
+            self.referee.decided(last);
+        }
+    }
+
+    fn notices(&mut self, now_us: u64, at: usize) {
+        let clock_s = self.clock(at, now_us) as f64 * 1e-6;
+        let Seat { player, bot, was_active, .. } = &mut self.seats[at - 1];
+        while let Some(notice) = player.take_notice() {
+            match notice {
+                Notice::Begins { .. } => *was_active = false,
+                Notice::Hit { turn, corrected_m: [x, y] } => {
+                    let corrected = f64::from(x).hypot(f64::from(y));
+                    let report = &mut self.referee.report;
+                    report.largest_correction_m = report.largest_correction_m.max(corrected);
+                    if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
+                        self.referee.next_knows(now_us as f64 * 1e-6, turn);
+                        *was_active = false;
+                    }
+                }
+                Notice::Ends { verdict, score, seen } => self.referee.told(at as u8, verdict, score, seen),
+            }
+        }
+        match (player.is_active(), *was_active) {
+            (true, false) => bot.sees_its_turn(clock_s),
+            (false, true) => bot.rests(),
+            _ => {}
+        }
+        *was_active = player.is_active();
+    }
+
+    /// A tick of a player's body and role.
+    fn play(&mut self, now_us: u64, at: usize) {
+        let clock = self.clock(at, now_us);
+        let Seat { player, bot, out, trail, .. } = &mut self.seats[at - 1];
+        let damping = if self.options.motion_bounder { MOTION.damping_n_s_per_m(player.round_trip_us()) } else { 0.0 };
+        let action = bot.tick(clock as f64 * 1e-6, TICK_S, player.ball(clock), f64::from(damping));
+        player.place(bot.racket());
+        if let Action::Swings(racket) = action
+            && let Some(strike) = player.hit(clock, &racket, out)
+        {
+            let ball = player.ball(clock).unwrap_or_default();
+            let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
+            let report = &mut self.referee.report;
+            report.largest_pulse_n = report.largest_pulse_n.max(SCALE * x.hypot(y));
+            if ball.velocity[0] > 0.0 {
+                self.referee.hit(now_us as f64 * 1e-6, at as u8, strike.turn, ball, strike.bounded);
+            }
+        }
+        player.poll(clock, out);
+        let [x, y] = bot.position();
+        let long = (self.options.round_trip_s / TICK_S).round().max(1.0) as usize;
+        trail.push_back([x, y]);
+        if trail.len() > long {
+            trail.pop_front();
+        }
+        let away = |[a, b]: [f64; 2]| (a - x).hypot(b - y);
+        let travelled = trail.front().copied().map_or(0.0, away);
+        self.referee.report.hand_travel_m = self.referee.report.hand_travel_m.max(travelled);
+        for (other, seat) in self.seats.iter().enumerate() {
+            if other + 1 != at
+                && self.peers[other + 1].on
+                && let Some(heard) = seat.player.racket_of(PeerId(at as u8))
+            {
+                let error = away(heard.position.map(f64::from));
+                self.referee.report.hand_error_m = self.referee.report.hand_error_m.max(error);
+            }
+        }
+        self.notices(now_us, at);
+        self.send(now_us, at);
+    }
+
+    fn change(&mut self, at: usize, change: Change) {
+        match change {
+            Change::Leaves => self.seats[at - 1].player.leave(),
+            Change::Vanishes => self.peers[at].on = false,
+            Change::Comes => {
+                self.peers[at].on = true;
+                self.seats[at - 1] = seat(self.court, at, &mut self.dice);
+                self.referee.came_back(at as u8);
+            }
+        }
+    }
+
+    fn moment(&self, now_us: u64) -> Moment {
+        let on = |at: &usize| self.peers[*at + 1].on;
+        let seats = || self.seats.iter().enumerate();
+        let turn = self.seats.iter().map(|seat| seat.player.turn()).max().unwrap_or_default();
+        Moment {
+            time_s: now_us as f64 * 1e-6,
+            balls: seats().map(|(at, seat)| seat.player.ball(self.clock(at + 1, now_us))).collect(),
+            hands: self.seats.iter().map(|seat| seat.bot.position()).collect(),
+            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].player.is_active()),
+            turn: (turn.rally, turn.stroke),
+        }
+    }
+}
+
+/// Plays one game.
+pub fn play(options: &Options) -> Game {
+    let mut world = World::new(options);
+    let ticks = (options.seconds / TICK_S).round() as u64;
+    let mut moments = Vec::new();
+    let mut present = vec![true; usize::from(options.players)];
+    for tick in 1..=ticks {
+        let now_us = (tick as f64 * TICK_S * 1e6).round() as u64;
+        world.deliver(now_us);
+        for (at_s, number, change) in &options.changes {
+            if (at_s / TICK_S).round() as u64 == tick {
+                world.change(usize::from(*number), *change);
+                present[usize::from(*number) - 1] = *change == Change::Comes;
+            }
+        }
+        let clock = world.clock(0, now_us);
+        world.server.poll(clock, &mut world.server_out);
+        world.judge();
+        world.send(now_us, 0);
+        for at in 1..world.peers.len() {
+            if world.peers[at].on {
+                world.play(now_us, at);
+            }
+        }
+        if options.record_every > 0 && tick % options.record_every == 0 {
+            moments.push(world.moment(now_us));
+        }
+    }
+    // The next rally begins when all know the last: only one result can be on its way.
+    world.referee.ends(&present, 1);
+    let mut report = world.referee.report;
+    report.round_trip_ms = f64::from(world.server.game().round_trip_us) * 1e-3;
+    report.score.truncate(usize::from(options.players));
+    let bytes: u64 = world.seats.iter().map(|seat| seat.bytes).sum();
+    report.bytes_per_s = bytes as f64 / options.seconds / f64::from(options.players);
+    report.state_hash = hash(&world.seats);
+    Game { report, moments }
+}
+
+/// FNV-1a of what the players know: equal seeds, equal games.
+fn hash(seats: &[Seat]) -> String {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.player).into_bytes()) {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+    format!("{hash:016x}")
+}
+
+const _: () = assert!(PLAYERS == 8 && SERVER.0 == 0);

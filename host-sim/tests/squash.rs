@@ -1,0 +1,133 @@
+//! Squash over every round trip that the issue names: the ball never leaves the court, all agree on every rally's score;
+//! without the bounder the failure is shown. `host-sim squash --sweep` prints the table.
+
+use std::process::Command;
+
+use host_sim::network::fate::Jitter;
+use host_sim::scene::Network;
+use host_sim::squash::bot::MOTION;
+use host_sim::squash::sweep::ROUND_TRIPS_MS;
+use host_sim::squash::{Change, Options, Report, play};
+
+fn options(players: u8, round_trip_ms: f64, seed: u64) -> Options {
+    Options {
+        players,
+        round_trip_s: round_trip_ms * 1e-3,
+        network: Network::default(),
+        bounder: true,
+        motion_bounder: false,
+        seconds: 40.0,
+        seed,
+        changes: Vec::new(),
+        record_every: 0,
+    }
+}
+
+fn report(options: &Options) -> Report {
+    play(options).report
+}
+
+#[test]
+fn with_the_bounder_the_ball_never_leaves_the_court_and_all_agree() {
+    for round_trip_ms in ROUND_TRIPS_MS {
+        for (players, seed) in [(2, 1), (4, 2), (8, 3)] {
+            let report = report(&options(players, round_trip_ms, seed));
+            let what = format!("{players} players, {round_trip_ms} ms: {report:?}");
+            assert!(report.agreed, "{what}");
+            assert_eq!((report.left_the_court, report.unseen, report.broken), (0, 0, 0), "{what}");
+            assert!(report.rallies >= 5 && report.strokes > report.rallies, "{what}");
+            // The bound as the paper states it, by this test's own arithmetic: no farther than the court is long in a
+            // round trip, measured with clocks that are right to 100 ppm; and news takes half of one.
+            assert!(report.fastest_m_per_s * round_trip_ms * 1e-3 <= 9.75 * 1.0002, "{what}");
+            assert!(report.farthest_before_news_m <= 9.75 / 2.0 * 1.05, "{what}");
+            assert!(report.largest_correction_m <= 9.75, "{what}");
+        }
+    }
+}
+
+#[test]
+fn without_the_bounder_the_ball_leaves_the_court() {
+    let runs = [1, 2, 3, 4].map(|seed| {
+        let report = report(&Options { bounder: false, seconds: 120.0, ..options(4, 400.0, seed) });
+        assert!(report.agreed, "{report:?}");
+        // What the players saw is what the referee saw: such a ball is played again.
+        assert!(report.unseen.abs_diff(report.left_the_court) <= 1, "{report:?}");
+        report.left_the_court
+    });
+    assert!(runs.iter().sum::<u32>() > 5, "{runs:?}");
+}
+
+#[test]
+fn on_a_bad_network_all_agree() {
+    let network = Network {
+        loss: 0.2,
+        duplicate: 0.2,
+        reorder: 0.2,
+        jitter: Jitter::Gamma,
+        jitter_s: 0.02,
+        corrupt: 0.05,
+        ..Network::default()
+    };
+    for (players, seed) in [(2, 1), (5, 2), (8, 3)] {
+        let report = report(&Options { network, seconds: 60.0, ..options(players, 60.0, seed) });
+        assert!(report.agreed && report.rallies >= 5, "{players}: {report:?}");
+        // Lost messages count as long round trips: the bound knows of them.
+        assert!(report.round_trip_ms > 100.0, "{players}: {report:?}");
+    }
+}
+
+#[test]
+fn players_leave_vanish_and_come_back_and_all_agree() {
+    let changes = vec![
+        (10.0, 2, Change::Leaves),
+        (18.0, 4, Change::Vanishes),
+        (22.0, 2, Change::Comes),
+        (22.5, 4, Change::Comes),
+        // Off and on again before anybody has noticed.
+        (35.0, 1, Change::Vanishes),
+        (35.2, 1, Change::Comes),
+    ];
+    for seed in 1..4 {
+        let report = report(&Options { changes: changes.clone(), seconds: 60.0, ..options(4, 50.0, seed) });
+        assert!(report.agreed && report.rallies >= 10, "{seed}: {report:?}");
+        assert!(report.broken >= 2, "{seed}: {report:?}");
+    }
+}
+
+#[test]
+fn the_motion_bounder_keeps_hands_within_their_reach() {
+    for round_trip_ms in [200.0, 400.0] {
+        let [free, damped] = [false, true].map(|motion_bounder| {
+            report(&Options { motion_bounder, seconds: 60.0, ..options(4, round_trip_ms, 1) }).hand_travel_m
+        });
+        let reach = f64::from(MOTION.reach_m);
+        assert!(free > 1.5 * reach && damped <= reach * 1.01, "{free} {damped}");
+    }
+}
+
+#[test]
+fn the_same_seed_is_the_same_game() {
+    let [one, two, other] = [1, 1, 2].map(|seed| report(&options(3, 80.0, seed)).state_hash);
+    assert!(one == two && one != other);
+}
+
+#[test]
+fn the_command_line_plays_and_refuses() {
+    let run = |line: &str| Command::new(env!("CARGO_BIN_EXE_host-sim")).args(line.split(' ')).output().unwrap();
+    let good = run("squash --players 2 --rtt-ms 50 --seconds 20 --json");
+    let document: serde_json::Value = serde_json::from_slice(&good.stdout).unwrap();
+    assert!(good.status.success() && document["agreed"] == true && document["left_the_court"] == 0, "{document}");
+    for (line, part) in [
+        ("squash --players 9", "2..=8"),
+        ("squash --rtt-ms -1", "from 0 to 2000 ms"),
+        ("squash --seconds NaN", "from 0.001 to 86400 s"),
+        ("squash --set network.loss=2", "network.loss"),
+        ("collaborate --users 1", "2..=8"),
+        ("collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),
+    ] {
+        let bad = run(line);
+        let said = String::from_utf8_lossy(&bad.stderr);
+        assert_eq!(bad.status.code(), Some(2), "{line}: {said}");
+        assert!(said.contains(part) && said.lines().count() == 1 && bad.stdout.is_empty(), "{line}: {said}");
+    }
+}
