@@ -430,10 +430,14 @@ fn believe<M: Models>(
     for (force, motion) in forces.into_iter().zip(pose.axes).take(scene.axes) {
         scene.watch.power(force, motion)?;
     }
-    if state.packet_due() {
-        for (joint, duty) in state.joints.iter_mut().zip(duties).take(scene.axes) {
-            scene.watch.counting(&mut joint.still, joint.encoder.total, duty)?;
-        }
+    if state.packet_due() { counting(scene, state, duties) } else { Ok(()) }
+}
+
+/// Once a packet period, and not in the tick that is the longest: whether every joint's encoder counts.
+#[inline(never)]
+fn counting<M: Models>(scene: &Scene<M>, state: &mut State<M>, duties: [Duty; AXES]) -> Result<(), Fault> {
+    for (joint, duty) in state.joints.iter_mut().zip(duties).take(scene.axes) {
+        scene.watch.counting(&mut joint.still, joint.encoder.total, duty)?;
     }
     Ok(())
 }

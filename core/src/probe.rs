@@ -324,8 +324,8 @@ impl<S: Scalar> Probing<S> {
 
     /// One tick, with every joint's counts; nothing when it is over.
     #[inline]
-    pub(crate) fn step(&mut self, counts: impl Iterator<Item = i32>) -> Option<[Duty; AXES]> {
-        let now = counts.skip(self.probe.joint).next().unwrap_or_default();
+    pub(crate) fn step(&mut self, mut counts: impl Iterator<Item = i32>) -> Option<[Duty; AXES]> {
+        let now = counts.nth(self.probe.joint).unwrap_or_default();
         let (start, last) = *self.places.get_or_insert((now, now));
         self.places = Some((start, now));
         let step = now.saturating_sub(last);
@@ -354,7 +354,7 @@ impl<S: Scalar> Probing<S> {
             (self.pushing, self.late) = (pushing, LATE_TICKS);
         }
         let mut duties = [Duty::OFF; AXES];
-        if let Some(own) = duties.iter_mut().skip(self.probe.joint).next() {
+        if let Some(own) = duties.get_mut(self.probe.joint) {
             *own = duty;
         }
         Some(duties)

@@ -191,7 +191,7 @@ fn write<M: Medium>(medium: &mut M, slot: u32, generation: u32, kept: &Kept) -> 
             writeln!(pen, "{key} {value}").map_err(|fmt::Error| Broken)?;
         }
     }
-    if pen.length as usize % BYTES != 0 {
+    if !(pen.length as usize).is_multiple_of(BYTES) {
         pen.flush()?;
     }
     let header = Header { generation, length: pen.length, crc: 0 }.sealed(pen.crc);

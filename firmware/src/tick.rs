@@ -300,6 +300,7 @@ impl Loop {
 
     /// After a tick that began with a probe under way.
     #[cold]
+    #[unsafe(link_section = ".itcm.probe")]
     fn after_probe(&mut self) {
         let outcome = self.state.probed();
         if self.state.mode() == Mode::Probing {

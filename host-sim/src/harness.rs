@@ -5,7 +5,7 @@
 //! machine and any number of threads ([`Harness::hash`]).
 
 use haptic_core::couple::Packet;
-use haptic_core::peer::{self, State};
+use haptic_core::peer::{self, Actuators, Sensors, State};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::scalar::Scalar;
 use haptic_core::scene::{Any, Models, Scene};
@@ -28,6 +28,21 @@ pub struct Side<M: Models> {
     pub plant: Plant,
     /// The network from the other peer to this one.
     pub incoming: Way<Packet<M::Scalar>>,
+}
+
+/// What a tick of a peer read and did.
+#[derive(Debug)]
+pub struct Seen<'a, M: Models> {
+    /// Which peer, 1 or 2.
+    pub number: usize,
+    /// The exchange before the tick, if one was due, with what it took in.
+    pub exchanged: Option<Option<Packet<M::Scalar>>>,
+    /// What the tick read.
+    pub sensors: &'a Sensors<M::Scalar>,
+    /// What it commanded.
+    pub actuators: &'a Actuators<M::Scalar>,
+    /// The state that it left.
+    pub state: &'a mut State<M>,
 }
 
 /// Two peers on one network.
@@ -88,14 +103,20 @@ impl<M: Models> Harness<M> {
     /// drifts.
     #[inline]
     pub fn step(&mut self) {
+        self.step_watched(&mut |_| ());
+    }
+
+    /// The same, telling `each` what every tick of either peer read and did.
+    #[inline]
+    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, M>)) {
         if self.drift == 1.0 {
-            self.round([true, true]);
+            self.round([true, true], each);
         } else {
             let ticks = |at: u64| (at as f64 / self.drift).floor() as u64;
             let of_second = ticks(self.tick + 1) - ticks(self.tick);
-            self.round([true, of_second > 0]);
+            self.round([true, of_second > 0], each);
             for _ in 1..of_second {
-                self.round([false, true]);
+                self.round([false, true], each);
             }
         }
         self.tick += 1;
@@ -103,7 +124,7 @@ impl<M: Models> Harness<M> {
 
     /// One tick of the sides whose turn it is.
     #[inline]
-    fn round(&mut self, turns: [bool; 2]) {
+    fn round(&mut self, turns: [bool; 2], each: &mut impl FnMut(Seen<'_, M>)) {
         let (time_s, now) = (self.time_s(), self.tick as f64 / self.ticks_per_packet);
         let [left, right] = &mut self.sides;
         let [left_due, right_due] = [turns[0] && left.state.packet_due(), turns[1] && right.state.packet_due()];
@@ -114,17 +135,20 @@ impl<M: Models> Harness<M> {
         if right_due {
             left.incoming.send(now, peer::outgoing(&right.scene, &right.state));
         }
-        for (side, due) in [(&mut *left, left_due), (&mut *right, right_due)] {
-            if due {
+        let exchanged = [(&mut *left, left_due), (&mut *right, right_due)].map(|(side, due)| {
+            due.then(|| {
                 let incoming = side.incoming.take(now);
                 peer::exchange(&side.scene, &mut side.state, incoming);
-            }
-        }
-        for (side, turn) in [left, right].into_iter().zip(turns) {
-            if turn {
+                incoming
+            })
+        });
+        for (index, (side, exchanged)) in [left, right].into_iter().zip(exchanged).enumerate() {
+            if turns[index] {
                 let sensors = side.plant.sensors();
                 let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
                 side.plant.step(time_s, &actuators);
+                let state = &mut side.state;
+                each(Seen { number: index + 1, exchanged, sensors: &sensors, actuators: &actuators, state });
             }
         }
     }

@@ -12,6 +12,7 @@
 //! | [`live`] | peers in real time, over real sockets |
 //! | [`collaborate`] | one at a time edits: lock and token ring on trial |
 //! | [`calibrate`] | what a person and a board find out about a device |
+//! | [`cooperative`] | many users, one object, one dynamics engine: at a server or on its way to a client |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -28,6 +29,7 @@ pub mod analysis;
 pub mod calibrate;
 pub mod cli;
 pub mod collaborate;
+pub mod cooperative;
 pub mod experiment;
 pub mod harness;
 pub mod live;

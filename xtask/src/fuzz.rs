@@ -26,13 +26,14 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
                      -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1 --cfg fuzzing";
 
 /// What the command line asks for.
-struct Plan {
+pub(crate) struct Plan {
     targets: Vec<&'static str>,
     seconds: u32,
 }
 
 impl Plan {
-    fn parse(arguments: &[&str]) -> Result<Self, Failure> {
+    /// Reads the command line; what is wrong with it is one line.
+    pub(crate) fn parse(arguments: &[&str]) -> Result<Self, Failure> {
         let mut plan = Self { targets: TARGETS.to_vec(), seconds: SECONDS };
         let mut words = arguments.iter();
         while let Some(word) = words.next() {
@@ -68,8 +69,7 @@ impl Plan {
 }
 
 /// Builds the targets and runs them one after the other.
-pub(crate) fn fuzz(arguments: &[&str]) -> Result<(), Failure> {
-    let plan = Plan::parse(arguments)?;
+pub(crate) fn fuzz(plan: Plan) -> Result<(), Failure> {
     let binaries = step("build", build)?;
     let mut rows = Vec::new();
     for target in plan.targets {

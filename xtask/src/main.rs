@@ -180,7 +180,13 @@ fn main() -> ExitCode {
         ["count"] => count::count(false),
         ["count", "--bless"] => count::count(true),
         ["fuzz", "--help" | "-h"] => print(FUZZ_HELP),
-        ["fuzz", arguments @ ..] => fuzz::fuzz(arguments),
+        ["fuzz", arguments @ ..] => match fuzz::Plan::parse(arguments) {
+            Ok(plan) => fuzz::fuzz(plan),
+            Err(failure) => {
+                eprintln!("error: {failure}");
+                return ExitCode::from(2);
+            }
+        },
         ["log", "--help" | "-h"] => print(LOG_HELP),
         ["log"] => log::log(),
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),

@@ -12,6 +12,7 @@ pub mod engagement;
 pub mod filter;
 pub mod free;
 pub mod ledger;
+pub mod node;
 pub mod power;
 pub mod wave;
 

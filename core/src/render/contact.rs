@@ -72,6 +72,12 @@ impl<S: Scalar> Contact<S> {
         position + self.clearance
     }
 
+    /// The same contact with another stiffness (N/m) and damping (N·s/m).
+    #[must_use]
+    pub fn with_gains(self, stiffness: S, damping: S) -> Self {
+        Self { stiffness, damping, ..self }
+    }
+
     /// How far a device at this distance (m) from the object is past the surface, where contact has a side; or how fast.
     pub(super) fn past(&self, distance: S) -> S {
         match self.surface {

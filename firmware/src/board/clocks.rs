@@ -1,6 +1,11 @@
 //! Clocks: 480 MHz core, 240 MHz buses and timers, 120 MHz peripherals, from the ST-LINK's 8 MHz.
 //!
 //! 8 MHz / 2 × 240 = 960 MHz, / 2 = 480 MHz: needs voltage scale 0, which silicon before revision V does not have.
+//!
+//! The regulator comes first (RM0433 §6.6.2): embassy-stm32 clocks SYSCFG, asks for scale 1, waits until it is ready, sets
+//! SYSCFG_PWRCR.ODEN (scale 0), waits again, and only then turns to oscillators, PLL and the system clock. The emulator knows
+//! scales 1 to 3 only and tells of clocks above scale 1's limits; that ODEN is set, and SYSCFG clocked when it was,
+//! tests/board checks.
 
 use embassy_stm32::Config;
 use embassy_stm32::rcc::{

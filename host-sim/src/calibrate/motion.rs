@@ -110,7 +110,7 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
 fn solve(rows: &[([f64; UNKNOWNS], f64)]) -> Option<[(f64, f64); UNKNOWNS]> {
     let scale: [f64; UNKNOWNS] =
         std::array::from_fn(|j| rows.iter().map(|(row, _)| row[j] * row[j]).sum::<f64>().sqrt());
-    if scale.iter().any(|scale| !(*scale > 0.0)) {
+    if scale.iter().any(|scale| scale.is_nan() || *scale <= 0.0) {
         return None;
     }
     // [AᵀA | I], columns scaled to length 1, then Gauss and Jordan.

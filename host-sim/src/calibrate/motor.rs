@@ -38,7 +38,7 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
         _ => 2.78,
     };
     let within = t * (left / (count - 2.0) / squares).sqrt();
-    if !(within <= 0.25 * value.abs()) {
+    if value <= 0.0 || within > 0.25 * value {
         return Err(format!(
             "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
             Estimate { value, within }
@@ -99,7 +99,7 @@ fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: 
     person.please(&Task::Fasten { joint: number, kilograms })?;
     let (loaded, ..) = motion::identify(board, number)?;
     let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
-    if !(within <= 0.2 * difference) {
+    if difference <= 0.0 || within > 0.2 * difference {
         return Err(format!(
             "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
             Estimate { value: difference / loaded.mass.value, within: within / loaded.mass.value },

@@ -26,6 +26,6 @@ pub fn calibrate(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Strin
     } else if answer.contains("; disagree: ") {
         Ok(vec![Found::flag("motor.reversed", !reversed)])
     } else {
-        Err(answer.rsplit_once("; ").map_or(answer.clone(), |(_, verdict)| verdict.to_owned()))
+        Err(answer.split_once("; ").map_or(answer.clone(), |(_, verdict)| verdict.to_owned()))
     }
 }

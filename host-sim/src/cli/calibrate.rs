@@ -123,8 +123,11 @@ struct Row<'a> {
     said: &'a str,
 }
 
+/// Who takes part.
+type Parties = (Box<dyn Board>, Box<dyn Person>);
+
 impl At {
-    fn parties(&self) -> Result<(Box<dyn Board>, Box<dyn Person>), Failure> {
+    fn parties(&self) -> Result<Parties, Failure> {
         let truth = self.truth.load()?;
         if self.board == "simulated" {
             let shared = Shared::new(&truth)?;

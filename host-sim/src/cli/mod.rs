@@ -9,6 +9,7 @@ mod calibrate;
 mod campaign;
 mod collaborate;
 mod cooperate;
+mod cooperative;
 mod crowd;
 mod flood;
 mod keys;
@@ -16,6 +17,7 @@ mod live;
 mod operator;
 mod paper;
 mod precision;
+mod record;
 mod rendering;
 mod restarts;
 mod serve;
@@ -50,6 +52,8 @@ struct CommandLine {
 enum Command {
     /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
     Cooperate(cooperate::Cooperate),
+    /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
+    Cooperative(cooperative::Cooperative),
     /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
     Paper(paper::Paper),
     /// Stability regions, limits and margins, computed from the code that flies.
@@ -90,6 +94,8 @@ enum Command {
     Flood(flood::Flood),
     /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
     Restarts(restarts::Restarts),
+    /// What one peer of a scene reads, for the same peer on another processor.
+    Record(record::Record),
     /// Every key of a scene file: unit, default, range, meaning.
     Keys(keys::Keys),
 }
@@ -144,6 +150,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
         Command::Cooperate(command) => command.run(),
+        Command::Cooperative(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),
@@ -164,6 +171,7 @@ pub fn main() -> ExitCode {
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),
+        Command::Record(command) => command.run(),
         Command::Keys(command) => command.run(),
     };
     match outcome {

@@ -75,7 +75,7 @@ impl Serve {
             &mut host,
             std::time::Instant::now(),
             0.0,
-            |_| 0,
+            |_| None,
             |served_s| served_s >= self.duration_s,
         )?;
         if self.json {

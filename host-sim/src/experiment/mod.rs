@@ -6,6 +6,8 @@ pub mod costs;
 pub mod figures;
 pub mod paper;
 pub mod precision;
+pub mod record;
+pub mod replay;
 pub mod run;
 pub mod swing;
 

@@ -236,26 +236,31 @@ impl Merits {
 }
 
 /// Whether an oscillation grows: the largest change of F_T from tick to tick, in each eighth of the run.
-struct Growth {
+pub(crate) struct Growth {
     window: u64,
     last: [f64; 2],
     largest: [f64; 8],
 }
 
 impl Growth {
-    fn new(ticks: u64) -> Self {
+    pub(crate) fn new(ticks: u64) -> Self {
         Self { window: ticks.div_ceil(8).max(1), last: [0.0; 2], largest: [0.0; 8] }
     }
 
     fn see(&mut self, tick: u64, forces: [f64; 2]) {
         let change = (forces[0] - self.last[0]).abs().max((forces[1] - self.last[1]).abs());
         self.last = forces;
+        self.see_change(tick, change);
+    }
+
+    /// Takes in the largest change of any force at this tick.
+    pub(crate) fn see_change(&mut self, tick: u64, change: f64) {
         let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
         *largest = if change.is_finite() { largest.max(change) } else { f64::INFINITY };
     }
 
     /// Larger in each of the last four eighths than in the one before, fourfold in all.
-    fn grew(&self) -> bool {
+    pub(crate) fn grew(&self) -> bool {
         let tail = &self.largest[3..];
         tail.windows(2).all(|pair| pair[1] > 1.05 * pair[0]) && tail[4] > 4.0 * tail[0]
             || self.largest.iter().any(|change| change.is_infinite())

@@ -2,7 +2,8 @@
 //!
 //! **Turnaround** is measured in two ways. `answer`: from the datagram in hand to its last answer handed to the system.
 //! `turnaround`: the same, and how long it may have waited in the socket's queue at the most. A queue is first in, first out,
-//! so a datagram came after the queue was last seen empty; and after its client sent it, where that is known ([`super::crowd`]).
+//! so a datagram came after the queue was last known to be empty; where it is known when its client sent it ([`super::crowd`]), that
+//! is taken instead.
 //! Real-time priority is asked for and reported; the thread is not pinned (`taskset` does that).
 
 use std::io::ErrorKind;
@@ -15,6 +16,12 @@ use super::histogram::{Histogram, Quantiles};
 use super::pace::realtime;
 use crate::visit::PACKET_US;
 use crate::visit::host::{Counts, Host};
+
+/// A socket that takes longer than this had nothing, and the datagram came right then, ns.
+const WAITED_NS: u64 = 20_000;
+/// What a socket may say without being broken.
+const PASSING: [ErrorKind; 4] =
+    [ErrorKind::WouldBlock, ErrorKind::TimedOut, ErrorKind::ConnectionRefused, ErrorKind::Interrupted];
 
 /// What a server saw and did.
 #[derive(Clone, Debug, Serialize)]
@@ -58,8 +65,8 @@ pub fn listen(address: SocketAddr) -> Result<UdpSocket, String> {
 }
 
 /// Serves until `stop` says so; it is asked once a packet period with the time served since `start`, s. Times before
-/// `warm_up_s` are not in the quantiles. `sent_ns` is asked with a line for when its client last sent, ns since `start`; 0 if
-/// that is not known.
+/// `warm_up_s` are not in the quantiles. `sent_ns` is asked with a line for when its client last sent, ns since `start`, if
+/// that is known.
 ///
 /// # Errors
 /// The socket fails, in one line.
@@ -68,7 +75,7 @@ pub fn run(
     host: &mut Host<SocketAddr>,
     start: Instant,
     warm_up_s: f64,
-    sent_ns: impl Fn(u32) -> u64,
+    sent_ns: impl Fn(u32) -> Option<u64>,
     mut stop: impl FnMut(f64) -> bool,
 ) -> Result<Report, String> {
     let failed = |cause: std::io::Error| format!("the socket failed: {cause}");
@@ -78,9 +85,8 @@ pub fn run(
     let (mut bytes, mut unsent, mut next_tick_us) = ([0; 2048], 0_u64, 0);
     let (mut computed, mut clients) = (None, 0);
     let mut warm = false;
-    // When the queue was last seen empty, ns.
+    // When the queue was last known to be empty, ns.
     let mut empty_ns = 0;
-    socket.set_nonblocking(true).map_err(failed)?;
     loop {
         let now_ns = since(start);
         let now_us = now_ns / 1_000;
@@ -96,33 +102,24 @@ pub fn run(
                 break;
             }
         }
+        let asked_ns = since(start);
         let (len, from) = match socket.recv_from(&mut bytes) {
             Ok(taken) => taken,
-            Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                // Nothing there: sleep until there is. The first datagram comes right then.
-                socket.set_nonblocking(false).map_err(failed)?;
-                let woken = socket.recv_from(&mut bytes);
-                empty_ns = since(start);
-                socket.set_nonblocking(true).map_err(failed)?;
-                match woken {
-                    Ok(taken) => taken,
-                    Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => continue,
-                    Err(error) if error.kind() == ErrorKind::ConnectionRefused => continue,
-                    Err(error) => return Err(failed(error)),
-                }
-            }
-            // A client that is gone answers with this; it says nothing about the others.
-            Err(error) if matches!(error.kind(), ErrorKind::ConnectionRefused | ErrorKind::Interrupted) => continue,
+            // Nothing came, or a client that is gone answers with this, which says nothing about the others.
+            Err(error) if PASSING.contains(&error.kind()) => continue,
             Err(error) => return Err(failed(error)),
         };
         let taken_ns = since(start);
+        if taken_ns - asked_ns > WAITED_NS {
+            empty_ns = taken_ns;
+        }
         let line = host.receive(taken_ns / 1_000, from, &mut bytes[..len], |to, datagram| {
             unsent += u64::from(socket.send_to(datagram, to).is_err());
         });
         if warm {
             let done_ns = since(start);
             answer.add(done_ns - taken_ns);
-            turnaround.add(done_ns - line.map_or(0, &sent_ns).max(empty_ns).min(taken_ns));
+            turnaround.add(done_ns - line.and_then(&sent_ns).unwrap_or(empty_ns).min(taken_ns));
         }
     }
     let cpu_share =

@@ -36,6 +36,8 @@ pub mod code {
     pub const RING: u16 = 0x0102;
     /// [`super::squash`].
     pub const SQUASH: u16 = 0x0103;
+    /// [`super::cooperative`].
+    pub const COOPERATIVE: u16 = 0x0201;
 }
 
 /// What a role wants to say, oldest first, and to whom. Full, it drops what is newest and counts it, as a network might.

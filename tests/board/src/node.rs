@@ -28,6 +28,8 @@ pub struct Inputs {
     pub press: Option<bool>,
     /// The cable is in (or out).
     pub cable: Option<bool>,
+    /// The noise source of the random number generator works (or fails).
+    pub noise: Option<bool>,
     /// Words of memory to look at, at the stop itself: their values are in the next [`Stopped::peeked`].
     pub peek: Vec<u64>,
     /// Words put into memory or flash, as a fault would: address and value.
@@ -111,6 +113,9 @@ impl Driver<Nucleo> for Stepper {
         }
         if let Some(pressed) = inputs.press {
             part.press_stop(stop.at, pressed);
+        }
+        if let Some(works) = inputs.noise {
+            part.noise(stop.at, works);
         }
         if let Some(counts) = inputs.counts {
             part.turn(stop.at, counts);

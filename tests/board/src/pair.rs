@@ -18,6 +18,7 @@ use haptic_core::axis::encoder::Counts;
 use haptic_core::axis::motor::Duty;
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::axis::{AXES, Reading};
+use haptic_core::motion::Motion;
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Settings, Value};
 use host_sim::plant::Plant;
@@ -430,8 +431,22 @@ impl Bench {
     pub fn let_go(&mut self, device: Option<&SceneFile>) {
         let mut scene = device.unwrap_or(&self.scene).clone();
         scene.users = Default::default();
-        let counts = |index: usize| self.devices[index].as_ref().map_or([0; AXES], |device| device.counts);
+        let counts = |index: usize| {
+            let now = self.loose.get(index).or(self.devices[index].as_ref());
+            now.map_or([0; AXES], |device| device.counts)
+        };
         self.loose = (0..self.nodes.len()).map(|i| Device::at(Plant::new(&scene, i), counts(i))).collect();
+    }
+
+    /// Moves the loose device of a board by hand along its first axis, evenly, and leaves it at rest.
+    pub fn carry(&mut self, number: usize, metres: f64, ms: u64) {
+        for _ in 0..ms {
+            let motion = self.loose[number - 1].plant.free_axis().0;
+            *motion = Motion::at(motion.position + metres / ms as f64);
+            self.step();
+            *self.loose[number - 1].plant.free_axis().0 =
+                Motion::at(self.loose[number - 1].plant.motions()[0].position);
+        }
     }
 
     /// Puts every device back where it was, and gives it back to its user.

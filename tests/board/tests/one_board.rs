@@ -32,3 +32,24 @@ fn it_starts_disarmed_and_answers() {
         reviewed::check(&report);
     }
 }
+
+/// Why: after a reset in mid-run the emulated encoder timers never counted again, and no test had looked.
+#[test]
+fn a_board_that_started_anew_still_counts() {
+    const FOR_EVER: u32 = 0xE7FE_E7FE;
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    assert_eq!(bench.check(1), Ok(()));
+    let supervisor = firmware.address("UART4");
+    bench.input(1).poke.push((supervisor, FOR_EVER));
+    bench.run_for_ms(40);
+    bench.input(1).poke.push((supervisor, firmware.word(supervisor)));
+    bench.run_for_ms(1300);
+    assert_eq!(bench.stopped[0].resets, 1);
+    bench.meet(1);
+    assert_eq!(bench.ask(1, "clear"), "ok disarmed");
+    assert!(bench.ask(1, "arm").starts_with("error check first: "), "a check does not outlive a reset");
+    assert_eq!(bench.check(1), Ok(()));
+    assert_eq!(bench.ask(1, "arm"), "ok armed");
+    bench.finish();
+}

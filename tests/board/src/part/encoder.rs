@@ -24,7 +24,6 @@ const CLOSEST_NS: u64 = 150;
 #[derive(Debug)]
 pub struct EncoderTimer {
     timer: Inner,
-    nth: usize,
     /// Where the encoder is, counts.
     position: i64,
     /// Directions of the edges to come.
@@ -36,7 +35,7 @@ pub struct EncoderTimer {
 impl EncoderTimer {
     /// The encoder on the `nth` of [`TIMERS`], at 0.
     pub fn new(nth: usize) -> Self {
-        Self { timer: Inner::new(TIMERS[nth]), nth, position: 0, pending: VecDeque::new(), every_ns: 0, next: None }
+        Self { timer: Inner::new(TIMERS[nth]), position: 0, pending: VecDeque::new(), every_ns: 0, next: None }
     }
 
     /// Where the encoder will be once all its edges are out, counts.
@@ -59,6 +58,13 @@ impl EncoderTimer {
 
     fn schedule(&mut self, context: &mut DeviceContext<'_>) {
         self.next = Some(context.schedule(VirtualNanos(context.now().0 + self.every_ns)));
+    }
+
+    /// After a reset, of the chip or of the timer alone, which dropped our events: the encoder is where it was going.
+    fn settle(&mut self) {
+        self.position = self.target();
+        self.pending.clear();
+        self.next = None;
     }
 
     fn levels(position: i64) -> [Level; 2] {
@@ -120,13 +126,11 @@ impl Device for EncoderTimer {
         Device::on_access(&mut self.timer, token, value, f, c);
     }
     fn reset(&mut self) {
-        // The chip starts anew; the encoder is where it was, and its levels are on the pins as before.
-        self.timer = Inner::new(TIMERS[self.nth]);
-        self.position = self.target();
-        self.pending.clear();
-        self.next = None;
+        Device::reset(&mut self.timer);
+        self.settle();
     }
     fn reset_line(&mut self, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
         Device::reset_line(&mut self.timer, f, c);
+        self.settle();
     }
 }

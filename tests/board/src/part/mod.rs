@@ -70,6 +70,7 @@ pub struct Part {
     slots: Slots,
     stop_released: bool,
     strap_to_ground: bool,
+    noise_works: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +82,7 @@ struct Slots {
     gpio_e: usize,
     gpio_g: usize,
     tim1: usize,
+    rng: usize,
 }
 
 const fn pin(index: u8) -> Pin {
@@ -99,11 +101,21 @@ impl Part {
             gpio_e: slot("GPIOE")?,
             gpio_g: slot("GPIOG")?,
             tim1: slot("TIM1")?,
+            rng: slot("RNG")?,
         };
         let (mac, dma) = ethernet::pair();
         let encoders = [EncoderTimer::new(1), EncoderTimer::new(2)];
-        let mut part =
-            Self { chip, mac, dma, iwdg: Iwdg::default(), encoders, slots, stop_released: true, strap_to_ground };
+        let mut part = Self {
+            chip,
+            mac,
+            dma,
+            iwdg: Iwdg::default(),
+            encoders,
+            slots,
+            stop_released: true,
+            strap_to_ground,
+            noise_works: true,
+        };
         // Two chips, two noises: theirs would be the same at every power-on.
         part.chip.rng = Rng::seeded(rng::RESET_AHB_HZ, rng::KERNEL_HZ, 1 + u64::from(strap_to_ground));
         part.check()?;
@@ -137,6 +149,19 @@ impl Part {
     pub fn press_stop(&mut self, at: VirtualNanos, pressed: bool) {
         self.stop_released = !pressed;
         self.wire(at);
+    }
+
+    /// Lets the noise source fail, or work again.
+    pub fn noise(&mut self, at: VirtualNanos, works: bool) {
+        self.noise_works = works;
+        let mut rng = core::mem::replace(&mut self.chip.rng, Rng::new(rng::RESET_AHB_HZ, rng::KERNEL_HZ));
+        let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.rng);
+        if works {
+            rng.seed_recovered(registers, &mut context);
+        } else {
+            rng.seed_error(registers, &mut context);
+        }
+        self.chip.rng = rng;
     }
 
     /// Moves the encoders to these counts, edge by edge, from `at` on.
@@ -185,6 +210,10 @@ impl Mcu for Part {
         self.wire(at);
     }
     fn poll(&mut self, now: VirtualNanos) {
+        // The model forgets its fault when the generator is reset; a broken source does not.
+        if !self.noise_works {
+            self.noise(now, false);
+        }
         // Of the models only the wire's has something outside of its own accesses and events.
         let (registers, mut context) = self.chip.bus_mut().drive(now, self.slots.dma);
         Device::poll(&mut self.dma, registers, &mut context);

@@ -1,0 +1,317 @@
+//! `host-sim cooperative`: many users, one object, one dynamics engine.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Failure, print_json, progress_bar};
+use crate::cooperative::limits::{self, Longest, bounded_radius};
+use crate::cooperative::run::{Outcome, run};
+use crate::cooperative::{Collision, Engine, Setup};
+use crate::report::files;
+use crate::report::plot::{Figure, Panel, Series, draw};
+use crate::report::text::{TextTable, significant};
+use crate::scene::SceneFile;
+
+/// One-way delays of the sweep, ms.
+const DELAYS_MS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 150.0, 200.0];
+
+/// A switch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+/// Arguments of `cooperative`.
+#[derive(Debug, Args)]
+pub(super) struct Cooperative {
+    /// Scene file (TOML) on top of which the keys of a cooperative environment stand: packets each tick, prompt forces.
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// Override one key of the scene; may be repeated.
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    set: Vec<String>,
+    /// How many users push the object, 1 to 16.
+    #[arg(long, default_value_t = 2, value_name = "N")]
+    users: usize,
+    /// Delay of every packet between a client and the server, one way, ms; without it, a sweep from 0 to 200 ms, and the
+    /// paper's limits.
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    delay_ms: Option<f64>,
+    /// Whether stiffness and damping follow the measured round trip; without it, a sweep shows both.
+    #[arg(long, value_enum)]
+    bounder: Option<Switch>,
+    /// Where contact is computed.
+    #[arg(long, value_enum, default_value_t)]
+    collision: Collision,
+    /// Where the object is moved.
+    #[arg(long, value_enum, default_value_t)]
+    engine: Engine,
+    /// Simulated time, s.
+    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
+    duration_s: f64,
+    /// Print JSON; files are written only with --out.
+    #[arg(long)]
+    json: bool,
+    /// Folder for CSV and pictures.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// One run, as reported.
+#[derive(Debug, Serialize)]
+struct Row {
+    users: usize,
+    one_way_ms: f64,
+    bounder: bool,
+    collision: Collision,
+    engine: Engine,
+    /// Spectral radius behind a settled bounder; absent without one, with slow packets, or while the engine is at a client.
+    spectral_radius: Option<f64>,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    rows: Vec<Row>,
+    /// The paper's limits without the bounder; of a sweep only.
+    limits: Vec<Longest>,
+    wall_s: f64,
+    files: Vec<PathBuf>,
+}
+
+impl Cooperative {
+    fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
+        if !(0.0..=1000.0).contains(&one_way_ms) {
+            return Err(format!("--delay-ms {one_way_ms} is not allowed: it must be a number from 0 to 1000 ms").into());
+        }
+        let delay = format!("network.extra_delay_s={}", 1e-3 * one_way_ms);
+        // Forces of the cooperation paper's §5.2, which a scene may change as anything else.
+        let forces = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
+        let mut keys: Vec<String> = Vec::new();
+        if self.scene.is_none() {
+            keys.extend(Setup::BASE.iter().chain(&forces).map(|key| (*key).to_owned()));
+        }
+        keys.extend(self.set.iter().cloned());
+        if self.delay_ms.is_some() || self.scene.is_none() {
+            keys.push(delay);
+        }
+        let mut setup = Setup::new(SceneFile::load(self.scene.as_deref(), &keys)?);
+        (setup.users, setup.bounder) = (self.users, bounder);
+        (setup.collision, setup.engine) = (self.collision, self.engine);
+        Ok(setup)
+    }
+
+    fn row(&self, one_way_ms: f64, bounder: bool) -> Result<Row, Failure> {
+        let setup = self.setup(one_way_ms, bounder)?;
+        let outcome = run(&setup, self.duration_s)?;
+        let network = setup.scene.world.network;
+        // What the sampled map can hold.
+        let seen = bounder
+            && self.engine == Engine::Server
+            && setup.scene.peer.timing.ticks_per_packet == 1
+            && setup.scene.is_linear()
+            && (1..=200).contains(&((1e3 * network.extra_delay_s) as u32));
+        let radius = if seen { Some(bounded_radius(&setup, 2.0 * network.extra_delay_s)?) } else { None };
+        let (collision, engine) = (self.collision, self.engine);
+        Ok(Row { users: self.users, one_way_ms, bounder, collision, engine, spectral_radius: radius, outcome })
+    }
+
+    /// One run, or the sweep.
+    ///
+    /// # Errors
+    /// A bad scene, number of users, delay or duration; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let start = Instant::now();
+        let period_s = self.setup(self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
+        if !(self.duration_s >= 8.0 * period_s && self.duration_s <= 3600.0) {
+            let least = 8.0 * period_s;
+            let message =
+                format!("--duration-s {} is not allowed: it must be a number from {least} to 3600 s", self.duration_s);
+            return Err(message.into());
+        }
+        let switches: &[bool] = match self.bounder {
+            Some(switch) => &[switch == Switch::On],
+            None if self.delay_ms.is_some() => &[true],
+            None => &[false, true],
+        };
+        let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
+        let points: Vec<(bool, f64)> =
+            switches.iter().flat_map(|switch| delays.iter().map(|delay| (*switch, *delay))).collect();
+        // What is wrong with one is wrong with all: said before the work.
+        let bar = progress_bar(points.len() as u64, "cooperative");
+        let rows = points
+            .into_par_iter()
+            .map(|(bounder, delay)| {
+                let row = self.row(delay, bounder).map_err(|failure| failure.to_string());
+                bar.inc(1);
+                row
+            })
+            .collect::<Result<Vec<_>, String>>()?;
+        bar.finish_and_clear();
+        let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
+        let mut written = Vec::new();
+        if let Some(folder) = self.out.as_ref() {
+            written = self.write(folder, &rows)?;
+        }
+        let report = Report { rows, limits, wall_s: start.elapsed().as_secs_f64(), files: written };
+        if self.json {
+            return print_json(&report);
+        }
+        report.print();
+        Ok(())
+    }
+
+    fn write(&self, folder: &std::path::Path, rows: &[Row]) -> Result<Vec<PathBuf>, Failure> {
+        let base = folder.join("cooperative");
+        if let [row] = rows {
+            let csv = base.with_extension("csv");
+            files::write_csv(&row.outcome.table, &csv)?;
+            let mut written = vec![csv];
+            written.extend(draw(&over_time(row), &base)?);
+            return Ok(written);
+        }
+        Ok(draw(&sweep(rows), &base)?)
+    }
+}
+
+/// A run over time.
+fn over_time(row: &Row) -> Figure {
+    let time = row.outcome.table.column("time_s").unwrap_or(&[]);
+    let column = |name: &str, factor: f64| {
+        let values = row.outcome.table.column(name).unwrap_or(&[]);
+        time.iter().copied().zip(values.iter().map(|value| factor * value)).collect::<Vec<_>>()
+    };
+    let panel = |y_label: &str, series| Panel {
+        x_label: "Time (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        series,
+        ..Panel::default()
+    };
+    Figure {
+        title: format!("One object, {} users, {} ms one way", row.users, row.one_way_ms),
+        caption: "Above: the object where it is moved, and as the first and the last client render it. Below: what they push \
+                  it with."
+            .to_owned(),
+        columns: 1,
+        share_x: true,
+        panels: vec![
+            panel(
+                "Position (mm)",
+                vec![
+                    Series::line("object", 0, column("object_m", 1e3)),
+                    Series::line("first client", 1, column("view_1_m", 1e3)),
+                    Series::line("last client", 2, column("view_last_m", 1e3)),
+                ],
+            ),
+            panel(
+                "Contact force (N)",
+                vec![
+                    Series::line("first client", 1, column("force_1_n", 1.0)),
+                    Series::line("last client", 2, column("force_last_n", 1.0)),
+                ],
+            ),
+        ],
+        ..Figure::default()
+    }
+}
+
+/// Discrepancy and stiffness against delay.
+fn sweep(rows: &[Row]) -> Figure {
+    let line = |bounder: bool, value: fn(&Outcome) -> f64| {
+        let of_these = rows.iter().filter(|row| row.bounder == bounder && row.outcome.stable);
+        of_these.map(|row| (row.one_way_ms, value(&row.outcome))).collect::<Vec<_>>()
+    };
+    let both = |value: fn(&Outcome) -> f64| {
+        vec![Series::line("with the bounder", 0, line(true, value)), Series::line("without", 1, line(false, value))]
+    };
+    let panel = |y_label: &str, value| Panel {
+        x_label: "One-way delay (ms)".to_owned(),
+        y_label: y_label.to_owned(),
+        series: both(value),
+        ..Panel::default()
+    };
+    Figure {
+        title: "One dynamics engine at the server, contact at the clients".to_owned(),
+        caption: "Only runs that are stable: without the bounder a line ends where the environment breaks.".to_owned(),
+        columns: 2,
+        panels: vec![
+            panel("True discrepancy (mm)", |outcome| outcome.true_discrepancy_mm),
+            panel("Contact stiffness (N/m)", |outcome| outcome.stiffness_n_per_m),
+        ],
+        ..Figure::default()
+    }
+}
+
+impl Report {
+    fn print(&self) {
+        let mut table = TextTable::new([
+            "users",
+            "one way ms",
+            "bounder",
+            "stable",
+            "radius",
+            "round trip ms",
+            "K N/m",
+            "drag N s/m",
+            "true mm",
+            "felt N",
+            "peak N",
+            "jump N",
+            "engine at client",
+            "up kB/s",
+            "down kB/s",
+        ]);
+        let dash = || "-".to_owned();
+        for row in &self.rows {
+            let outcome = &row.outcome;
+            let number = |value: f64| if outcome.stable { significant(value, 3) } else { dash() };
+            let [_, _, client] = outcome.engine_ticks;
+            table.push([
+                row.users.to_string(),
+                row.one_way_ms.to_string(),
+                if row.bounder { "on" } else { "off" }.to_owned(),
+                if outcome.stable { "yes" } else { "NO" }.to_owned(),
+                row.spectral_radius.map_or_else(dash, |radius| format!("{radius:.6}")),
+                outcome.round_trip_ms.map_or_else(dash, |ms| format!("{ms:.1}")),
+                significant(outcome.stiffness_n_per_m, 3),
+                significant(outcome.drag_n_s_per_m, 3),
+                number(outcome.true_discrepancy_mm),
+                number(outcome.felt_n),
+                number(outcome.peak_n),
+                number(outcome.largest_jump_n),
+                format!("{:.0} %", 100.0 * client as f64 / outcome.ticks.max(1) as f64),
+                significant(1e-3 * outcome.up_bytes_per_s, 3),
+                significant(1e-3 * outcome.down_bytes_per_s, 3),
+            ]);
+        }
+        println!("{table}");
+        if !self.limits.is_empty() {
+            println!(
+                "\nLongest round trip without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
+            );
+            let mut table =
+                TextTable::new(["contact at", "users", "object", "K N/m", "b/K ms", "simulated ms", "eigenvalues ms"]);
+            for row in &self.limits {
+                table.push([
+                    format!("{:?}", row.collision).to_lowercase(),
+                    row.users.to_string(),
+                    row.kind.to_owned(),
+                    significant(row.stiffness_n_per_m, 3),
+                    significant(row.closed_form_ms, 3),
+                    significant(row.simulated_ms, 3),
+                    significant(row.eigenvalues_ms, 3),
+                ]);
+            }
+            println!("{table}");
+        }
+        for file in &self.files {
+            println!("wrote {}", file.display());
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The cable out in the middle: silence first fades the coordination, then ends it; no hand feels a step; back in, it comes
+//! up again. Both boards stay armed all along, and render alone.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::pair::{Bench, for_boards};
+use board_bench::reviewed;
+use board_bench::twin::{self, Equal};
+use board_bench::wire::Line;
+use firmware_parts::record::{ENGAGED, Record};
+use host_sim::scenes;
+
+fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
+    records.windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn pulled_and_put_back() {
+    let firmware = Arc::new(Firmware::release());
+    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
+    let mut bench = Bench::start(&firmware, 2, Line::default());
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.arm();
+    bench.run_for_ms(3000);
+
+    // Board 2's cable stays in: its records tell what a peer does whose other one falls silent.
+    let pulled = bench.armed_ticks(2).len();
+    bench.input(1).cable = Some(false);
+    bench.run_for_ms(90);
+    assert!(bench.ask(2, "status").contains("link fading"));
+    bench.run_for_ms(400);
+    let status = bench.ask(2, "status");
+    assert!(status.contains("ok board 2 armed") && status.contains("link calling"), "{status}");
+    assert!(bench.stopped.iter().all(|stopped| stopped.bridges.on()), "both render alone");
+    let put_back = bench.armed_ticks(2).len();
+    bench.input(1).cable = Some(true);
+    bench.run_for_ms(2500);
+    assert!(bench.ask(2, "status").contains("link running"));
+
+    let records = bench.armed_ticks(2);
+    assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
+    assert!(records.iter().all(|record| record.mode() == 1), "it stayed armed");
+    let engaged = |record: &Record| record.flags() & ENGAGED != 0;
+    let held = records[pulled].coordination_n();
+    let gone = pulled + records[pulled..].iter().position(|record| !engaged(record)).expect("it lets go");
+    let back = put_back + records[put_back..].iter().position(engaged).expect("it engages again");
+
+    // 12 packets of 8 ms after the last one, which was under way for up to 12 ms when the cable went.
+    assert!((88..=116).contains(&(gone - pulled)), "it let go after {} ms", gone - pulled);
+    let away = &records[gone..back];
+    assert!(away.iter().all(|record| record.coordination_n() == 0.0), "no coordination while alone");
+    let (before, fading, rising) = (&records[1000..pulled], &records[pulled..gone], &records[back..]);
+    let steps = [before, fading, away, rising].map(|records| largest_step(records, Record::contact_n));
+    let pull = [before, fading, rising].map(|records| largest_step(records, Record::coordination_n));
+    println!(
+        "held {held:.3} N; let go after {} ms, engaged again {} ms after the cable was back; largest step of the hand's force \
+         in a tick: before {:.4} N, fading {:.4} N, alone {:.4} N, again {:.4} N; of coordination {pull:.3?} N",
+        gone - pulled,
+        back - put_back,
+        steps[0],
+        steps[1],
+        steps[2],
+        steps[3]
+    );
+    assert!(held.abs() > 0.5, "there was something to let go of: {held} N");
+    // Well within the slew limit, 20 N a tick, and no more than the user's own push makes of it.
+    let allowed = (0.001 * scene.peer.safety.max_slew_n_per_s) as f32;
+    assert!(steps.iter().all(|step| *step < 0.02 * allowed), "{steps:?} N a tick");
+    // It starts anew where the copy is, at rest: all that acts at first is the damping of a copy that moves.
+    let (first, gains) = (&records[back], &scene.peer.coordination);
+    let damping = (gains.damping_n_s_per_m + gains.wave_impedance_n_s_per_m) as f32 * first.object_m_per_s().abs();
+    println!("begins again with {:.3} N at {:.3} m/s", first.coordination_n(), first.object_m_per_s());
+    assert!(first.coordination_n().abs() <= damping, "{} N", first.coordination_n());
+
+    for number in 1..=2 {
+        let records = bench.armed_ticks(number);
+        // Board 1's telemetry had no cable either: only what came before is without gaps.
+        let whole = if number == 1 { &records[..pulled] } else { records };
+        let equal = twin::replay(&scene.peers()[number - 1], whole);
+        assert_eq!(equal, Equal { ticks: whole.len() as u64, first_difference: None });
+    }
+    for report in bench.finish() {
+        assert_eq!(report.resets, Vec::<String>::new());
+        reviewed::check(&report);
+    }
+}

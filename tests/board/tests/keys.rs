@@ -1,0 +1,96 @@
+//! Who does not hold the key gets nothing: a board without one, with a broken one, with another one, without randomness.
+
+use std::sync::Arc;
+
+use board_bench::image::Firmware;
+use board_bench::node::{Inputs, Node};
+use board_bench::pair::Bench;
+use board_bench::pc::{Pc, board_ip, board_mac, key, key_in_flash, udp};
+use board_bench::reviewed;
+use board_bench::wire::{Line, PC, Wire};
+use haptic_protocol::key::Key;
+use haptic_protocol::wire::MAX_DATAGRAM;
+use host_sim::live::operator::Session;
+
+/// What a board that starts with this flash sends in 2 s while the PC asks for its address and calls; and whether the PC's
+/// session is answered. `works`: its noise source.
+fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usize, bool) {
+    let node = Node::new(firmware.clone(), 1);
+    let noise = (!works).then_some(false);
+    let (mut wire, mut pc) = (Wire::new(Line::default()), Pc::default());
+    let mut inputs = Inputs { poke: flash, noise, ..Inputs::default() };
+    let mut frames = 0;
+    for ms in 1..2000_u64 {
+        let now = 1_000_000 * ms;
+        node.run(now, std::mem::take(&mut inputs));
+        let stopped = node.wait();
+        assert!(!stopped.bridges.on() && stopped.resets == 0);
+        frames += stopped.frames.len();
+        for (at, frame) in &stopped.frames {
+            wire.send(0, *at, frame);
+        }
+        for frame in wire.receive(PC, now) {
+            pc.hear(now, &frame).into_iter().for_each(|answer| wire.send(PC, now, &answer));
+        }
+        if ms % 100 == 0 {
+            wire.send(PC, now, &Pc::resolve(1));
+        }
+        pc.talk(now, 1).iter().for_each(|frame| wire.send(PC, now, frame));
+        inputs.frames = wire.receive(0, now);
+    }
+    reviewed::check(&node.finish());
+    (frames, pc.reaches(1))
+}
+
+#[test]
+fn without_key_or_randomness_a_board_says_nothing_at_all() {
+    let firmware = Arc::new(Firmware::release());
+    let (frames, reached) = start(&firmware, key_in_flash(&key()), true);
+    assert!(frames > 20 && reached, "with both it talks: {frames} frames");
+    assert_eq!(start(&firmware, Vec::new(), true), (0, false), "flash was never written");
+    let mut broken = key_in_flash(&key());
+    broken[9].1 ^= 1 << 5;
+    assert_eq!(start(&firmware, broken, true), (0, false), "one bit of the key is not what it was");
+    assert_eq!(start(&firmware, key_in_flash(&key()), false), (0, false), "the noise source fails");
+}
+
+#[test]
+fn a_stranger_gets_no_answer_and_changes_nothing() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    assert_eq!(bench.check(1), Ok(()));
+    assert_eq!(bench.ask(1, "arm"), "ok armed");
+    let told = |bench: &mut Bench| {
+        let status = bench.ask(1, "status");
+        let words: Vec<&str> = status.split([' ', ';']).collect();
+        let at = words.iter().position(|word| *word == "refused").expect("a status counts refusals");
+        words[at + 1].parse::<u64>().expect("a count")
+    };
+    let before = told(&mut bench);
+    // The operator of yesterday: everything right but the key. Then the text of the port as it once was, and noise.
+    let mut stranger = Session::new(Key::new([0x5A; Key::LEN]), 1, [1; Key::LEN]).expect("a good key, to itself");
+    stranger.say("disarm");
+    let mut sent = 0;
+    for ms in 0..500_u64 {
+        let mut say = |payload: &[u8]| {
+            let from = ([2, 0, 0, 0, 0, 0x66], [192, 168, 77, 66], 40_000);
+            bench.input(1).frames.push(udp(from, (board_mac(1), board_ip(1), 7702), payload));
+            sent += 1;
+        };
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(length) = stranger.poll(1000 * ms, &mut out) {
+            say(&out[..length]);
+        }
+        if ms % 50 == 0 {
+            say(b"disarm");
+            say(&[ms as u8; 124]);
+        }
+        bench.step();
+        assert!(bench.stopped[0].bridges.on(), "a stranger disarmed it");
+        // Nobody at the stranger's address is ever looked for.
+        assert!(bench.stopped[0].frames.iter().all(|(_, frame)| frame.get(38..42) != Some(&[192, 168, 77, 66])));
+    }
+    assert!(sent > 30);
+    assert_eq!(told(&mut bench) - before, sent, "every one was refused");
+    bench.finish();
+}
