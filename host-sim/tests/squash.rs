@@ -77,6 +77,18 @@ fn on_a_bad_network_all_agree() {
 }
 
 #[test]
+fn the_bound_follows_a_delay_that_jumps() {
+    let network = Network { delay_step_s: 0.17, delay_step_at_s: 30.0, ..Network::default() };
+    for seed in 1..4 {
+        let report = report(&Options { network, seconds: 120.0, ..options(4, 60.0, seed) });
+        assert!(report.agreed && (399.0..401.0).contains(&report.round_trip_ms), "{seed}: {report:?}");
+        // At most the one that was hit when the delay jumped; and it is played again.
+        assert!(report.left_the_court <= 1 && report.unseen == report.left_the_court, "{seed}: {report:?}");
+        assert!(report.bounded > 5, "{seed}: {report:?}");
+    }
+}
+
+#[test]
 fn players_leave_vanish_and_come_back_and_all_agree() {
     let changes = vec![
         (10.0, 2, Change::Leaves),
