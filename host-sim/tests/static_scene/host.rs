@@ -23,14 +23,14 @@ struct Pair {
 impl Pair {
     fn new() -> Self {
         let mut drawn = 0;
-        let mut entropy = move || {
+        let entropy = move || {
             drawn += 1;
             [drawn; Key::LEN]
         };
         let (world, key) = (*load(TWO_ROOMS.as_ref()).expect("a good world"), Key::new([7; 32]));
         let setup = Setup { key: key.line(3), line: 3, home: 1, reachable: vec![1], radius_m: None };
         let visitor = Visitor::new(setup, || [99; Key::LEN]);
-        let host = Host::new(key, 1, 8, world, None, move || entropy()).expect("a good world");
+        let host = Host::new(key, 1, 8, world, None, entropy).expect("a good world");
         Self { host, visitor, now: 0, sent: vec![] }
     }
 
