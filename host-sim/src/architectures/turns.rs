@@ -240,8 +240,11 @@ impl Turn for RingMember {
     }
 }
 
-/// The peers of a scheme in the order of their numbers, which of them the two users are, and their delay to each other, µs.
-fn cast(architecture: Architecture, delay_us: u64) -> Result<(Vec<Box<dyn Turn>>, [usize; 2], u64), ArchitectureError> {
+/// The peers of a scheme in the order of their numbers, which of them the two users are, and the delay of a message, µs.
+type Cast = (Vec<Box<dyn Turn>>, [usize; 2], u64);
+
+/// Who takes part, at this delay from user to user, µs.
+fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureError> {
     let lease = Lease::new(LEASE_US)?;
     if architecture == Architecture::CollaborativeLock {
         let server = LockServer { role: lock::Server::new(lease, value(0.0)), out: Outbox::new() };
