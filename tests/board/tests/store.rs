@@ -122,7 +122,7 @@ fn nothing_is_written_while_armed() {
 fn first_words(firmware: &Arc<Firmware>, settings: &[&str], asked: [u8; 4]) -> Vec<Vec<u8>> {
     let mut bench = board(firmware, &[]);
     for line in settings {
-        assert_eq!(bench.ask(1, &format!("set {line}")), format!("ok {}", line.replacen(' ', " = ", 1)));
+        assert!(bench.ask(1, &format!("set {line}")).starts_with("ok"));
     }
     assert_eq!(bench.ask(1, "apply"), "ok applied");
     assert!(bench.ask(1, "save").starts_with("ok"));
