@@ -139,6 +139,8 @@ struct Loop {
     /// The check before arming: passed by these joints, of this device.
     passed: [bool; AXES],
     device: u32,
+    /// A probe was begun, and what came of it is not told yet.
+    probing: bool,
     state: State<Models>,
     tick: u32,
     life: u32,
@@ -169,6 +171,7 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
         probed,
         passed: [false; AXES],
         device,
+        probing: false,
         state,
         tick: 0,
         life: 0,
@@ -231,11 +234,7 @@ impl Loop {
         }
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
-        let probing = self.state.mode() == Mode::Probing;
         let actuators = peer::tick(&self.plans.get().scene, &mut self.state, &sensors);
-        if probing {
-            self.after_probe();
-        }
         self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
@@ -279,6 +278,7 @@ impl Loop {
         if self.probes.fetch() {
             let (number, probe) = *self.probes.get();
             self.state.probe(probe);
+            self.probing = self.state.mode() == Mode::Probing;
             self.probed.write(self.state.probed());
             BEGUN.store(number, Ordering::Release);
         }
@@ -298,14 +298,12 @@ impl Loop {
         self.passed.iter().take(self.plans.get().scene.axes()).all(|passed| *passed)
     }
 
-    /// After a tick that began with a probe under way.
+    /// After the tick that ended a probe.
     #[cold]
     #[unsafe(link_section = ".itcm.probe")]
     fn after_probe(&mut self) {
+        self.probing = false;
         let outcome = self.state.probed();
-        if self.state.mode() == Mode::Probing {
-            return;
-        }
         if outcome.check {
             for (passed, joint) in self.passed.iter_mut().zip(1..) {
                 if joint == outcome.joint {
@@ -316,9 +314,12 @@ impl Loop {
         self.probed.write(outcome);
     }
 
-    /// With the motors off: whether the last check still stands.
+    /// With the motors off: what came of a probe, and whether the last check still stands.
     #[inline(always)]
     fn judge(&mut self) {
+        if self.probing {
+            self.after_probe();
+        }
         if let Mode::Faulted(fault) = self.state.mode()
             && fault.doubts_encoders()
         {

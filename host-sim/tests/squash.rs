@@ -77,6 +77,18 @@ fn on_a_bad_network_all_agree() {
 }
 
 #[test]
+fn the_bound_follows_a_delay_that_jumps() {
+    let network = Network { delay_step_s: 0.17, delay_step_at_s: 30.0, ..Network::default() };
+    for seed in 1..4 {
+        let report = report(&Options { network, seconds: 120.0, ..options(4, 60.0, seed) });
+        assert!(report.agreed && (399.0..401.0).contains(&report.round_trip_ms), "{seed}: {report:?}");
+        // At most the one that was hit when the delay jumped; and it is played again.
+        assert!(report.left_the_court <= 1 && report.unseen == report.left_the_court, "{seed}: {report:?}");
+        assert!(report.bounded > 5, "{seed}: {report:?}");
+    }
+}
+
+#[test]
 fn players_leave_vanish_and_come_back_and_all_agree() {
     let changes = vec![
         (10.0, 2, Change::Leaves),
@@ -122,6 +134,7 @@ fn the_command_line_plays_and_refuses() {
         ("squash --rtt-ms -1", "from 0 to 2000 ms"),
         ("squash --seconds NaN", "from 0.001 to 86400 s"),
         ("squash --set network.loss=2", "network.loss"),
+        ("squash live --number 1 --addresses 127.0.0.1:1 --key-file /nowhere", "/nowhere"),
         ("collaborate --users 1", "2..=8"),
         ("collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),
     ] {
@@ -130,4 +143,49 @@ fn the_command_line_plays_and_refuses() {
         assert_eq!(bad.status.code(), Some(2), "{line}: {said}");
         assert!(said.contains(part) && said.lines().count() == 1 && bad.stdout.is_empty(), "{line}: {said}");
     }
+}
+
+/// A folder of this process's own, gone at the end.
+struct Folder(std::path::PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Four processes on loopback: a server and three players, sealed.
+#[test]
+fn processes_play_over_udp_and_agree() {
+    let folder = Folder(std::env::temp_dir().join(format!("haptic-squash-{}", std::process::id())));
+    std::fs::create_dir_all(&folder.0).unwrap();
+    let key = folder.0.join("key");
+    let program = env!("CARGO_BIN_EXE_host-sim");
+    assert!(Command::new(program).arg("keygen").arg(&key).output().unwrap().status.success());
+    // Ports that are free now.
+    let sockets = [(); 4].map(|()| std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
+    let addresses = sockets.map(|socket| socket.local_addr().unwrap().to_string()).join(",");
+    let games = [0, 1, 2, 3].map(|number| {
+        Command::new(program)
+            .args(["squash", "live", "--json", "--seconds", if number == 0 { "9" } else { "8" }])
+            .args(["--number", &number.to_string(), "--addresses", &addresses, "--key-file"])
+            .arg(&key)
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap()
+    });
+    let reports = games.map(|game| {
+        let output = game.wait_with_output().unwrap();
+        assert!(output.status.success());
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    });
+    let rallies = |at: usize| reports[at]["rallies"].as_array().unwrap();
+    assert!(!rallies(0).is_empty(), "{reports:?}");
+    for player in 1..4 {
+        // All but the last, which may have been on its way when the player stopped.
+        assert!(rallies(player).len() + 2 >= rallies(0).len(), "{reports:?}");
+        assert!(rallies(player).iter().zip(rallies(0)).all(|(one, two)| one == two), "{reports:?}");
+        assert_eq!(reports[player]["refused"], 0, "{reports:?}");
+    }
+    assert!((1..4).any(|player| reports[player]["strokes"].as_u64() > Some(0)), "{reports:?}");
 }

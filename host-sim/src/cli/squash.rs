@@ -1,11 +1,13 @@
 //! `host-sim squash`: Force Feedback Multi-player Squash, played by bots.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json};
+use crate::live::{court, key_file};
 use crate::report::text::{TextTable, significant};
 use crate::squash::sweep::{Cell, sweep};
 use crate::squash::{Options, Report, picture, play};
@@ -20,7 +22,10 @@ enum Switch {
 
 /// Arguments of `squash`.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(super) struct Squash {
+    #[command(subcommand)]
+    live: Option<Live>,
     #[command(flatten)]
     scene: SceneArgs,
     /// Players.
@@ -52,6 +57,70 @@ pub(super) struct Squash {
     out: Option<PathBuf>,
 }
 
+#[derive(Debug, Subcommand)]
+enum Live {
+    /// The game in real time over UDP, sealed: this process is its server or one of its players.
+    Live(LiveArgs),
+}
+
+#[derive(Debug, Args)]
+struct LiveArgs {
+    /// Which one: 0 is the server, 1, 2 … the players.
+    #[arg(long, value_name = "N")]
+    number: u8,
+    /// Where each of them listens, in order, the server first; the same for all.
+    #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
+    addresses: Vec<SocketAddr>,
+    /// Key file, the same for all (`host-sim keygen`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    /// Bounds the speed of the ball; the server's word.
+    #[arg(long, value_enum, default_value = "on")]
+    bounder: Switch,
+    /// Damps this player's hand.
+    #[arg(long, value_enum, default_value = "on")]
+    motion_bounder: Switch,
+    /// How long, s.
+    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
+    seconds: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl LiveArgs {
+    fn run(&self) -> Result<(), Failure> {
+        check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
+        let key = key_file::read(&self.key_file)?;
+        let report = court::run(
+            &key,
+            &court::Options {
+                number: self.number,
+                addresses: self.addresses.clone(),
+                bounder: self.bounder == Switch::On,
+                motion_bounder: self.motion_bounder == Switch::On,
+                seconds: self.seconds,
+            },
+        )?;
+        if self.json {
+            return print_json(&report);
+        }
+        let mut table = TextTable::new(["rally", "strokes", "ending", "loser"]);
+        for rally in &report.rallies {
+            let numbers = [rally.rally.to_string(), rally.strokes.to_string(), rally.ending.clone()];
+            table.push(numbers.into_iter().chain([rally.loser.to_string()]));
+        }
+        println!("{table}");
+        let score = report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : ");
+        println!("score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
+        println!(
+            "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} beats late",
+            report.round_trip_ms, report.links, report.refused, report.punctuality.missed
+        );
+        Ok(())
+    }
+}
+
 #[derive(Serialize)]
 struct Document {
     players: u8,
@@ -79,6 +148,9 @@ impl Squash {
     /// # Errors
     /// A bad scene or number, or a picture that cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if let Some(Live::Live(live)) = &self.live {
+            return live.run();
+        }
         check("--rtt-ms", self.rtt_ms, 0.0, 2000.0, "ms")?;
         check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
         let mut options = Options {

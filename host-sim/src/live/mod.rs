@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`court`] | a game of squash: its server, or one of its players |
 //! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
 //! | [`key_file`] | the shared key, readable by its owner only |
 //! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
@@ -16,6 +17,7 @@
 //! | [`restarts`] | two nodes in virtual time, one or the other restarting |
 //! | `socket` | a UDP socket that is polled |
 
+pub mod court;
 pub mod crowd;
 pub mod flood;
 pub mod histogram;

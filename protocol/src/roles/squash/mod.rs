@@ -25,7 +25,8 @@
 //! Round trips are counted from the first sending, so that what is lost counts as late: the bound on the ball ([`BallBounds`])
 //! is for the network as it is.
 //!
-//! **Limits**: plan view, no gravity; who stands in the ball's way is not hit. Rallies and strokes are 16 bits: 65,535 of
+//! **Limits**: a delay that jumps is known only when somebody has measured it ([`PING_EVERY_US`] and a round trip later): a ball that
+//! was hit in between may leave the court unseen, and the rally is played again. Plan view, no gravity; who stands in the ball's way is not hit. Rallies and strokes are 16 bits: 65,535 of
 //! each. The server's word is the game's: it ends with it.
 
 mod bounder;

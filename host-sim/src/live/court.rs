@@ -1,0 +1,284 @@
+//! Squash in real time: one process for the server and one for each player, a sealed link between any two.
+//!
+//! The paper's enhanced UDP: single events (join, leave, hit, miss) go as the link's reliable events, the flow (places, pings,
+//! the state of the game) as samples, which are lost if they are lost; a role drops what is old by itself. What a link has no
+//! room for is dropped, too: the role says it again. The bots are those of the simulated game ([`crate::squash`]).
+
+use std::net::SocketAddr;
+use std::time::{Duration, Instant};
+
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::code;
+use haptic_protocol::roles::squash::{
+    Court, Ending, Message, Notice, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig, Verdict,
+};
+use haptic_protocol::wire::{Event, MAX_DATAGRAM, PeerId, Sample};
+use serde::Serialize;
+
+use super::pace::{Pace, Punctuality};
+use super::socket;
+use crate::squash::bot::{Action, BALL_KG, Bot, MOTION};
+
+/// Control period.
+const TICK: Duration = Duration::from_millis(1);
+/// Packet period of the links, µs: a link ends after 12 of them in silence.
+const PACKET_US: u32 = 50_000;
+
+/// Who this is, and where the others are.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// 0 is the server, 1 … the players.
+    pub number: u8,
+    /// Where each of them listens, in order.
+    pub addresses: Vec<SocketAddr>,
+    /// The server bounds the ball.
+    pub bounder: bool,
+    /// The player's hand is damped.
+    pub motion_bounder: bool,
+    /// How long, s.
+    pub seconds: f64,
+}
+
+/// A rally as this process was told.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Rally {
+    /// Its number.
+    pub rally: u16,
+    /// Hits.
+    pub strokes: u16,
+    /// How it ended.
+    pub ending: String,
+    /// Who was active then.
+    pub loser: u8,
+}
+
+impl From<Verdict> for Rally {
+    fn from(verdict: Verdict) -> Self {
+        let Verdict { rally, strokes, ending, loser } = verdict;
+        Self { rally, strokes, ending: format!("{ending:?}").to_lowercase(), loser: loser.0 }
+    }
+}
+
+/// What one process saw.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// 0 is the server, 1 … the players.
+    pub number: u8,
+    /// Rallies that ended while it was there.
+    pub rallies: Vec<Rally>,
+    /// Points of player 1, 2, ….
+    pub score: Vec<u8>,
+    /// Hits that it made.
+    pub strokes: u32,
+    /// Balls that had left the court before it knew of the hit.
+    pub unseen: u32,
+    /// Longest round trip that the game knows of, ms; 0 without the bounder.
+    pub round_trip_ms: f64,
+    /// Links to others that are up in the end.
+    pub links: usize,
+    /// Datagrams that were refused.
+    pub refused: u32,
+    /// How well the 1 kHz beat was kept.
+    pub punctuality: Punctuality,
+}
+
+/// The links to everybody else, on one socket.
+struct Post {
+    socket: std::net::UdpSocket,
+    /// Number, address, link.
+    others: Vec<(PeerId, SocketAddr, Link)>,
+}
+
+impl Post {
+    fn new(key: &Key, options: &Options) -> Result<Self, String> {
+        let own = options.addresses[usize::from(options.number)];
+        let mut others = Vec::new();
+        for (number, address) in (0..).zip(&options.addresses).filter(|(number, _)| *number != options.number) {
+            let mut entropy = [0; Key::LEN];
+            getrandom::fill(&mut entropy).map_err(|cause| format!("no randomness: {cause}"))?;
+            let Court { length_m, width_m } = Court::SINGLES;
+            let table = Table::new("squash").number("length_m", length_m.into()).number("width_m", width_m.into());
+            let mut parameters = Parameters::new();
+            parameters.add(table).map_err(|error| format!("{error:?}"))?;
+            let link = Link::new(Config {
+                key: key.clone(),
+                ends: Ends { local: PeerId(options.number), remote: PeerId(number) },
+                packet_period_us: PACKET_US,
+                parameters,
+                entropy,
+            })
+            .map_err(|error| error.to_string())?;
+            others.push((PeerId(number), *address, link));
+        }
+        Ok(Self { socket: socket::open(own)?, others })
+    }
+
+    /// What has come.
+    fn take(&mut self, now: u64, until: Instant) -> Vec<(PeerId, Message)> {
+        let mut came = Vec::new();
+        let Self { socket, others } = self;
+        socket::drain(socket, until, |address, datagram| {
+            // The address only tells which link to ask; whether it is true, the seal does.
+            let Some((from, _, link)) = others.iter_mut().find(|(_, known, _)| *known == address) else { return };
+            if let Ok(Some(Incoming::Sample(sample))) = link.receive(now, datagram)
+                && let Ok(event) = Event::new(sample.code, sample.payload())
+                && let Ok(message) = Message::parse(&event)
+            {
+                came.push((*from, message));
+            }
+        });
+        for (from, _, link) in others {
+            while let Some(event) = link.take_event() {
+                came.extend(Message::parse(&event).map(|message| (*from, message)));
+            }
+            while link.take_notice().is_some() {}
+        }
+        came
+    }
+
+    /// Says what a role wants to say, and what the links themselves have to.
+    fn say<const Q: usize>(&mut self, now: u64, roles: &mut Outbox<Message, Q>) {
+        let mut out = [0; MAX_DATAGRAM];
+        let Self { socket, others } = self;
+        // A datagram that the socket does not take now is one that is lost.
+        let send = |address: SocketAddr, bytes: &[u8]| drop(socket.send_to(bytes, address));
+        while let Some((to, message)) = roles.take() {
+            let Some((_, address, link)) = others.iter_mut().find(|(number, ..)| *number == to) else { continue };
+            let Ok(event) = message.event() else { continue };
+            match message {
+                Message::Join | Message::Leave | Message::Hit { .. } | Message::Miss { .. } => {
+                    let _ = link.push_event(event);
+                }
+                _ => {
+                    if let Ok(sample) = Sample::new(code::SQUASH, event.payload())
+                        && let Some(len) = link.send_sample(now, &sample, &mut out)
+                    {
+                        send(*address, &out[..len]);
+                    }
+                }
+            }
+        }
+        for (_, address, link) in others {
+            while let Some(len) = link.poll(now, &mut out) {
+                send(*address, &out[..len]);
+            }
+        }
+    }
+
+    fn links(&self) -> usize {
+        self.others.iter().filter(|(_, _, link)| matches!(link.stage(), Stage::Idle | Stage::Running)).count()
+    }
+
+    fn refused(&self) -> u32 {
+        self.others.iter().map(|(_, _, link)| link.counts().refused).sum()
+    }
+}
+
+/// What this process plays.
+enum Part {
+    Server(Box<Server>),
+    Player { player: Box<Player>, bot: Box<Bot>, was_active: bool },
+}
+
+/// Plays until the time is over.
+///
+/// # Errors
+/// A number without an address, a socket that cannot be opened: in one line.
+pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
+    let count = options.addresses.len();
+    if !(3..=PLAYERS + 1).contains(&count) {
+        return Err(format!(
+            "--addresses has {count} addresses: it must have 3 to 9, the server's and 2 to 8 players'"
+        ));
+    }
+    if usize::from(options.number) >= count {
+        let most = count - 1;
+        return Err(format!(
+            "--number {} is not allowed: with {count} addresses it must be 0 to {most}",
+            options.number
+        ));
+    }
+    let mut post = Post::new(key, options)?;
+    let mut random = [0; 8];
+    getrandom::fill(&mut random).map_err(|cause| format!("no randomness: {cause}"))?;
+    let seed = u64::from_le_bytes(random);
+    let mut part = if options.number == SERVER.0 {
+        let players = (count - 1) as u8;
+        Part::Server(Box::new(Server::new(ServerConfig { players, rallies: u16::MAX, bounder: options.bounder })))
+    } else {
+        let (number, court) = (PeerId(options.number), Court::SINGLES);
+        let config = PlayerConfig { number, court, ball_kg: BALL_KG, life: seed as u16 };
+        let (player, bot) = (Box::new(Player::new(config)), Box::new(Bot::new(court, seed)));
+        Part::Player { player, bot, was_active: false }
+    };
+    let mut out = Outbox::<Message, 64>::new();
+    let (mut rallies, mut strokes, mut unseen): (Vec<Rally>, _, _) = (Vec::new(), 0, 0);
+    let mut pace = Pace::new(TICK);
+    let ticks = (options.seconds / TICK.as_secs_f64()).round() as u64;
+    for _ in 0..ticks {
+        pace.wait();
+        let now = pace.now_us();
+        for (from, message) in post.take(now, Instant::now() + TICK) {
+            match &mut part {
+                Part::Server(server) => server.receive(now, from, &message, &mut out),
+                Part::Player { player, .. } => player.receive(now, from, &message, &mut out),
+            }
+        }
+        match &mut part {
+            Part::Server(server) => {
+                server.poll(now, &mut out);
+                let last = server.game().last;
+                if rallies.last().map_or(0, |rally| rally.rally) < last.rally {
+                    unseen += u32::from(last.ending == Ending::Unseen);
+                    rallies.push(last.into());
+                }
+            }
+            Part::Player { player, bot, was_active } => {
+                let now_s = now as f64 * 1e-6;
+                while let Some(notice) = player.take_notice() {
+                    match notice {
+                        Notice::Ends { verdict, .. } => {
+                            let own = verdict.loser.0 == options.number;
+                            unseen += u32::from(verdict.ending == Ending::Unseen && own);
+                            rallies.push(verdict.into());
+                        }
+                        Notice::Begins { .. } | Notice::Hit { .. } => *was_active = false,
+                    }
+                }
+                match (player.is_active(), std::mem::replace(was_active, player.is_active())) {
+                    (true, false) => bot.sees_its_turn(now_s),
+                    (false, true) => bot.rests(),
+                    _ => {}
+                }
+                let damping = MOTION.damping_n_s_per_m(player.round_trip_us());
+                let damping = if options.motion_bounder { f64::from(damping) } else { 0.0 };
+                let action = bot.tick(now_s, TICK.as_secs_f64(), player.ball(now), damping);
+                player.place(bot.racket());
+                if let Action::Swings(racket) = action {
+                    strokes += u32::from(player.hit(now, &racket, &mut out).is_some());
+                }
+                player.poll(now, &mut out);
+            }
+        }
+        post.say(now, &mut out);
+    }
+    let game = match &part {
+        Part::Server(server) => server.game(),
+        Part::Player { player, .. } => player.game(),
+    };
+    Ok(Report {
+        number: options.number,
+        rallies,
+        score: game.score.into_iter().take(count - 1).collect(),
+        strokes,
+        unseen,
+        round_trip_ms: f64::from(game.round_trip_us) * 1e-3,
+        links: post.links(),
+        refused: post.refused(),
+        punctuality: pace.punctuality(),
+    })
+}
