@@ -180,7 +180,10 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
         overrun: false,
     };
     // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
-    unsafe { (*(&raw mut LOOP)).write(this) };
+    unsafe {
+        let place = &raw mut LOOP;
+        (*place).write(this)
+    };
     Tasks {
         plans: plans_in,
         incoming: incoming_in,
@@ -196,7 +199,10 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
 #[unsafe(link_section = ".itcm.tick")]
 extern "C" fn TIM6_DAC() {
     // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
-    let this = unsafe { (*(&raw mut LOOP)).assume_init_mut() };
+    let this = unsafe {
+        let place = &raw mut LOOP;
+        (*place).assume_init_mut()
+    };
     this.period();
 }
 

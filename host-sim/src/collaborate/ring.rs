@@ -1,4 +1,5 @@
-//! Members of a token ring as the world sees them. Some begin as founders, one joins later, one leaves.
+//! Members of a token ring as the world sees them. Some begin as founders and the others join; all but the first leave and join
+//! again in the time of trouble, and one leaves for good.
 
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{self, Config, Message, Notice, Record, Ring, Roster};
@@ -17,6 +18,9 @@ const LEASE_US: u32 = 300_000;
 /// A turn while others want to edit, µs: longer than a lease, so that only the lease stops an owner that nobody hears.
 const TURN_US: u64 = 600_000;
 
+/// How long after its joining a member leaves at the most, µs.
+const LEAVES_US: u64 = 3_000_000;
+
 /// A member, what it has stored, and its user.
 pub struct Member {
     ring: Ring,
@@ -24,8 +28,10 @@ pub struct Member {
     stored: Record,
     /// What a founder begins with, and somebody who has lost its record.
     blank: Record,
-    /// Leaves at this time of its own clock, µs.
-    leaves_us: Option<u64>,
+    /// Leaves when it has been there for so long, by its own clock, µs.
+    stays_us: Option<u64>,
+    since_us: Option<u64>,
+    for_good: bool,
     hand: Hand,
     patient: bool,
     edited: Option<Value>,
@@ -35,25 +41,27 @@ pub struct Member {
     no_majority: bool,
 }
 
-/// The trial's users. With three or more, the last one joins; with four or more, the last but one leaves.
+/// The trial's users. With four or more, the last but one leaves for good.
 pub fn peers(trial: &Trial) -> Cast<Member> {
     let mut dice = Dice::new(!trial.seed);
     let users = trial.users;
     let lease = Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"));
-    let founders = Roster::of(0..users - u8::from(users > 2));
+    let founders = Roster::of(0..=dice.below(u64::from(users)) as u8);
     let everybody = Roster::of(0..users);
     let peers = (0..users)
         .map(|seat| {
             let config = Config { seat, contacts: everybody, lease, turn_us: TURN_US, seed: dice.below(u64::MAX) };
             let record =
                 if founders.contains(seat) { Record::founder(founders, Value::default()) } else { Record::outsider() };
-            let leaves = users > 3 && seat + 2 == users;
+            let for_good = users > 3 && seat + 2 == users;
             Member {
                 ring: Ring::new(config, 0, record),
                 config,
                 stored: record,
                 blank: record,
-                leaves_us: leaves.then(|| 1_000_000 + dice.below(2_000_000)),
+                stays_us: (seat > 0).then(|| 500_000 + dice.below(LEAVES_US)),
+                since_us: None,
+                for_good,
                 hand: Hand::new(0, &mut dice),
                 patient: false,
                 edited: None,
@@ -69,6 +77,15 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
 }
 
 impl Member {
+    /// Joins again, with what it has stored.
+    fn comes_back(&mut self, now: u64, dice: &mut Dice) {
+        self.config.seed = dice.below(u64::MAX);
+        self.ring = Ring::new(self.config, now, self.stored);
+        self.edited = None;
+        self.stays_us = (!self.patient).then(|| dice.below(LEAVES_US));
+        self.since_us = Some(now);
+    }
+
     fn told(&mut self, now: u64, history: &mut History, dice: &mut Dice) -> Result<(), String> {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
@@ -112,8 +129,12 @@ impl Peer for Member {
         }
         self.told(now, history, dice)?;
         let wish = self.hand.wish(now);
-        if self.leaves_us.is_some_and(|leaves_us| now >= leaves_us) {
+        let since_us = *self.since_us.get_or_insert(now);
+        if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
             self.ring.leave();
+            if self.ring.has_left() && !self.for_good {
+                self.comes_back(now, dice);
+            }
         } else if self.ring.owns(now) {
             if self.hand.edits(now) || wish == Wish::Leave {
                 let value = history.edit(&self.ring.state().value)?;
@@ -155,7 +176,12 @@ impl Peer for Member {
     fn insist(&mut self, now: u64) -> bool {
         self.patient = true;
         self.hand.insist(now);
-        self.leaves_us.is_none()
+        if !self.for_good && self.stays_us.take().is_some() {
+            // Whether it was about to leave or not, it stays.
+            self.ring = Ring::new(self.config, now, self.stored);
+            self.edited = None;
+        }
+        !self.for_good
     }
 
     fn counts(&self) -> (u64, u64) {
@@ -163,11 +189,11 @@ impl Peer for Member {
     }
 
     fn is_settled(&self) -> bool {
-        self.leaves_us.is_none() || self.ring.has_left()
+        !self.for_good || self.ring.has_left()
     }
 
     fn value(&self) -> Option<Value> {
         // Who has left does not follow any more.
-        self.leaves_us.is_none().then_some(self.ring.state().value)
+        (!self.for_good).then_some(self.ring.state().value)
     }
 }

@@ -137,8 +137,8 @@ struct World<P> {
     /// Until when each peer is down, true µs.
     down_until: Vec<u64>,
     fates: Vec<Fates>,
-    /// Peers on the other side, while the network is apart.
-    apart: u64,
+    /// Which ways are cut: from, to.
+    cut: Vec<bool>,
     flying: BinaryHeap<Reverse<(u64, u64)>>,
     letters: Vec<Option<(usize, usize, Event)>>,
     dice: Dice,
@@ -180,7 +180,7 @@ impl<P: Peer> World<P> {
             clocks,
             down_until: vec![0; count],
             fates,
-            apart: 0,
+            cut: vec![false; count * count],
             flying: BinaryHeap::new(),
             letters: Vec::new(),
             dice,
@@ -219,8 +219,7 @@ impl<P: Peer> World<P> {
         } else {
             vec![self.dice.below(DELAY_US)]
         };
-        let cut = (self.apart >> from ^ self.apart >> to) & 1 == 1;
-        if cut || arrivals.is_empty() {
+        if self.cut[from * self.peers.len() + to] || arrivals.is_empty() {
             self.run.lost += 1;
             return;
         }
@@ -252,10 +251,24 @@ impl<P: Peer> World<P> {
         }
     }
 
+    /// The network comes together, falls into two, or loses single ways between two peers, one direction each.
+    fn fall_apart(&mut self) {
+        let (count, kind) = (self.peers.len(), self.dice.below(4));
+        let sides = self.dice.below(1 << count);
+        for way in 0..count * count {
+            let (from, to) = (way / count, way % count);
+            self.cut[way] = match kind {
+                0 | 1 => false,
+                2 => (sides >> from ^ sides >> to) & 1 == 1,
+                _ => self.dice.chance(0.4),
+            };
+        }
+    }
+
     /// Somebody crashes, or the network falls apart or comes together, now and then.
     fn disturb(&mut self, now: u64, crashes: f64, partitions: f64) {
         if self.dice.chance(partitions) {
-            self.apart = if self.apart == 0 { self.dice.below(1 << self.peers.len()) } else { 0 };
+            self.fall_apart();
         }
         for at in 0..self.peers.len() {
             if self.down_until[at] <= now && self.dice.chance(crashes) {
@@ -296,7 +309,7 @@ pub fn run<P: Peer>(trial: &Trial, cast: Cast<P>) -> Run {
             world.step(now, at, None);
         }
         if now == TROUBLE_US {
-            world.apart = 0;
+            world.cut.fill(false);
             for at in 0..count {
                 let clock = world.clocks[at].at(now);
                 before[at] = world.peers[at].counts().0;
