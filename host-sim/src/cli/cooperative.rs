@@ -43,7 +43,7 @@ enum Switch {
 /// Arguments of `cooperative`.
 #[derive(Debug, Args)]
 pub(super) struct Cooperative {
-    /// Scene file (TOML) on top of which the keys of a cooperative environment stand: packets each tick, prompt forces.
+    /// Scene file (TOML); without it, packets each tick, prompt forces and a device of 5 N·s/m.
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
     /// Override one key of the scene; may be repeated.
@@ -52,8 +52,8 @@ pub(super) struct Cooperative {
     /// How many users push the object, 1 to 16.
     #[arg(long, default_value_t = 2, value_name = "N")]
     users: usize,
-    /// Delay of every packet between a client and the server, one way, ms; without it, a sweep from 0 to 200 ms, and the
-    /// paper's limits.
+    /// Delay of every packet between a client and the server, one way, ms (instead of the scene's network.extra_delay_s);
+    /// without it, a sweep from 0 to 200 ms, and the paper's limits.
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     delay_ms: Option<f64>,
     /// Whether stiffness and damping follow the measured round trip; without it, a sweep shows both.
@@ -122,9 +122,7 @@ impl Cooperative {
             keys.extend(base.iter().chain(&FORCES).map(|key| (*key).to_owned()));
         }
         keys.extend(self.set.iter().cloned());
-        if self.delay_ms.is_some() || self.scene.is_none() {
-            keys.push(format!("network.extra_delay_s={}", 1e-3 * one_way_ms));
-        }
+        keys.push(format!("network.extra_delay_s={}", 1e-3 * one_way_ms));
         Ok(SceneFile::load(self.scene.as_deref(), &keys)?)
     }
 

@@ -17,6 +17,7 @@
 //! |---|---|
 //! | [`client`] | device, contact, bounder, and the object as the client was told |
 //! | [`engine`] | the object and what pushes it |
+//! | `packet` | what goes up and down in one packet period, and its bytes |
 //! | [`world`] | server, clients and the network between them, step by step |
 //! | [`run`] | one run and its figures of merit |
 //! | [`limits`] | the longest round trip for a stiffness, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
@@ -25,6 +26,7 @@
 pub mod client;
 pub mod engine;
 pub mod limits;
+mod packet;
 pub mod run;
 pub mod waves;
 pub mod world;

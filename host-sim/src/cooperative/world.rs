@@ -9,48 +9,18 @@ use haptic_core::render::Contact;
 use haptic_core::render::bounder::{Bound, Bounder};
 use haptic_core::settings::Refused;
 use haptic_protocol::roles::cooperative as role;
-use haptic_protocol::roles::cooperative::{Body, Lease, Message, OutOfRange, Told};
-use haptic_protocol::wire::{Event, Header, Moved, PeerId, Push, TAG_LEN};
+use haptic_protocol::roles::cooperative::{Lease, Message, OutOfRange, Told};
+use haptic_protocol::wire::{Moved, Push};
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
+use super::packet::{Down, Up, body, object, peer};
 use super::{Collision, MOST_USERS, Setup};
 use crate::network::Way;
 use crate::network::fate::Direction;
 
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
 pub const LEASE_US: u32 = 2_000_000;
-
-/// Bytes around a sealed message.
-const SEAL: usize = Header::LEN + TAG_LEN;
-
-/// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
-fn said_bytes(message: &Message) -> usize {
-    let mut out = [0; Event::MAX_LEN];
-    SEAL + message.event(0).and_then(|event| event.emit(&mut out)).unwrap_or(Event::MAX_LEN)
-}
-
-/// From a client.
-#[derive(Clone, Copy, Debug)]
-struct Up {
-    push: Push,
-    /// Where contact is computed at the server: the device, and with what gains.
-    sensed: Option<(Motion<f64>, Bound<f64>)>,
-    /// Of the client that has the engine, for the others.
-    states: Option<[Moved; MOST_USERS]>,
-    say: Option<Message>,
-}
-
-/// To a client.
-#[derive(Clone, Copy, Debug)]
-struct Down {
-    state: Option<Moved>,
-    /// Where contact is computed at the server: the force on the object.
-    force_n: Option<f64>,
-    /// For the client that has the engine: what the others push with.
-    pushes: Option<[Option<Push>; MOST_USERS]>,
-    say: Option<Message>,
-}
 
 /// One client with its lines and what it plays in the hand-over.
 #[derive(Clone, Debug)]
@@ -116,20 +86,6 @@ pub enum WorldError {
          coordination.ledger false"
     )]
     NoWaves,
-}
-
-/// The role's name for a client.
-fn peer(index: usize) -> PeerId {
-    PeerId(index as u8 + 1)
-}
-
-fn body(object: Motion<f64>) -> Body {
-    Body { axes: [[object.position, object.velocity], [0.0; 2]] }
-}
-
-fn object(body: Body) -> Motion<f64> {
-    let [[position, velocity], _] = body.axes;
-    Motion { position, velocity }
 }
 
 impl World {
@@ -312,9 +268,7 @@ impl World {
                 pushes: holds.then_some(pushes),
                 say: seat.answer.take().or(say),
             };
-            let passed = down.pushes.iter().flatten().flatten().count() * (SEAL + Push::LEN);
-            let said = down.say.as_ref().map_or(0, said_bytes);
-            self.bytes[1] += (down.state.map_or(0, |_| SEAL + Moved::LEN) + passed + said) as u64;
+            self.bytes[1] += down.bytes() as u64;
             seat.down.send(time, down);
         }
     }
@@ -366,11 +320,10 @@ impl World {
             })
         });
         let say = seat.role.poll(now);
-        let told = states.map_or(0, |_| (users - 1) * (SEAL + Moved::LEN));
-        let said = say.as_ref().map_or(0, said_bytes);
-        self.bytes[0] += (SEAL + Push::LEN + told + said) as u64;
         let sensed = (self.collision == Collision::Server).then_some((device, seat.client.bound));
-        seat.up.send(time, Up { push, sensed, states, say });
+        let up = Up { push, sensed, states, say };
+        self.bytes[0] += up.bytes(users) as u64;
+        seat.up.send(time, up);
     }
 
     fn server_hears(&mut self, index: usize, now: u64, time: f64) {

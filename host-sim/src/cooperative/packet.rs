@@ -1,0 +1,73 @@
+//! What goes up to the server and down to a client in one packet period, and how many bytes it is, sealed.
+//!
+//! Each part is a datagram of its own: pushes and motions are flow, a hand-over message is an event that says itself again and
+//! is not acknowledged.
+
+use haptic_core::motion::Motion;
+use haptic_core::render::bounder::Bound;
+use haptic_protocol::roles::cooperative::{Body, Message};
+use haptic_protocol::wire::{Event, Header, Moved, PeerId, Push, TAG_LEN};
+
+use super::MOST_USERS;
+
+/// Bytes around a sealed message.
+pub(super) const SEAL: usize = Header::LEN + TAG_LEN;
+
+/// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
+pub(super) fn said_bytes(message: &Message) -> usize {
+    let mut out = [0; Event::MAX_LEN];
+    SEAL + message.event(0).and_then(|event| event.emit(&mut out)).unwrap_or(Event::MAX_LEN)
+}
+
+/// From a client.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Up {
+    pub(super) push: Push,
+    /// Where contact is computed at the server: the device, and with what gains.
+    pub(super) sensed: Option<(Motion<f64>, Bound<f64>)>,
+    /// Of the client that has the engine, for the others.
+    pub(super) states: Option<[Moved; MOST_USERS]>,
+    pub(super) say: Option<Message>,
+}
+
+/// To a client.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Down {
+    pub(super) state: Option<Moved>,
+    /// Where contact is computed at the server: the force on the object.
+    pub(super) force_n: Option<f64>,
+    /// For the client that has the engine: what the others push with.
+    pub(super) pushes: Option<[Option<Push>; MOST_USERS]>,
+    pub(super) say: Option<Message>,
+}
+
+/// The role's name for a client.
+pub(super) fn peer(index: usize) -> PeerId {
+    PeerId(index as u8 + 1)
+}
+
+pub(super) fn body(object: Motion<f64>) -> Body {
+    Body { axes: [[object.position, object.velocity], [0.0; 2]] }
+}
+
+pub(super) fn object(body: Body) -> Motion<f64> {
+    let [[position, velocity], _] = body.axes;
+    Motion { position, velocity }
+}
+
+impl Up {
+    /// Bytes of it all, of a client among `users`.
+    pub(super) fn bytes(&self, users: usize) -> usize {
+        let told = self.states.map_or(0, |_| (users - 1) * (SEAL + Moved::LEN));
+        SEAL + Push::LEN + told + self.say.as_ref().map_or(0, said_bytes)
+    }
+}
+
+impl Down {
+    /// Bytes of it all. A force that comes down is as long as a push that goes up.
+    pub(super) fn bytes(&self) -> usize {
+        let pushes = self.pushes.iter().flatten().flatten().count() + usize::from(self.force_n.is_some());
+        let state = self.state.map_or(0, |_| SEAL + Moved::LEN);
+        state + pushes * (SEAL + Push::LEN) + self.say.as_ref().map_or(0, said_bytes)
+    }
+}
