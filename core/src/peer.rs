@@ -67,7 +67,6 @@ pub struct Observed<S> {
 struct Joint<V> {
     encoder: EncoderState,
     velocity: V,
-    still: Still,
 }
 
 /// Everything about a peer that changes.
@@ -88,6 +87,7 @@ pub struct State<M: Models> {
     saturated: Patience,
     engagement: Engagement,
     probing: Probing<M::Scalar>,
+    still: [Still; AXES],
     /// The packet that stands.
     standing: Packet<M::Scalar>,
     observed: Observed<M::Scalar>,
@@ -97,8 +97,7 @@ impl<M: Models> State<M> {
     /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders
     /// are first read: they count from there, so that two peers agree on where the shared object is.
     pub fn new(scene: &Scene<M>, device: [Motion<M::Scalar>; AXES]) -> Self {
-        let joint =
-            Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial(), still: Still::default() };
+        let joint = Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial() };
         let mut state = Self {
             mode: Mode::Disarmed,
             until_packet: 0,
@@ -114,6 +113,7 @@ impl<M: Models> State<M> {
             saturated: Patience::default(),
             engagement: scene.ladder.engaged(),
             probing: Probing::default(),
+            still: Default::default(),
             standing: Packet::default(),
             observed: Observed::default(),
         };
@@ -137,9 +137,7 @@ impl<M: Models> State<M> {
         self.saturated = Patience::default();
         self.engagement = scene.ladder.engaged();
         self.standing = Packet::default();
-        for joint in &mut self.joints {
-            joint.still = Still::default();
-        }
+        self.still = Default::default();
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
@@ -387,8 +385,11 @@ fn actuate<M: Models>(
     contact_force: M::Scalar,
 ) -> Actuators<M::Scalar> {
     let mut wanted = [-contact_force; AXES];
-    for (force, motion) in wanted.iter_mut().zip(&pose.axes).take(scene.axes).skip(1) {
-        *force = scene.hold.force(*motion);
+    // Not `skip(1)`: the call behind it costs more than the hold itself.
+    for (axis, (force, motion)) in (0..scene.axes).zip(wanted.iter_mut().zip(&pose.axes)) {
+        if axis > 0 {
+            *force = scene.hold.force(*motion);
+        }
     }
     let mut at_limit = false;
     let mut forces = state.forces;
@@ -406,38 +407,25 @@ fn actuate<M: Models>(
         state.trip(Fault::ForceSaturated);
         return Actuators::default();
     }
-    if let Err(fault) = believe(scene, state, pose, forces, duties) {
-        state.trip(fault);
-        return Actuators::default();
+    // Exact readings have no encoder to doubt.
+    let [first, ..] = &state.joints;
+    if first.encoder.primed {
+        if scene.watch.is_too_much(forces, pose.axes) {
+            state.trip(Fault::Runaway);
+            return Actuators::default();
+        }
+        if state.packet_due() && is_stuck(scene, state, duties) {
+            state.trip(Fault::EncoderStuck);
+            return Actuators::default();
+        }
     }
     state.forces = forces;
     Actuators { forces, duties, enable: true }
 }
 
-/// Whether what the encoders say can be true under these forces. Exact readings have no encoder to doubt.
-#[inline]
-fn believe<M: Models>(
-    scene: &Scene<M>,
-    state: &mut State<M>,
-    pose: &Pose<M::Scalar>,
-    forces: [M::Scalar; AXES],
-    duties: [Duty; AXES],
-) -> Result<(), Fault> {
-    let [first, ..] = &state.joints;
-    if !first.encoder.primed {
-        return Ok(());
-    }
-    for (force, motion) in forces.into_iter().zip(pose.axes).take(scene.axes) {
-        scene.watch.power(force, motion)?;
-    }
-    if state.packet_due() { counting(scene, state, duties) } else { Ok(()) }
-}
-
-/// Once a packet period, and not in the tick that is the longest: whether every joint's encoder counts.
+/// Once a packet period, and not in the tick that is the longest: whether a joint's encoder does not count.
 #[inline(never)]
-fn counting<M: Models>(scene: &Scene<M>, state: &mut State<M>, duties: [Duty; AXES]) -> Result<(), Fault> {
-    for (joint, duty) in state.joints.iter_mut().zip(duties).take(scene.axes) {
-        scene.watch.counting(&mut joint.still, joint.encoder.total, duty)?;
-    }
-    Ok(())
+fn is_stuck<M: Models>(scene: &Scene<M>, state: &mut State<M>, duties: [Duty; AXES]) -> bool {
+    let joints = state.joints.iter().zip(&mut state.still).zip(duties).take(scene.axes);
+    joints.fold(false, |stuck, ((joint, still), duty)| scene.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
 }

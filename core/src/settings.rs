@@ -428,7 +428,7 @@ settings! {
         peer_lost_packets: u32 = 1250, whole(1, 100000), "packets";
         #[doc = "Change of a motor's duty, as a fraction of full scale, under which its encoder must count."]
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "";
-        #[doc = "Most power that a hand can feed the device on one axis; above it the peer faults."]
+        #[doc = "Most power that a hand can feed the device; above it the peer faults."]
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W";
     }
 

@@ -16,9 +16,9 @@
 //! acts. And a device pressed against a stop harder than `safety.stuck_duty`, or struck with more power than
 //! `safety.max_hand_power_w`, looks broken without being so.
 
+use crate::axis::AXES;
 use crate::axis::motor::Duty;
 use crate::motion::Motion;
-use crate::safety::Fault;
 use crate::scalar::Scalar;
 use crate::settings::Settings;
 
@@ -47,20 +47,20 @@ impl<S: Scalar> Watch<S> {
         }
     }
 
-    /// A joint's counts and duty, once a packet period.
+    /// A joint's counts and duty, once a packet period: its force has changed too much for an encoder that does not count.
     #[inline]
-    pub fn counting(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> Result<(), Fault> {
+    pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {
         *still = if counts == still.counts {
             Still { counts, low: still.low.min(duty), high: still.high.max(duty) }
         } else {
             Still { counts, low: duty, high: duty }
         };
-        if i32::from(still.high) - i32::from(still.low) > self.stuck_codes { Err(Fault::EncoderStuck) } else { Ok(()) }
+        i32::from(still.high) - i32::from(still.low) > self.stuck_codes
     }
 
-    /// An axis' force (N) and motion, every tick.
+    /// The axes' forces (N) and motions, every tick: the hand seems to feed the device more power than it can.
     #[inline]
-    pub fn power(&self, force: S, motion: Motion<S>) -> Result<(), Fault> {
-        if -(force * motion.velocity) > self.max_power { Err(Fault::Runaway) } else { Ok(()) }
+    pub fn is_too_much(&self, [fx, fy]: [S; AXES], [x, y]: [Motion<S>; AXES]) -> bool {
+        -(fx * x.velocity + fy * y.velocity) > self.max_power
     }
 }

@@ -58,37 +58,51 @@ pub(crate) struct Console {
     pub(crate) probed: Reader<'static, Outcome>,
 }
 
-/// The settings as this board runs them, turned into what the tick takes; or why not.
-pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Answer> {
+/// Why a board does not run settings that a scene may have.
+pub(crate) enum Unfit {
+    /// Another control period than the timer's.
+    Period,
+    /// A velocity that encoders do not measure.
+    Velocity,
+    /// Settings that nobody runs.
+    Refused(Refused<'static>),
+}
+
+impl core::fmt::Display for Unfit {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Period => {
+                write!(f, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S)
+            }
+            Self::Velocity => {
+                f.write_str("axis.velocity must be difference, filtered or adaptive: encoders measure no velocity")
+            }
+            Self::Refused(refused) => refused.fmt(f),
+        }
+    }
+}
+
+/// The settings as this board runs them, turned into what the tick takes.
+///
+/// # Errors
+/// Why this board does not run them.
+pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Unfit> {
     let mut settings = *settings;
     settings.contact.side = match number {
         Number::One => Side::Left,
         Number::Two => Side::Right,
     };
-    let mut why = Answer::new();
     if settings.timing.control_period_s != pace::PERIOD_S {
-        let _ = write!(why, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S);
-        return Err(why);
+        return Err(Unfit::Period);
     }
     if settings.axis.velocity == VelocityName::Measured {
-        let _ = write!(why, "axis.velocity must be difference, filtered or adaptive: encoders measure no velocity");
-        return Err(why);
+        return Err(Unfit::Velocity);
     }
-    if let Err(refused) = haptic_core::axis::encoder::check(&settings) {
-        let _ = write!(why, "{refused}");
-        return Err(why);
-    }
-    match Scene::build(&settings) {
-        Ok(scene) => {
-            // The object starts at zero, so the device starts where it is just clear of it.
-            let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-            Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
-        }
-        Err(refused) => {
-            let _ = write!(why, "{refused}");
-            Err(why)
-        }
-    }
+    haptic_core::axis::encoder::check(&settings).map_err(Unfit::Refused)?;
+    let scene = Scene::build(&settings).map_err(Unfit::Refused)?;
+    // The object starts at zero, so the device starts where it is just clear of it.
+    let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
+    Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
 }
 
 impl Console {

@@ -155,7 +155,7 @@ extern "C" fn hard_fault(stack: u32) -> ! {
     // SAFETY: registers of the processor; the stack is read only where it lies in DTCM and was written.
     let (cfsr, hfsr, pc) = unsafe {
         let cfsr = CFSR.read_volatile();
-        let sound = (0x2000_0000..0x2001_FFC0).contains(&stack) && stack % 4 == 0 && cfsr & NOT_STACKED == 0;
+        let sound = (0x2000_0000..0x2001_FFC0).contains(&stack) && stack.is_multiple_of(4) && cfsr & NOT_STACKED == 0;
         (cfsr, HFSR.read_volatile(), if sound { ((stack + 24) as *const u32).read_volatile() } else { 0 })
     };
     // SAFETY: as above; which of the two holds says CFSR bit 7.

@@ -38,7 +38,7 @@ pub(crate) async fn run(
         }
         last = now;
         looks = looks.wrapping_add(1);
-        if looks % 100 == 0 {
+        if looks.is_multiple_of(100) {
             alive.toggle();
         }
         let new = STATUS.load(Ordering::Relaxed);

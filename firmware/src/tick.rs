@@ -139,6 +139,8 @@ struct Loop {
     /// The check before arming: passed by these joints, of this device.
     passed: [bool; AXES],
     device: u32,
+    /// A probe was begun, and what came of it is not told yet.
+    probing: bool,
     state: State<Models>,
     tick: u32,
     life: u32,
@@ -169,6 +171,7 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
         probed,
         passed: [false; AXES],
         device,
+        probing: false,
         state,
         tick: 0,
         life: 0,
@@ -177,7 +180,10 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
         overrun: false,
     };
     // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
-    unsafe { (*(&raw mut LOOP)).write(this) };
+    unsafe {
+        let place = &raw mut LOOP;
+        (*place).write(this)
+    };
     Tasks {
         plans: plans_in,
         incoming: incoming_in,
@@ -193,7 +199,10 @@ pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
 #[unsafe(link_section = ".itcm.tick")]
 extern "C" fn TIM6_DAC() {
     // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
-    let this = unsafe { (*(&raw mut LOOP)).assume_init_mut() };
+    let this = unsafe {
+        let place = &raw mut LOOP;
+        (*place).assume_init_mut()
+    };
     this.period();
 }
 
@@ -231,11 +240,7 @@ impl Loop {
         }
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
-        let probing = self.state.mode() == Mode::Probing;
         let actuators = peer::tick(&self.plans.get().scene, &mut self.state, &sensors);
-        if probing {
-            self.after_probe();
-        }
         self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
@@ -279,6 +284,7 @@ impl Loop {
         if self.probes.fetch() {
             let (number, probe) = *self.probes.get();
             self.state.probe(probe);
+            self.probing = self.state.mode() == Mode::Probing;
             self.probed.write(self.state.probed());
             BEGUN.store(number, Ordering::Release);
         }
@@ -298,14 +304,12 @@ impl Loop {
         self.passed.iter().take(self.plans.get().scene.axes()).all(|passed| *passed)
     }
 
-    /// After a tick that began with a probe under way.
+    /// After the tick that ended a probe.
     #[cold]
     #[unsafe(link_section = ".itcm.probe")]
     fn after_probe(&mut self) {
+        self.probing = false;
         let outcome = self.state.probed();
-        if self.state.mode() == Mode::Probing {
-            return;
-        }
         if outcome.check {
             for (passed, joint) in self.passed.iter_mut().zip(1..) {
                 if joint == outcome.joint {
@@ -316,9 +320,12 @@ impl Loop {
         self.probed.write(outcome);
     }
 
-    /// With the motors off: whether the last check still stands.
+    /// With the motors off: what came of a probe, and whether the last check still stands.
     #[inline(always)]
     fn judge(&mut self) {
+        if self.probing {
+            self.after_probe();
+        }
         if let Mode::Faulted(fault) = self.state.mode()
             && fault.doubts_encoders()
         {

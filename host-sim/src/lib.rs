@@ -13,6 +13,7 @@
 //! | [`collaborate`] | one at a time edits: lock and token ring on trial |
 //! | [`calibrate`] | what a person and a board find out about a device |
 //! | [`cooperative`] | many users, one object, one dynamics engine: at a server or on its way to a client |
+//! | [`architectures`] | the same task in every architecture, to choose by |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
@@ -26,6 +27,7 @@ extern crate alloc;
 
 pub mod accuracy;
 pub mod analysis;
+pub mod architectures;
 pub mod calibrate;
 pub mod cli;
 pub mod collaborate;

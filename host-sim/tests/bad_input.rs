@@ -155,3 +155,29 @@ fn stability_of_one_device() {
     rendering(&["--sampling-period-s", "0.0001"], &["delay-s", "0.02 s"]);
     refused(&["stability", "tune", "--json", "--margin", "-0.1"], &["--margin = -0.1", "0 to 10"]);
 }
+
+#[test]
+fn calibrations_that_cannot_begin() {
+    let out = folder().join("calibrated.toml").display().to_string();
+    let calibrate = |rest: &[&str], names: &[&str]| refused(&[&["calibrate"], rest].concat(), names);
+    calibrate(&["counts", "--board", "simulated", "--out", &out], &["--distance-m", "--revolutions"]);
+    calibrate(&["counts", "--board", "simulated", "--out", &out, "--distance-m", "-1"], &["a distance of -1"]);
+    calibrate(&["motor", "--board", "simulated", "--out", &out], &["--gauge", "--added-mass-kg"]);
+    calibrate(&["motor", "--board", "simulated", "--out", &out, "--added-mass-kg", "0"], &["an added mass of 0 kg"]);
+    calibrate(&["inertia", "--board", "simulated", "--out", &out, "--joint", "2"], &["--joint 2", "axis.count is 1"]);
+    calibrate(&["sign", "--board", "here", "--out", &out], &["here is no address"]);
+    calibrate(&["sign", "--board", "127.0.0.1", "--out", &out], &["--key-file is missing"]);
+    calibrate(&["sign", "--board", "127.0.0.1", "--out", &out, "--set", "axis.count=2"], &["--board simulated"]);
+    let broken = file("no-settings.toml", "encoder = 5\n");
+    calibrate(&["sign", "--board", "simulated", "--out", &broken], &["no-settings.toml"]);
+    assert!(!Path::new(&out).exists(), "a refused calibration leaves no file");
+}
+
+#[test]
+fn recordings_that_cannot_be_made() {
+    let out = folder().join("recording.bin").display().to_string();
+    refused(&["record", "--built-in", "no-scene", &out], &["no-scene", "paper-5.2-power-16ms"]);
+    refused(&["record", "--duration-s", "0", &out], &["--duration-s 0"]);
+    refused(&["record", "--set", "network.clock_drift_ppm=5", &out], &["network.clock_drift_ppm"]);
+    refused(&["record", "/no/such/folder/recording.bin"], &["/no/such/folder/recording.bin"]);
+}

@@ -27,8 +27,8 @@ use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
 use crate::wire::{
-    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Part, Presence, Probe, Reply, Sample,
-    Telemetry,
+    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Moved, Part, Presence, Probe, Push, Reply,
+    Sample, Telemetry,
 };
 
 mod error;
@@ -237,6 +237,18 @@ impl Link {
     pub fn send_sample(&mut self, now: u64, sample: &Sample, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         self.seal(now, &Message::Sample(*sample), out)
+    }
+
+    /// Seals a client's push into `out`; `None` as for [`Link::send_flow`].
+    pub fn send_push(&mut self, now: u64, push: &Push, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Push(*push), out)
+    }
+
+    /// Seals the object as it is moved into `out`; `None` as for [`Link::send_flow`].
+    pub fn send_moved(&mut self, now: u64, moved: &Moved, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        self.seal(now, &Message::Moved(*moved), out)
     }
 
     /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.

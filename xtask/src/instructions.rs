@@ -6,7 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::run::{self, Failure, cargo, command};
+use crate::run::{self, Failure, cargo};
+use crate::setup;
 
 /// Where the reviewed counts are.
 const FILE: &str = "core/benches/instructions.txt";
@@ -77,25 +78,7 @@ pub(crate) fn obstacle() -> Result<Option<String>, Failure> {
     if !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
         return Ok(Some(format!("{FILE} holds counts of x86-64 Linux; this is another machine")));
     }
-    let present = || run::succeeds(&mut command("valgrind", &["--version"]));
-    if present() {
-        return Ok(None);
-    }
-    let install = |arguments: &[&str]| {
-        let root = run::output(&mut command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
-        let mut words = if root { vec![] } else { vec!["sudo", "-n"] };
-        words.push("apt-get");
-        words.extend(arguments);
-        let mut apt = command(words[0], &words[1..]);
-        run::run(apt.env("DEBIAN_FRONTEND", "noninteractive"))
-    };
-    let outcome =
-        install(&["update", "-qq"]).and_then(|()| install(&["install", "-qq", "--no-install-recommends", "valgrind"]));
-    match outcome {
-        Ok(()) if present() => Ok(None),
-        Ok(()) => Ok(Some("valgrind was installed but does not run; see `valgrind --version`".to_owned())),
-        Err(failure) => Ok(Some(format!("valgrind is missing and {failure}; install it by hand"))),
-    }
+    Ok(setup::program("valgrind", "valgrind"))
 }
 
 /// Counts now.

@@ -11,6 +11,7 @@
 //! | [`fuzz`] | runs the protocol's fuzz targets |
 //! | [`log`] | what a running board says, to a file |
 //! | [`no_panic`] | shows that no panic is reachable from the tick |
+//! | [`qemu`] | haptic-core on another model of the board's processor |
 //! | [`provision`] | gives a board its key |
 //! | [`readme`] | writes what commands print into README.md |
 //! | [`run`] | how chores call other programs, and how they fail |
@@ -25,6 +26,7 @@ mod instructions;
 mod log;
 mod no_panic;
 mod provision;
+mod qemu;
 mod readme;
 mod run;
 mod setup;
@@ -48,6 +50,7 @@ Usage: cargo xtask COMMAND [--help]
   log          attach to a running board and keep what it says in out/board.log
   no-panic     show that no panic is reachable from the 1 kHz interrupt
   provision    give a board the key that it shares with its peer and its operator, over the debug probe
+  qemu         haptic-core alone on QEMU's Cortex-M7: same bits as host-sim, outputs off when it ends
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -157,6 +160,14 @@ Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
   --probe     which board, where two are connected (`probe-rs list` names them)
 ";
 
+const QEMU_HELP: &str = "\
+Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim record), and replays it on QEMU's
+Cortex-M7: the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first.
+Installs qemu-system-arm if apt-get can; without it says so, and fails where CI is set.
+
+Usage: cargo xtask qemu
+";
+
 const README_HELP: &str = "\
 Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
 
@@ -192,6 +203,8 @@ fn main() -> ExitCode {
         ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
         ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
         ["provision", "--help" | "-h"] => print(PROVISION_HELP),
+        ["qemu"] => setup::setup().and_then(|ready| test::second_opinion(&ready)),
+        ["qemu", "--help" | "-h"] => print(QEMU_HELP),
         ["provision", arguments @ ..] => provision::provision(arguments),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),

@@ -38,6 +38,27 @@ pub(crate) fn setup() -> Result<Ready, Failure> {
     thumb()
 }
 
+/// Why a program cannot be had, if so; installs its Debian package where that is all that is missing.
+pub(crate) fn program(name: &str, package: &str) -> Option<String> {
+    let present = || run::succeeds(&mut command(name, &["--version"]));
+    if present() {
+        return None;
+    }
+    let apt = |arguments: &[&str]| {
+        let root = run::output(&mut command("id", &["-u"])).is_ok_and(|id| id.trim() == "0");
+        let mut words = if root { vec![] } else { vec!["sudo", "-n"] };
+        words.push("apt-get");
+        words.extend(arguments);
+        let mut apt = command(words[0], &words[1..]);
+        run::run(apt.env("DEBIAN_FRONTEND", "noninteractive"))
+    };
+    match apt(&["update", "-qq"]).and_then(|()| apt(&["install", "-qq", "--no-install-recommends", package])) {
+        Ok(()) if present() => None,
+        Ok(()) => Some(format!("{package} was installed but does not run; see `{name} --version`")),
+        Err(failure) => Some(format!("{name} is missing and {failure}; install {package} by hand")),
+    }
+}
+
 /// The toolchain for the microcontroller: the project's own if it can be had.
 fn thumb() -> Result<Ready, Failure> {
     let project = Ready { thumb_toolchain: project_toolchain()?, fallback: false };

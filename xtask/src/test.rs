@@ -9,6 +9,7 @@ use std::time::Instant;
 use crate::board;
 use crate::instructions;
 use crate::no_panic;
+use crate::qemu;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
@@ -63,10 +64,47 @@ pub(crate) fn test() -> Result<(), Failure> {
         }
     })?;
 
+    step("exchange cells under every interleaving", exchange)?;
+
+    step("second opinion", || second_opinion(&ready))?;
+
+    step("lints of image and bench", || lints(&ready))?;
+
     virtual_board(&ready)?;
 
     eprintln!("every step passed in {:.0} s", start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
+fn exchange() -> Result<(), Failure> {
+    let mut loom = cargo(&["test", "--locked", "--release", "--package", "firmware", "--lib", "exchange"]);
+    run(loom.env("RUSTFLAGS", "--cfg loom").env("CARGO_TARGET_DIR", run::root().join("target/loom")))
+}
+
+/// haptic-core on another model of the processor; without one it says so, and fails where CI is set.
+pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
+    match qemu::obstacle() {
+        None => qemu::qemu(ready),
+        Some(obstacle) if std::env::var_os("CI").is_some() => Err(Failure::new(obstacle)),
+        Some(obstacle) => {
+            eprintln!("    NOT CHECKED: {obstacle}");
+            Ok(())
+        }
+    }
+}
+
+/// What the workspace's own lints do not reach: the image, and the bench, which is a workspace of its own.
+fn lints(ready: &Ready) -> Result<(), Failure> {
+    let mut image = cargo(&["clippy", "--locked", "--release", "--package", "firmware", "--bin", "firmware"]);
+    image.args(["--target", THUMB_TARGET]);
+    if ready.fallback {
+        // Debian's toolchain has no clippy of its own.
+        eprintln!("    NOT CHECKED: the image, its toolchain is Debian's");
+    } else {
+        run(image.args(["--", "-D", "warnings"]).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
+    }
+    run(board::bench(&["clippy"], &board::image(ready)?).args(["--all-targets", "--", "-D", "warnings"]))
 }
 
 /// Only the release image on virtual boards.

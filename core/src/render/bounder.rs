@@ -12,8 +12,9 @@
 //! 5 N·s/m, objects of 0.05 to 2 kg and round trips to 400 ms. A β above b makes light objects unstable again: their drag
 //! is then stiffer than the hand behind the spring.
 //!
-//! **Following**: stiffness falls within [`FALL_S`] and rises within [`RISE_S`] (a spring that stiffens while it is pressed
-//! makes energy), from the stiffness for [`LONGEST_S`] while nothing is measured. Units: s, N/m, N·s/m. θ that is not a
+//! **Following**: stiffness falls within [`FALL_S`] and rises within [`RISE_S`], from the stiffness for [`LONGEST_S`] while
+//! nothing is measured. A spring that stiffens while it is pressed makes energy: the force of a pressed one rises by no more
+//! than [`GENTLE_N_PER_S`]. Units: s, N/m, N·s/m. θ that is not a
 //! number counts as [`LONGEST_S`].
 
 use crate::scalar::Scalar;
@@ -24,6 +25,8 @@ pub const MARGIN: f64 = 0.8;
 pub const FALL_S: f64 = 0.1;
 /// Time constant of rising stiffness, s.
 pub const RISE_S: f64 = 0.5;
+/// How fast stiffening may raise the force of a pressed contact, N/s.
+pub const GENTLE_N_PER_S: f64 = 5.0;
 /// Round trip that is assumed before one is measured, s.
 pub const LONGEST_S: f64 = 0.5;
 
@@ -51,6 +54,8 @@ pub struct Bounder<S> {
     longest: S,
     fall: S,
     rise: S,
+    /// What stiffening may add to the force in a tick, N.
+    gentle: S,
 }
 
 impl<S: Scalar> Bounder<S> {
@@ -66,6 +71,7 @@ impl<S: Scalar> Bounder<S> {
             longest: S::from_f64(LONGEST_S),
             fall: S::from_f64(-libm::expm1(-period_s / FALL_S)),
             rise: S::from_f64(-libm::expm1(-period_s / RISE_S)),
+            gentle: S::from_f64(GENTLE_N_PER_S * period_s),
         }
     }
 
@@ -79,18 +85,24 @@ impl<S: Scalar> Bounder<S> {
         Bound { stiffness, damping: self.damping_s * stiffness, drag }
     }
 
-    /// One tick: the bound that holds now, given the one of the last tick and the round trip as measured, if it is.
-    pub fn follow(&self, now: &mut Bound<S>, measured: Option<S>) -> Bound<S> {
+    /// One tick: the bound that holds now, given the one of the last tick, the round trip as measured, if it is, and how far
+    /// the contact is pressed (m).
+    pub fn follow(&self, now: &mut Bound<S>, measured: Option<S>, pressed: S) -> Bound<S> {
         let target = self.bound(measured.unwrap_or(self.longest));
         if *now == Bound::default() {
             *now = target;
         }
-        let pace = if target.stiffness < now.stiffness { self.fall } else { self.rise };
-        now.stiffness = now.stiffness + pace * (target.stiffness - now.stiffness);
+        let toward = |now: S, target: S, pace: S| now + pace * (target - now);
+        now.stiffness = if target.stiffness < now.stiffness {
+            toward(now.stiffness, target.stiffness, self.fall)
+        } else {
+            let risen = toward(now.stiffness, target.stiffness, self.rise);
+            let added = (risen - now.stiffness) * pressed.abs();
+            if added > self.gentle { now.stiffness + self.gentle.ratio(pressed.abs()) } else { risen }
+        };
         now.damping = self.damping_s * now.stiffness;
-        // More drag at once, less as slowly as stiffness rises.
-        let pace = if target.drag > now.drag { self.fall } else { self.rise };
-        now.drag = now.drag + pace * (target.drag - now.drag);
+        // More drag soon, less as slowly as stiffness rises.
+        now.drag = toward(now.drag, target.drag, if target.drag > now.drag { self.fall } else { self.rise });
         *now
     }
 }

@@ -19,10 +19,8 @@ pub(crate) fn init(
     two: Peri<'static, TIM4>,
     (a2, b2): (Peri<'static, PD12>, Peri<'static, PD13>),
 ) {
-    let mut config = Config::default();
-    // Open-collector encoders need them, others do not mind.
-    config.ch1_pull = Pull::Up;
-    config.ch2_pull = Pull::Up;
+    // Open-collector encoders need the pull-ups, others do not mind.
+    let config = Config { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..Config::default() };
     // Dropping a counter would stop its clock: they run until the power goes.
     core::mem::forget(Qei::new(one, a1, b1, config));
     core::mem::forget(Qei::new(two, a2, b2, config));

@@ -41,9 +41,9 @@ pub(crate) struct Pins {
 pub(crate) fn start(pins: Pins, number: Number) -> Device {
     // SAFETY: `pins` exists once, so this runs once, and nothing else names QUEUE.
     let queue = unsafe {
-        let queue = &mut *(&raw mut QUEUE);
-        Queue::init(queue);
-        queue.assume_init_mut()
+        let place = &raw mut QUEUE;
+        Queue::init(&mut *place);
+        (*place).assume_init_mut()
     };
     // Locally administered; the pair differs in the last byte.
     let address = [0x02, 0x48, 0x61, 0x70, 0x74, number as u8 + 1];

@@ -102,7 +102,8 @@ fn loaded(memory: &Memory) -> Option<Kept> {
 
 #[test]
 fn a_cut_at_any_step_leaves_the_old_or_the_new() {
-    let halves: [Option<fn(&Word) -> Option<Word>>; 4] = [
+    type Half = fn(&Word) -> Option<Word>;
+    let halves: [Option<Half>; 4] = [
         None,
         Some(|_| None),
         // Some bits are programmed, others not yet.

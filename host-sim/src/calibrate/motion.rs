@@ -3,7 +3,9 @@
 //! m·a + b·v + c·sgn(v) + o = d(t − τ), d the duty, all else in units of full duty. Acceleration is never formed: both sides
 //! are weighted with a smooth window φ that vanishes at its ends, with its first three derivatives, and integrated by parts,
 //!
-//!     m·∫xφ″ − b·∫xφ′ + c·∫sgn(v)φ + o·∫φ = ∫d(t − τ)φ,
+//! ```text
+//! m·∫xφ″ − b·∫xφ′ + c·∫sgn(v)φ + o·∫φ = ∫d(t − τ)φ,
+//! ```
 //!
 //! so that rounding to counts and noise are averaged instead of amplified (modulating functions; Shinbrot 1957). Every window of
 //! every run is one row of a least-squares problem; windows do not overlap, so their errors are independent. τ enters

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::{Failure, print_json, progress_bar};
 use crate::cooperative::limits::{self, Longest, bounded_radius};
 use crate::cooperative::run::{Outcome, run};
+use crate::cooperative::waves::{self, Waves};
 use crate::cooperative::{Collision, Engine, Setup};
 use crate::report::files;
 use crate::report::plot::{Figure, Panel, Series, draw};
@@ -18,6 +19,19 @@ use crate::scene::SceneFile;
 
 /// One-way delays of the sweep, ms.
 const DELAYS_MS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 150.0, 200.0];
+
+/// Forces of the cooperation paper's §5.2, which a scene may change as anything else.
+const FORCES: [&str; 3] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
+
+/// Keys that wave peers start from: packets of 8 ms, a mean of waves, no delay but the network's.
+const WAVES: [&str; 6] = [
+    "network.one_way_delay_packets=0",
+    "coordination.comm=passive-mean",
+    "coordination.decode=implicit",
+    "coordination.stiffness_n_per_m=4000",
+    "object.integrator=semi-implicit",
+    "object.force_delay_ticks=0",
+];
 
 /// A switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -51,6 +65,9 @@ pub(super) struct Cooperative {
     /// Where the object is moved.
     #[arg(long, value_enum, default_value_t)]
     engine: Engine,
+    /// Instead of one engine a copy for every user, held together by waves through the lossless node at the server.
+    #[arg(long, conflicts_with_all = ["bounder", "collision", "engine", "out"])]
+    waves: bool,
     /// Simulated time, s.
     #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
@@ -76,6 +93,15 @@ struct Row {
     outcome: Outcome,
 }
 
+/// One run of wave peers, as reported.
+#[derive(Debug, Serialize)]
+struct WaveRow {
+    users: usize,
+    one_way_ms: f64,
+    #[serde(flatten)]
+    outcome: waves::Outcome,
+}
+
 #[derive(Debug, Serialize)]
 struct Report {
     rows: Vec<Row>,
@@ -86,22 +112,24 @@ struct Report {
 }
 
 impl Cooperative {
-    fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
+    /// The scene, on top of these keys where no file is given, with this delay.
+    fn load(&self, one_way_ms: f64, base: &[&str]) -> Result<SceneFile, Failure> {
         if !(0.0..=1000.0).contains(&one_way_ms) {
             return Err(format!("--delay-ms {one_way_ms} is not allowed: it must be a number from 0 to 1000 ms").into());
         }
-        let delay = format!("network.extra_delay_s={}", 1e-3 * one_way_ms);
-        // Forces of the cooperation paper's §5.2, which a scene may change as anything else.
-        let forces = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
         let mut keys: Vec<String> = Vec::new();
         if self.scene.is_none() {
-            keys.extend(Setup::BASE.iter().chain(&forces).map(|key| (*key).to_owned()));
+            keys.extend(base.iter().chain(&FORCES).map(|key| (*key).to_owned()));
         }
         keys.extend(self.set.iter().cloned());
         if self.delay_ms.is_some() || self.scene.is_none() {
-            keys.push(delay);
+            keys.push(format!("network.extra_delay_s={}", 1e-3 * one_way_ms));
         }
-        let mut setup = Setup::new(SceneFile::load(self.scene.as_deref(), &keys)?);
+        Ok(SceneFile::load(self.scene.as_deref(), &keys)?)
+    }
+
+    fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
+        let mut setup = Setup::new(self.load(one_way_ms, &Setup::BASE)?);
         (setup.users, setup.bounder) = (self.users, bounder);
         (setup.collision, setup.engine) = (self.collision, self.engine);
         Ok(setup)
@@ -135,6 +163,9 @@ impl Cooperative {
                 format!("--duration-s {} is not allowed: it must be a number from {least} to 3600 s", self.duration_s);
             return Err(message.into());
         }
+        if self.waves {
+            return self.run_waves();
+        }
         let switches: &[bool] = match self.bounder {
             Some(switch) => &[switch == Switch::On],
             None if self.delay_ms.is_some() => &[true],
@@ -164,6 +195,34 @@ impl Cooperative {
             return print_json(&report);
         }
         report.print();
+        Ok(())
+    }
+
+    /// Wave peers around the node, at one delay or at all of the sweep's.
+    fn run_waves(&self) -> Result<(), Failure> {
+        let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
+        let mut rows = Vec::new();
+        for one_way_ms in delays {
+            let outcome = Waves::new(&self.load(one_way_ms, &WAVES)?, self.users)?.run(self.duration_s);
+            rows.push(WaveRow { users: self.users, one_way_ms, outcome });
+        }
+        if self.json {
+            return print_json(&rows);
+        }
+        let mut table =
+            TextTable::new(["users", "one way ms", "stable", "true mm", "felt N", "peak N", "node energy out/in"]);
+        for WaveRow { users, one_way_ms, outcome } in &rows {
+            table.push([
+                users.to_string(),
+                one_way_ms.to_string(),
+                if outcome.stable { "yes" } else { "NO" }.to_owned(),
+                significant(outcome.true_discrepancy_mm, 3),
+                significant(outcome.felt_n, 3),
+                significant(outcome.peak_n, 3),
+                format!("{:.12}", outcome.node_out_over_in),
+            ]);
+        }
+        println!("{table}");
         Ok(())
     }
 

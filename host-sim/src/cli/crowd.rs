@@ -167,9 +167,9 @@ fn print(document: &Document) {
     }
     println!(
         "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
-         more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the system to the last answer\n\
-         sent; answer: from the datagram in hand; round trip: at the client, its own delays included.\n\
-         Where the rate falls the load is short of a core: what bends first then is the load and not the server."
+         more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the\n\
+         system to the last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays\n\
+         included. Where the rate falls the load is short of a core: what bends first then is the load, not the server."
     );
     println!(
         "Beyond one core or one machine, split the world: each region names its server, a server holds its region and the\n\

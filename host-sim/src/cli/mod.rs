@@ -5,6 +5,7 @@
 //! change.
 
 mod accuracy;
+mod architectures;
 mod calibrate;
 mod campaign;
 mod collaborate;
@@ -54,6 +55,8 @@ enum Command {
     Cooperate(cooperate::Cooperate),
     /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
     Cooperative(cooperative::Cooperative),
+    /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
+    Architectures(architectures::Architectures),
     /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
     Paper(paper::Paper),
     /// Stability regions, limits and margins, computed from the code that flies.
@@ -151,6 +154,7 @@ pub fn main() -> ExitCode {
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
         Command::Cooperate(command) => command.run(),
         Command::Cooperative(command) => command.run(),
+        Command::Architectures(command) => command.run(),
         Command::Paper(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Precision(command) => command.run(),

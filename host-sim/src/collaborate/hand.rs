@@ -10,7 +10,7 @@ const SPEED_M_PER_S: f64 = 0.5;
 const AWAY_M: f64 = 0.05;
 /// Where it asks, and where it gives back.
 const APPROACH: Approach = Approach { near_m: 0.02, far_m: 0.03 };
-/// Longest edit, µs; of an impatient hand, one in 8 takes [`STUBBORN`] times as long.
+/// Longest edit, µs; of an impatient hand, one in 8 takes six times as long.
 pub const LONGEST_EDIT_US: u64 = 120_000;
 /// Longer than a lease or a turn.
 const STUBBORN: u64 = 6;

@@ -125,7 +125,9 @@ impl Client {
     pub fn follow(&mut self, here: bool) {
         if let Some(bounder) = &self.bounder {
             let measured = if here { Some(0.0) } else { self.round_trip_s() };
-            bounder.follow(&mut self.bound, measured);
+            let [device, ..] = self.plant.motions();
+            // Where contact has a gap this is more than the depth: stiffening is then slower than it need be.
+            bounder.follow(&mut self.bound, measured, device.position - self.told.position - self.ease.position);
         }
         if self.coasts.contains(&self.silent) {
             self.told.position += self.period_s * self.told.velocity;

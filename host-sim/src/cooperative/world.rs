@@ -9,8 +9,8 @@ use haptic_core::render::Contact;
 use haptic_core::render::bounder::{Bound, Bounder};
 use haptic_core::settings::Refused;
 use haptic_protocol::roles::cooperative as role;
-use haptic_protocol::roles::cooperative::{Body, Lease, Message, OutOfRange, Push, State, Told};
-use haptic_protocol::wire::{Header, PeerId, TAG_LEN};
+use haptic_protocol::roles::cooperative::{Body, Lease, Message, OutOfRange, Told};
+use haptic_protocol::wire::{Event, Header, Moved, PeerId, Push, TAG_LEN};
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
@@ -21,9 +21,14 @@ use crate::network::fate::Direction;
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
 pub const LEASE_US: u32 = 2_000_000;
 
-/// Bytes around a sealed message, and of the head of an event.
+/// Bytes around a sealed message.
 const SEAL: usize = Header::LEN + TAG_LEN;
-const EVENT_HEAD: usize = 8;
+
+/// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
+fn said_bytes(message: &Message) -> usize {
+    let mut out = [0; Event::MAX_LEN];
+    SEAL + message.event(0).and_then(|event| event.emit(&mut out)).unwrap_or(Event::MAX_LEN)
+}
 
 /// From a client.
 #[derive(Clone, Copy, Debug)]
@@ -32,14 +37,14 @@ struct Up {
     /// Where contact is computed at the server: the device, and with what gains.
     sensed: Option<(Motion<f64>, Bound<f64>)>,
     /// Of the client that has the engine, for the others.
-    states: Option<[State; MOST_USERS]>,
+    states: Option<[Moved; MOST_USERS]>,
     say: Option<Message>,
 }
 
 /// To a client.
 #[derive(Clone, Copy, Debug)]
 struct Down {
-    state: Option<State>,
+    state: Option<Moved>,
     /// Where contact is computed at the server: the force on the object.
     force_n: Option<f64>,
     /// For the client that has the engine: what the others push with.
@@ -63,7 +68,7 @@ struct Seat {
     push: Option<Push>,
     sensed: Option<(Motion<f64>, Bound<f64>)>,
     /// What the holder last told this client.
-    passed_on: Option<State>,
+    passed_on: Option<Moved>,
     /// What the server has to answer.
     answer: Option<Message>,
 }
@@ -292,7 +297,7 @@ impl World {
         for (index, seat) in self.seats.iter_mut().enumerate() {
             let at = self.engine.object;
             let user = self.engine.users[index];
-            let own = State {
+            let own = Moved {
                 version,
                 axes: [[at.position as f32, at.velocity as f32], [0.0; 2]],
                 echo_us: user.sent_us,
@@ -308,8 +313,8 @@ impl World {
                 say: seat.answer.take().or(say),
             };
             let passed = down.pushes.iter().flatten().flatten().count() * (SEAL + Push::LEN);
-            let said = down.say.map_or(0, |message| SEAL + EVENT_HEAD + message.emit().as_slice().len());
-            self.bytes[1] += (down.state.map_or(0, |_| SEAL + State::LEN) + passed + said) as u64;
+            let said = down.say.as_ref().map_or(0, said_bytes);
+            self.bytes[1] += (down.state.map_or(0, |_| SEAL + Moved::LEN) + passed + said) as u64;
             seat.down.send(time, down);
         }
     }
@@ -352,7 +357,7 @@ impl World {
         };
         let at = seat.engine.object;
         let states = seat.role.engine(now).map(|version| {
-            seat.engine.users.map(|user| State {
+            seat.engine.users.map(|user| Moved {
                 version,
                 axes: [[at.position as f32, at.velocity as f32], [0.0; 2]],
                 echo_us: user.sent_us,
@@ -361,8 +366,8 @@ impl World {
             })
         });
         let say = seat.role.poll(now);
-        let told = states.map_or(0, |_| (users - 1) * (SEAL + State::LEN));
-        let said = say.map_or(0, |message| SEAL + EVENT_HEAD + message.emit().as_slice().len());
+        let told = states.map_or(0, |_| (users - 1) * (SEAL + Moved::LEN));
+        let said = say.as_ref().map_or(0, said_bytes);
         self.bytes[0] += (SEAL + Push::LEN + told + said) as u64;
         let sensed = (self.collision == Collision::Server).then_some((device, seat.client.bound));
         seat.up.send(time, Up { push, sensed, states, say });

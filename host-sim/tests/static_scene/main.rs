@@ -1,5 +1,6 @@
 //! A static environment: world files, local rendering, clients and servers over a simulated bad network, and as processes.
 
+mod host;
 mod network;
 mod processes;
 mod render;

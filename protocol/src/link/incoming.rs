@@ -4,7 +4,9 @@ use super::{Error, Link, Notice};
 use crate::clock::Clock;
 use crate::handshake::{self, Standing};
 use crate::reliable::{Receiver, Sender};
-use crate::wire::{self, Ask, Event, Flow, Greeting, GreetingKind, Header, Message, Part, Presence, Sample, Telemetry};
+use crate::wire::{
+    self, Ask, Event, Flow, Greeting, GreetingKind, Header, Message, Moved, Part, Presence, Push, Sample, Telemetry,
+};
 
 /// What has come for the caller. Events wait in [`Link::take_event`], what the link itself needs it keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +24,10 @@ pub enum Incoming {
     Presence(Presence),
     /// What an instrument of the other peer saw.
     Sample(Sample),
+    /// What a client does to the shared object.
+    Push(Push),
+    /// The shared object as it is moved.
+    Moved(Moved),
 }
 
 impl Link {
@@ -120,6 +126,8 @@ impl Link {
             Message::Part(part) => return Some(Incoming::Part(part)),
             Message::Presence(presence) => return Some(Incoming::Presence(presence)),
             Message::Sample(sample) => return Some(Incoming::Sample(sample)),
+            Message::Push(push) => return Some(Incoming::Push(push)),
+            Message::Moved(moved) => return Some(Incoming::Moved(moved)),
             Message::Event(event) => self.event(event),
             Message::Ack(ack) => self.sender.acknowledge(&ack),
             Message::Probe(wire::Probe { sent_us }) => self.probed = Some((sent_us, now)),

@@ -20,9 +20,11 @@ mod event;
 mod flow;
 mod greeting;
 mod header;
+mod moved;
 mod part;
 mod presence;
 mod probe;
+mod push;
 mod reply;
 mod sample;
 mod telemetry;
@@ -33,9 +35,11 @@ pub use event::Event;
 pub use flow::Flow;
 pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
+pub use moved::Moved;
 pub use part::{Page, Part, Payload};
 pub use presence::{Presence, Sighting};
 pub use probe::Probe;
+pub use push::Push;
 pub use reply::Reply;
 pub use sample::Sample;
 pub use telemetry::Telemetry;
@@ -83,6 +87,10 @@ pub enum Message {
     Presence(Presence),
     /// What an instrument saw.
     Sample(Sample),
+    /// What a client does to the shared object.
+    Push(Push),
+    /// The shared object as it is moved.
+    Moved(Moved),
 }
 
 impl Message {
@@ -99,6 +107,8 @@ impl Message {
             Some(Part::KIND) => Part::parse(bytes).map(Self::Part),
             Some(Presence::KIND) => Presence::parse(bytes).map(Self::Presence),
             Some(Sample::KIND) => Sample::parse(bytes).map(Self::Sample),
+            Some(Push::KIND) => Push::parse(bytes).map(Self::Push),
+            Some(Moved::KIND) => Moved::parse(bytes).map(Self::Moved),
             Some(kind) => Err(Error::UnknownKind { kind }),
             None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
         }
@@ -117,6 +127,8 @@ impl Message {
             Self::Part(part) => part.emit(out),
             Self::Presence(presence) => presence.emit(out),
             Self::Sample(sample) => sample.emit(out),
+            Self::Push(push) => push.emit(out),
+            Self::Moved(moved) => moved.emit(out),
         }
     }
 }

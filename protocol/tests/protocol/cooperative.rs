@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use haptic_protocol::roles::cooperative::{Body, Client, Lease, Message, Server, Told};
-use haptic_protocol::wire::PeerId;
+use haptic_protocol::wire::{Event, PeerId};
 
 use crate::world::Rng;
 
@@ -19,7 +19,7 @@ struct InFlight {
     from: usize,
     to: usize,
     incarnation: u32,
-    bytes: Vec<u8>,
+    event: Event,
 }
 
 /// A client with its clock and its object.
@@ -92,8 +92,8 @@ impl World {
         for _ in 0..1 + u64::from(self.rng.chance(0.2)) {
             if !self.rng.chance(self.loss) {
                 let due = time + self.rng.below(self.slowest + 1);
-                let bytes = message.emit().as_slice().to_vec();
-                self.flight.push(InFlight { due, from, to, incarnation, bytes });
+                let event = message.event(0).unwrap();
+                self.flight.push(InFlight { due, from, to, incarnation, event });
             }
         }
     }
@@ -101,13 +101,13 @@ impl World {
     fn deliver(&mut self, time: u64) {
         let (due, later): (Vec<_>, _) = std::mem::take(&mut self.flight).into_iter().partition(|m| m.due <= time);
         self.flight = later;
-        for InFlight { from, to, incarnation, bytes, .. } in due {
+        for InFlight { from, to, incarnation, event, .. } in due {
             let node = from.max(to) - 1;
             // A session ends with the incarnation of either end.
             if self.nodes[node].incarnation != incarnation || self.nodes[node].dead_until > time {
                 continue;
             }
-            let message = Message::parse(&bytes).unwrap();
+            let (_, message) = Message::parse(&event).unwrap();
             if to == 0 {
                 let heard = self.server.receive(time, PeerId(from as u8), &message, self.body);
                 self.body = heard.came.unwrap_or(self.body);

@@ -3,8 +3,8 @@
 use haptic_protocol::database::{Manifest, Scope};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
-    Ack, Ask, Bits, Event, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Page, Part,
-    Payload, PeerId, Presence, Probe, Reply, Sighting, TABLES, Telemetry, Topic,
+    Ack, Ask, Bits, Event, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved, Page, Part,
+    Payload, PeerId, Presence, Probe, Push, Reply, Sighting, TABLES, Telemetry, Topic,
 };
 use proptest::prelude::*;
 
@@ -85,6 +85,15 @@ fn messages() -> impl Strategy<Value = Message> {
     });
     let presence = (any::<u32>(), prop::collection::vec(sighting, 0..=4))
         .prop_map(|(tick, seen)| Message::Presence(Presence::new(tick, seen)));
+    let push =
+        (any::<(u32, u64)>(), prop::array::uniform4(f32s())).prop_map(|((round_trip_us, sent_us), [f, g, x, y])| {
+            Message::Push(Push { round_trip_us, sent_us, force: [f, g], hand: [x, y] })
+        });
+    let moved = (any::<(u32, [u64; 3])>(), prop::array::uniform4(f32s())).prop_map(
+        |((version, [echo_us, came_us, sent_us]), [x, u, y, v])| {
+            Message::Moved(Moved { version, axes: [[x, u], [y, v]], echo_us, came_us, sent_us })
+        },
+    );
     prop_oneof![
         flow,
         telemetry,
@@ -92,6 +101,8 @@ fn messages() -> impl Strategy<Value = Message> {
         ask,
         part,
         presence,
+        push,
+        moved,
         any::<(u32, u32)>().prop_map(|(next, ahead)| Message::Ack(Ack { next, ahead })),
         any::<u64>().prop_map(|sent_us| Message::Probe(Probe { sent_us })),
         any::<[u64; 3]>().prop_map(|[probe_sent_us, probe_received_us, sent_us]| {

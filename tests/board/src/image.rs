@@ -15,6 +15,8 @@ pub struct Firmware {
     pub symbols: BTreeMap<String, (u64, u64)>,
     /// Address and size of every section that takes memory.
     pub sections: BTreeMap<String, (u64, u64)>,
+    /// Texts of what the image can log, by number.
+    pub statements: BTreeMap<u16, String>,
     /// Bytes of every section that has any, by address.
     contents: BTreeMap<u64, Vec<u8>>,
 }
@@ -42,10 +44,22 @@ impl Firmware {
         let sections = (file.sections().filter(|s| s.size() > 0))
             .filter_map(|s| Some((s.name().ok()?.to_owned(), (s.address(), s.size()))))
             .collect();
+        let text = |name: &str| {
+            let statement: serde_json::Value = serde_json::from_str(name).ok()?;
+            Some(statement.get("data")?.as_str()?.to_owned())
+        };
+        let statements =
+            (file.symbols()).filter_map(|s| Some((u16::try_from(s.address()).ok()?, text(s.name().ok()?)?))).collect();
         let contents = (file.sections())
             .filter_map(|s| Some((s.address(), s.data().ok().filter(|data| !data.is_empty())?.to_vec())))
             .collect();
-        Self { image: Image::read(path, None).expect("the emulator reads ELF"), symbols, sections, contents }
+        Self {
+            image: Image::read(path, None).expect("the emulator reads ELF"),
+            symbols,
+            sections,
+            statements,
+            contents,
+        }
     }
 
     /// The image under test.

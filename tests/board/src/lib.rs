@@ -14,6 +14,7 @@
 //! | [`partner`] | host-sim's live peer in place of the second board |
 //! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
 //! | [`node`] | one board on a thread of its own, stepped from outside |
+//! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
 //! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
 //!
@@ -25,6 +26,7 @@
 pub mod budget;
 pub mod cost;
 pub mod image;
+pub mod log;
 pub mod node;
 pub mod pair;
 pub mod part;

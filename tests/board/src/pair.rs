@@ -38,7 +38,7 @@ pub const PERIOD_NS: u64 = 1_000_000;
 pub const PWM_STEPS: u32 = 3000;
 
 /// The stack (memory.x), without the guard at its bottom and what start-up may be using of its top.
-pub const STACK: Range<u64> = 0x2000_0100..0x2000_5F00;
+pub const STACK: Range<u64> = 0x2000_0100..0x2000_9F00;
 /// What the stack holds at power-on, to see later how far down it was used.
 const PAINT: u32 = 0x5EA1_AB1E;
 
@@ -321,12 +321,17 @@ impl Bench {
         std::mem::take(&mut self.stopped[number - 1].peeked)
     }
 
-    /// What a board's flash holds in a range of addresses, word by word, without what is blank; now.
-    pub fn flash(&mut self, number: usize, range: Range<u64>) -> Vec<(u64, u32)> {
-        self.input(number).peek.extend(range.clone().step_by(4));
+    /// What words of a board's memory, flash or registers hold now; a microsecond passes.
+    pub fn peek_now(&mut self, number: usize, addresses: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        self.input(number).peek.extend(addresses);
         // Values are those of the stop that the board goes on from.
         self.run_to(self.now_ns + 1000);
-        let words = std::mem::take(&mut self.stopped[number - 1].peeked);
+        std::mem::take(&mut self.stopped[number - 1].peeked)
+    }
+
+    /// What a board's flash holds in a range of addresses, word by word, without what is blank.
+    pub fn flash(&mut self, number: usize, range: Range<u64>) -> Vec<(u64, u32)> {
+        let words = self.peek_now(number, range.clone().step_by(4));
         range.step_by(4).zip(words).filter(|(_, word)| *word != u32::MAX).collect()
     }
 

@@ -112,7 +112,12 @@ impl Pc {
 
     /// The frame that asks a board (1 or 2) for its address; with it the board learns the PC's, as from any PC.
     pub fn resolve(number: usize) -> Vec<u8> {
-        [&[0xFF; 6][..], &MAC, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 1], &MAC, &IP, &[0; 6], &board_ip(number)].concat()
+        Self::ask_for(board_ip(number))
+    }
+
+    /// The frame that asks who has an address.
+    pub fn ask_for(ip: [u8; 4]) -> Vec<u8> {
+        [&[0xFF; 6][..], &MAC, &[8, 6, 0, 1, 8, 0, 6, 4, 0, 1], &MAC, &IP, &[0; 6], &ip].concat()
     }
 
     /// Takes in a frame, and gives the one that answers it, if any.

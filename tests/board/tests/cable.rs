@@ -38,6 +38,13 @@ fn pulled_and_put_back() {
     bench.run_for_ms(2500);
     assert!(bench.ask(2, "status").contains("link running"));
 
+    // And the log says what happened, in that order.
+    let log = bench.log(&firmware, 2);
+    let mut said = log.iter();
+    for line in ["peer: fading, no flow", "peer: disengaged", "peer: lost", "peer: joined", "peer: engaged"] {
+        assert!(said.any(|said| said.starts_with(line)), "{line:?} is not in its place in {log:#?}");
+    }
+
     let records = bench.armed_ticks(2);
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
     assert!(records.iter().all(|record| record.mode() == 1), "it stayed armed");

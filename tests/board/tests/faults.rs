@@ -190,7 +190,7 @@ fn outputs_go_off_and_stay_off() {
         }
     };
     let on = Expected { off_within_ms: None, reported: "refused 1", reset: false };
-    campaign.inject("packet with a NaN (refused on arrival)", 1, &on, &not_a_number, &nothing);
+    campaign.inject("packet with a NaN, not sealed (refused on arrival)", 1, &on, &not_a_number, &nothing);
 
     let pressed = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if ms == 1 {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use board_bench::image::Firmware;
+use board_bench::log;
 use board_bench::node::{Inputs, Node};
 use board_bench::pair::Bench;
 use board_bench::pc::{Pc, board_ip, board_mac, key, key_in_flash, udp};
@@ -14,7 +15,7 @@ use host_sim::live::operator::Session;
 
 /// What a board that starts with this flash sends in 2 s while the PC asks for its address and calls; and whether the PC's
 /// session is answered. `works`: its noise source.
-fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usize, bool) {
+fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usize, bool, Vec<String>) {
     let node = Node::new(firmware.clone(), 1);
     let noise = (!works).then_some(false);
     let (mut wire, mut pc) = (Wire::new(Line::default()), Pc::default());
@@ -38,20 +39,34 @@ fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usiz
         pc.talk(now, 1).iter().for_each(|frame| wire.send(PC, now, frame));
         inputs.frames = wire.receive(0, now);
     }
+    let mut now = 2_000_000_000;
+    let log = log::read(firmware, |peek| {
+        node.run(now, Inputs::default());
+        node.wait();
+        node.run(now + 1000, Inputs { peek, ..Inputs::default() });
+        now += 2000;
+        node.wait().peeked
+    });
     reviewed::check(&node.finish());
-    (frames, pc.reaches(1))
+    (frames, pc.reaches(1), log)
 }
 
 #[test]
 fn without_key_or_randomness_a_board_says_nothing_at_all() {
     let firmware = Arc::new(Firmware::release());
-    let (frames, reached) = start(&firmware, key_in_flash(&key()), true);
+    let (frames, reached, _) = start(&firmware, key_in_flash(&key()), true);
     assert!(frames > 20 && reached, "with both it talks: {frames} frames");
-    assert_eq!(start(&firmware, Vec::new(), true), (0, false), "flash was never written");
     let mut broken = key_in_flash(&key());
     broken[9].1 ^= 1 << 5;
-    assert_eq!(start(&firmware, broken, true), (0, false), "one bit of the key is not what it was");
-    assert_eq!(start(&firmware, key_in_flash(&key()), false), (0, false), "the noise source fails");
+    for (what, flash, works, why) in [
+        ("flash was never written", Vec::new(), true, "no key: this board talks to nobody and cannot be armed"),
+        ("one bit of the key is wrong", broken, true, "no key: this board talks to nobody and cannot be armed"),
+        ("the noise source fails", key_in_flash(&key()), false, "no randomness: this board talks to nobody"),
+    ] {
+        let (frames, reached, log) = start(&firmware, flash, works);
+        assert_eq!((frames, reached), (0, false), "{what}");
+        assert!(log.iter().any(|said| said.starts_with(why)), "{what}: {log:#?}");
+    }
 }
 
 #[test]

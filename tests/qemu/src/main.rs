@@ -69,8 +69,26 @@ fn recurse(depth: u32) -> u32 {
     recurse(depth + 1).wrapping_add(frame[depth as usize % 16])
 }
 
+/// Forbids the lowest 256 bytes of the stack, as the board does: this machine lets writes to nowhere pass.
+fn guard_the_stack() {
+    const SIZE_256: u32 = 7 << 1;
+    const NEVER_EXECUTE: u32 = 1 << 28;
+    if let Some(peripherals) = cortex_m::Peripherals::take() {
+        // SAFETY: nothing uses those bytes but an overflow; everything else is as without the MPU.
+        unsafe {
+            peripherals.MPU.rnr.write(0);
+            peripherals.MPU.rbar.write(0x2000_0000);
+            peripherals.MPU.rasr.write(NEVER_EXECUTE | SIZE_256 | 1);
+            peripherals.MPU.ctrl.write(1 << 2 | 1);
+        }
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+    }
+}
+
 #[entry]
 fn main() -> ! {
+    guard_the_stack();
     let mut text = [0; 256];
     let line = command_line(&mut text);
     let (mode, name) = line.split_once(' ').unwrap_or((line, ""));
@@ -135,6 +153,5 @@ unsafe extern "C" fn HardFault() -> ! {
 }
 
 extern "C" fn hard_fault(stack: u32) -> ! {
-    // The bottom of the stack is the bottom of memory.
-    stopped(if stack < 0x2000_0100 { "stack overflow" } else { "hard fault" })
+    stopped(if stack < 0x2000_0200 { "stack overflow" } else { "hard fault" })
 }

@@ -1,7 +1,7 @@
 //! Cooperative: all users push the same object at the same time, one dynamics engine moves it (Buttolo et al. 1997, §3.3).
 //!
-//! Every client renders its own contact against the last motion of the object that it was told ([`State`]) and says with
-//! what force it pushes ([`Push`]); whoever has the dynamics engine adds the forces up, moves the object and tells everybody.
+//! Every client renders its own contact against the last motion of the object that it was told ([`crate::wire::Moved`]) and says with
+//! what force it pushes ([`crate::wire::Push`]); whoever has the dynamics engine adds the forces up, moves the object and tells everybody.
 //! That is the server, or for a while the client whose manipulation needs its quality: there the loop has no network in it.
 //!
 //! **The engine moves without a jump**: the motion travels with the right to change it ([`Message::Lend`],
@@ -12,12 +12,13 @@
 //! is returned or after [`Lease::giver_us`]; who holds lets go after [`Lease::holder_us`], which is an eighth shorter and
 //! counts from *before* the request that was answered. So it ends first, by any delay, with clocks whose rates differ by
 //! less than [`Lease::MAX_DRIFT_PPM`]. **Progress**: one who vanishes with the engine costs [`Lease::giver_us`], one
-//! whom nothing reaches in time at most twice that and the longest delay; then the server goes on from the last motion that it was told. A lease must be
-//! longer than the round trip, or nobody can hold it.
+//! whom nothing reaches in time at most twice that and the longest delay; then the server goes on from the last motion that it
+//! was told. A lease must be longer than the round trip, or nobody can hold it.
 //!
-//! Messages are of at most 48 bytes and may be lost, doubled, late and out of order: what must arrive is said again until it
-//! is answered. Of the carrier is asked what a sealed session gives: who it is from, and nothing from an earlier
-//! incarnation of either end. Time is µs on the own clock, which never goes backwards.
+//! Hand-over messages are events ([`crate::roles::code::COOPERATIVE`]), pushes and motions are kinds of their own; all of them
+//! may be lost, doubled, late and out of order: what must arrive is said again until it is answered. Of the carrier is asked
+//! what a sealed session gives: who it is from, and nothing from an earlier incarnation of either end. Time is µs on the own
+//! clock, which never goes backwards.
 
 pub use super::collaborative::{Lease, OutOfRange};
 
@@ -26,5 +27,5 @@ mod message;
 mod server;
 
 pub use client::{Client, Told};
-pub use message::{Body, Malformed, Message, Push, State};
+pub use message::{Body, Message};
 pub use server::{Heard, Server};

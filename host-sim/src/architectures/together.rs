@@ -1,0 +1,78 @@
+//! Both users at the same time: each its own copy, one dynamics engine, or copies that a law holds together.
+
+use haptic_protocol::wire::Flow;
+
+use super::{Account, Architecture, ArchitectureError, Row, SEAL, TASK, presence_bytes_per_s, scene};
+use crate::analysis::verdict;
+use crate::cooperative::world::World;
+use crate::cooperative::{Engine, Setup};
+use crate::harness::Pair;
+
+/// Two peers: static (no coordination law) or distributed.
+///
+/// # Errors
+/// What the scene refuses.
+pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+    // The gains of the fault campaign.
+    let (comm, stiffness) = match architecture {
+        Architecture::DistributedPower => ("power", 310.0),
+        Architecture::DistributedWave => ("wave", 1590.0),
+        Architecture::DistributedPassiveWave => ("passive-wave", 10_000.0),
+        Architecture::DistributedPassiveMean => ("passive-mean", 10_000.0),
+        _ => ("none", 0.0),
+    };
+    let scene = scene(&[
+        format!("coordination.comm={comm}"),
+        format!("coordination.stiffness_n_per_m={stiffness}"),
+        "coordination.decode=implicit".to_owned(),
+        format!("network.extra_delay_s={}", 1e-3 * delay_ms),
+    ])?;
+    let mut pair = Pair::<f64>::new(&scene)?;
+    let ticks = (TASK.duration_s / scene.peer.timing.control_period_s) as u64;
+    let mut account = Account::new(ticks);
+    for _ in 0..ticks {
+        pair.step();
+        let seen = pair.sides.each_ref().map(|side| side.state.observed());
+        account.see(seen.map(|seen| seen.object.position), seen.map(|seen| seen.contact_force));
+    }
+    let bytes = if comm == "none" {
+        2.0 * presence_bytes_per_s() * TASK.duration_s
+    } else {
+        let packets: u64 = pair.sides.iter().map(|side| side.incoming.counts().sent).sum();
+        (packets * (SEAL + Flow::LEN) as u64) as f64
+    };
+    // A server of a static world tells everybody where the others are.
+    let server = if comm == "none" { bytes } else { 0.0 };
+    // A slow oscillation would not grow visibly within the task; eigenvalues tell.
+    let stable = pair.fault().is_none() && verdict(&scene)?.stable;
+    Ok(account.row(architecture, delay_ms, stable, [bytes, server]))
+}
+
+/// One dynamics engine.
+///
+/// # Errors
+/// What the scene or the world refuses.
+pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+    // Half of the way to the server.
+    let scene = scene(&[format!("network.extra_delay_s={}", 0.5e-3 * delay_ms)])?;
+    let mut setup = Setup::new(scene);
+    setup.bounder = architecture != Architecture::CooperativeServerUnbounded;
+    if architecture == Architecture::CooperativeClient {
+        setup.engine = Engine::Client;
+    }
+    let mut world = World::new(&setup)?;
+    let ticks = (TASK.duration_s / setup.scene.peer.timing.control_period_s) as u64;
+    let mut account = Account::new(ticks);
+    for _ in 0..ticks {
+        if setup.engine == Engine::Client {
+            world.ask();
+        }
+        world.step();
+        let mut views = world.clients().map(|client| client.view().position);
+        let mut forces = world.forces();
+        let both = |values: &mut dyn Iterator<Item = f64>| [(); 2].map(|()| values.next().unwrap_or(0.0));
+        account.see(both(&mut views), both(&mut forces));
+    }
+    let running = world.clients().all(|client| client.fault.is_none());
+    Ok(account.row(architecture, delay_ms, running, world.bytes().map(|bytes| bytes as f64)))
+}

@@ -1,0 +1,327 @@
+//! One user at a time: the lock and the token ring of the protocol, carried by a line that only delays.
+//!
+//! Who owns the body moves its copy; the other's copy is the last one that was released. Hands are a device and an arm on one
+//! spring ([`Linear`]): who waits keeps the hand, open, at the body as it sees it, and grips when it owns the body and has
+//! come within [`GRIP_M`]; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
+
+use std::collections::VecDeque;
+
+use haptic_core::list::Model;
+use haptic_core::motion::Motion;
+use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
+use haptic_core::render::Contact;
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
+use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
+use haptic_protocol::wire::{Event, PeerId};
+
+use super::{Account, Architecture, ArchitectureError, Row, TASK, event_bytes, presence_bytes_per_s, scene};
+use crate::plant::Linear;
+use crate::scene::SceneFile;
+
+/// A hand this close to the body grips it, m.
+pub const GRIP_M: f64 = 1e-3;
+
+/// How long who carries rests before it lets go, s.
+pub const REST_S: f64 = 0.8;
+
+/// How long a right lasts that nobody renews, µs.
+const LEASE_US: u32 = 1_500_000;
+
+/// One turn of a user, longest, µs.
+const TURN_US: u64 = 4_000_000;
+
+/// The body in a message: its position, m.
+fn value(position: f64) -> Value {
+    let mut value = Value::default();
+    value[..8].copy_from_slice(&position.to_le_bytes());
+    value
+}
+
+fn position(value: &Value) -> f64 {
+    value.first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes))
+}
+
+/// What a user has to do with the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Doing {
+    /// Wants it.
+    Waits,
+    /// Carries it since this time (s), from here (m).
+    Carries(f64, f64),
+    /// Has let go.
+    Done,
+}
+
+/// A user with its device and its copy.
+struct Hand {
+    plant: Linear,
+    stiffness: f64,
+    damping: f64,
+    device: Motion<f64>,
+    body: Motion<f64>,
+    contact: Contact<f64>,
+    integrator: AnyIntegrator<f64>,
+    state: AnyIntegratorState<f64>,
+    doing: Doing,
+    goal: f64,
+    /// The official copy as last seen, m: what one has released stands until there is news.
+    known: f64,
+    /// Force on the body, N.
+    force: f64,
+}
+
+impl Hand {
+    fn new(scene: &SceneFile, index: usize, goal: f64) -> Self {
+        let settings = &scene.peers()[index];
+        let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
+        let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);
+        let mass = device.mass_kg + TASK.arm_mass_kg;
+        let integrator = AnyIntegrator::build(settings);
+        Self {
+            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, 0.0, period_s),
+            stiffness,
+            damping,
+            device: Motion::REST,
+            body: Motion::REST,
+            contact: Contact::build(settings),
+            state: integrator.initial(),
+            integrator,
+            doing: Doing::Waits,
+            goal,
+            known: 0.0,
+            force: 0.0,
+        }
+    }
+
+    /// One tick; true when the user lets go.
+    fn step(&mut self, time_s: f64, owns: bool, official: f64) -> bool {
+        let mut lets_go = false;
+        match self.doing {
+            Doing::Waits if owns && (self.device.position - official).abs() < GRIP_M => {
+                self.body = Motion::at(official);
+                self.doing = Doing::Carries(time_s, official);
+            }
+            // Whoever has lost the right has to wait again.
+            Doing::Carries(..) if !owns => self.doing = Doing::Waits,
+            Doing::Carries(since, _) if time_s - since > 0.5 * TASK.reach_s + REST_S => {
+                self.doing = Doing::Done;
+                self.body.velocity = 0.0;
+                lets_go = true;
+            }
+            _ => {}
+        }
+        if official != self.known {
+            self.known = official;
+            if !matches!(self.doing, Doing::Carries(..)) {
+                self.body = Motion::at(official);
+            }
+        }
+        let (wanted, speed) = match self.doing {
+            Doing::Waits | Doing::Done => (self.body.position, 0.0),
+            Doing::Carries(since, from) => {
+                // Half of the way in half of the time: minimum jerk (Flash & Hogan 1985).
+                let (time, way) = (0.5 * TASK.reach_s, self.goal - from);
+                let s = ((time_s - since) / time).min(1.0);
+                let place = from + way * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+                (place, way / time * 30.0 * s * s * (1.0 - s) * (1.0 - s))
+            }
+        };
+        self.force = 0.0;
+        if matches!(self.doing, Doing::Carries(..)) {
+            self.force = self.contact.force(self.device, self.body);
+            self.body = self.integrator.step(&mut self.state, self.body, self.force);
+        }
+        let push = self.stiffness * wanted + self.damping * speed - self.force;
+        self.device = self.plant.advance(self.device, push, push);
+        lets_go
+    }
+}
+
+/// A role of one peer, whichever scheme.
+trait Turn {
+    fn ask(&mut self, now: u64);
+    fn owns(&self, now: u64) -> bool;
+    fn official(&self) -> f64;
+    fn let_go(&mut self, now: u64, at: f64);
+    fn hear(&mut self, now: u64, from: PeerId, event: &Event);
+    /// Lets time pass; what is said, to whom.
+    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)>;
+}
+
+/// The server of the lock has this number.
+const SERVER: PeerId = PeerId(0);
+
+struct LockClient {
+    role: lock::Client,
+    out: Outbox<lock::Message, 32>,
+}
+
+impl Turn for LockClient {
+    fn ask(&mut self, now: u64) {
+        self.role.ask(now);
+    }
+    fn owns(&self, now: u64) -> bool {
+        self.role.owns(now)
+    }
+    fn official(&self) -> f64 {
+        position(&self.role.copy().value)
+    }
+    fn let_go(&mut self, now: u64, at: f64) {
+        // Too late is what the server says as well: the copy stays as it was.
+        let _ = self.role.release(now, Some(value(at)), &mut self.out);
+    }
+    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
+        if let Ok((_, message)) = lock::Message::parse(event) {
+            self.role.receive(now, from, &message, &mut self.out);
+        }
+    }
+    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
+        self.role.poll(now, &mut self.out);
+        let out = &mut self.out;
+        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+    }
+}
+
+struct LockServer {
+    role: lock::Server<4>,
+    out: Outbox<lock::Message, 32>,
+}
+
+/// The server takes no turn itself.
+impl Turn for LockServer {
+    fn ask(&mut self, _: u64) {}
+    fn owns(&self, _: u64) -> bool {
+        false
+    }
+    fn official(&self) -> f64 {
+        position(&self.role.copy().value)
+    }
+    fn let_go(&mut self, _: u64, _: f64) {}
+    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
+        if let Ok((_, message)) = lock::Message::parse(event) {
+            self.role.receive(now, from, &message, &mut self.out);
+        }
+    }
+    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
+        self.role.poll(now, &mut self.out);
+        let out = &mut self.out;
+        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+    }
+}
+
+struct RingMember {
+    role: Ring,
+    out: Outbox<ring::Message, 64>,
+}
+
+impl Turn for RingMember {
+    fn ask(&mut self, _: u64) {
+        self.role.ask();
+    }
+    fn owns(&self, now: u64) -> bool {
+        self.role.owns(now)
+    }
+    fn official(&self) -> f64 {
+        position(&self.role.state().value)
+    }
+    fn let_go(&mut self, now: u64, at: f64) {
+        let _ = self.role.publish(now, value(at), &mut self.out);
+    }
+    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
+        if let Ok((_, message)) = ring::Message::parse(event) {
+            self.role.receive(now, from, &message, &mut self.out);
+        }
+    }
+    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
+        self.role.poll(now, &mut self.out);
+        let out = &mut self.out;
+        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+    }
+}
+
+/// The peers of a scheme in the order of their numbers, which of them the two users are, and the delay of a message, µs.
+type Cast = (Vec<Box<dyn Turn>>, [usize; 2], u64);
+
+/// Who takes part, at this delay from user to user, µs.
+fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureError> {
+    let lease = Lease::new(LEASE_US)?;
+    if architecture == Architecture::CollaborativeLock {
+        let server = LockServer { role: lock::Server::new(lease, value(0.0)), out: Outbox::new() };
+        let client = |incarnation| -> Box<dyn Turn> {
+            let role = lock::Client::new(SERVER, lease, incarnation, value(0.0));
+            Box::new(LockClient { role, out: Outbox::new() })
+        };
+        return Ok((vec![Box::new(server), client(1), client(2)], [1, 2], delay_us / 2));
+    }
+    let founders = Roster::of(0..2);
+    let member = |seat: u8| -> Box<dyn Turn> {
+        let config = Config { seat, contacts: founders, lease, turn_us: TURN_US, seed: u64::from(seat) + 1 };
+        let role = Ring::new(config, 0, Record::founder(founders, value(0.0)));
+        Box::new(RingMember { role, out: Outbox::new() })
+    };
+    Ok((vec![member(0), member(1)], [0, 1], delay_us))
+}
+
+/// One run.
+///
+/// # Errors
+/// What the scene or the roles refuse.
+pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+    let scene = scene(&[])?;
+    let period_s = scene.peer.timing.control_period_s;
+    let (mut peers, users, delay_us) = cast(architecture, (1e3 * delay_ms) as u64)?;
+    let goals = [0.5 * TASK.goals_m[0], TASK.goals_m[1]];
+    let mut hands = [0, 1].map(|index| Hand::new(&scene, index, goals[index]));
+    let mut flying: VecDeque<(u64, usize, usize, Event)> = VecDeque::new();
+    // A ring begins by finding out that nobody has a token; that is over before the task starts.
+    let settled_us = 2 * u64::from(LEASE_US) + 4 * delay_us;
+    let ticks = (TASK.duration_s / period_s) as u64;
+    let warm_up = (settled_us as f64 * 1e-6 / period_s) as u64;
+    let mut account = Account::new(ticks);
+    let (mut user_bytes, mut server_bytes) = (0, 0);
+    for tick in 0..warm_up + ticks {
+        let now = (tick as f64 * period_s * 1e6) as u64;
+        let at_work = tick >= warm_up;
+        let time_s = tick.saturating_sub(warm_up) as f64 * period_s;
+        for _ in 0..flying.len() {
+            if let Some(message) = flying.pop_front() {
+                let (due, from, to, event) = message;
+                if due <= now {
+                    peers[to].hear(now, PeerId(from as u8), &event);
+                } else {
+                    flying.push_back(message);
+                }
+            }
+        }
+        if at_work {
+            for (index, hand) in hands.iter_mut().enumerate() {
+                let peer = &mut peers[users[index]];
+                // User 2 waits until the body is half-way.
+                if hand.doing == Doing::Waits && (index == 0 || peer.official() > 0.5 * goals[0]) {
+                    peer.ask(now);
+                }
+                if hand.step(time_s, peer.owns(now), peer.official()) {
+                    peer.let_go(now, hand.body.position);
+                }
+            }
+            let views = hands.each_ref().map(|hand| hand.body.position);
+            account.see(views, hands.each_ref().map(|hand| hand.force));
+        }
+        for (from, peer) in peers.iter_mut().enumerate() {
+            for (to, event) in peer.say(now) {
+                let bytes = if at_work { event_bytes(&event) } else { 0 };
+                if users.contains(&from) {
+                    user_bytes += bytes
+                } else {
+                    server_bytes += bytes
+                }
+                flying.push_back((now + delay_us, from, usize::from(to.0), event));
+            }
+        }
+    }
+    let done = hands.iter().all(|hand| hand.doing == Doing::Done);
+    let aware = presence_bytes_per_s() * TASK.duration_s;
+    let served = if architecture == Architecture::CollaborativeLock { server_bytes as f64 + 2.0 * aware } else { 0.0 };
+    Ok(account.row(architecture, delay_ms, done, [user_bytes as f64 + 2.0 * aware, served]))
+}

@@ -1,0 +1,71 @@
+//! `cargo xtask qemu`: a second opinion on the processor. haptic-core alone under QEMU's Cortex-M7 (tests/qemu) must compute what
+//! host-sim computes, bit for bit, and must turn its outputs off first when it panics or runs out of stack.
+
+use std::path::Path;
+
+use crate::run::{self, Failure, cargo, command};
+use crate::setup::{self, Ready, THUMB_TARGET};
+
+/// Built-in scenes that are replayed, either peer. One with encoders and duties among them.
+const SCENES: [&str; 5] =
+    ["paper-5.2-power-16ms", "paper-5.2-wave-16ms", "paper-5.2-passive-wave-16ms", "person-reach", "real-device"];
+/// Of each, s.
+const SECONDS: &str = "5";
+/// The machine: a Cortex-M7 with its double-precision FPU.
+const MACHINE: [&str; 10] =
+    ["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "none", "-nic", "none"];
+
+/// Why it cannot be checked here, if so; installs QEMU where that is all that is missing.
+pub(crate) fn obstacle() -> Option<String> {
+    setup::program("qemu-system-arm", "qemu-system-arm")
+}
+
+/// Builds, records, replays, compares; then the two endings.
+pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
+    let folder = run::root().join("tests/qemu");
+    let mut build = cargo(&["build", "--locked", "--release"]);
+    if ready.fallback {
+        build.arg("--ignore-rust-version");
+    }
+    let target = run::root().join("target/qemu");
+    build.env("CARGO_TARGET_DIR", &target).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain);
+    run::run(build.current_dir(&folder))?;
+    let image = target.join(THUMB_TARGET).join("release/second-opinion");
+    run::run(&mut cargo(&["build", "--locked", "--quiet", "--package", "host-sim"]))?;
+    let recording = target.join("recording.bin");
+    let name = recording.display().to_string();
+    for scene in SCENES {
+        for number in ["1", "2"] {
+            let mut record = cargo(&["run", "--locked", "--quiet", "--package", "host-sim", "--", "record"]);
+            record.args(["--built-in", scene, "--number", number, "--duration-s", SECONDS, &name]);
+            let (ours, theirs) = (run::output(&mut record)?, told(&image, "replay", &name)?);
+            if ours.trim().is_empty() || ours.trim() != theirs.trim() {
+                return Err(Failure::new(format!(
+                    "{scene}, peer {number}: host-sim computes {}, QEMU's Cortex-M7 {}",
+                    ours.trim(),
+                    theirs.trim()
+                )));
+            }
+            eprintln!("    {scene}, peer {number}: {}", theirs.trim());
+        }
+    }
+    for (mode, expected) in [("panic", "panic after 1001 ticks, outputs 0x0"), ("overflow", OVERFLOW)] {
+        let said = told(&image, mode, &name)?;
+        if said.trim() != expected {
+            return Err(Failure::new(format!("{mode}: it says {:?} and not {expected:?}", said.trim())));
+        }
+        eprintln!("    {}", said.trim());
+    }
+    Ok(())
+}
+
+const OVERFLOW: &str = "stack overflow after 1001 ticks, outputs 0x0";
+
+/// What the program says.
+fn told(image: &Path, mode: &str, recording: &str) -> Result<String, Failure> {
+    // It ends by itself; what hangs is ended from outside.
+    let mut qemu = command("timeout", &["60", "qemu-system-arm"]);
+    qemu.args(MACHINE).arg("-semihosting-config");
+    qemu.arg(format!("enable=on,target=native,arg={mode},arg={recording}")).arg("-kernel").arg(image);
+    run::output(&mut qemu)
+}
