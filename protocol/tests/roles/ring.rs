@@ -9,8 +9,10 @@ const LEASE_US: u32 = 300_000;
 
 struct Circle {
     rings: Vec<Ring>,
-    /// Who hears nobody and is not heard.
+    /// Who is on the other side.
     cut: Roster,
+    /// Two who do not hear each other.
+    deaf: Roster,
     now: u64,
     flying: Vec<(u8, PeerId, Message)>,
 }
@@ -23,7 +25,7 @@ impl Circle {
             let lease = Lease::new(LEASE_US).unwrap();
             Ring::new(Config { seat, contacts: all, lease, turn_us: 100_000, seed: u64::from(seat) }, 0, record)
         });
-        Self { rings: rings.collect(), cut: Roster::EMPTY, now: 0, flying: vec![] }
+        Self { rings: rings.collect(), cut: Roster::EMPTY, deaf: Roster::EMPTY, now: 0, flying: vec![] }
     }
 
     /// Time passes; what is said is heard 1 ms later.
@@ -32,7 +34,8 @@ impl Circle {
             self.now += 1_000;
             let mut out = Outbox::<_, 64>::new();
             for (from, to, message) in std::mem::take(&mut self.flying) {
-                if !self.cut.contains(from) && !self.cut.contains(to.0) {
+                let deaf = self.deaf.contains(from) && self.deaf.contains(to.0);
+                if self.cut.contains(from) == self.cut.contains(to.0) && !deaf {
                     self.rings[usize::from(to.0)].receive(self.now, PeerId(from), &message, &mut out);
                     self.flying.extend(std::iter::from_fn(|| out.take()).map(|(next, message)| (to.0, next, message)));
                 }
@@ -160,4 +163,52 @@ fn who_is_silent_for_long_is_left_out_and_joins_anew() {
     circle.run(3_000_000, go_on);
     assert_eq!(circle.rings[0].state().roster, Roster::of(0..5));
     assert!(granted(&mut circle.rings[4]) > 0);
+}
+
+#[test]
+fn who_comes_back_from_a_crash_keeps_the_word_that_it_has_forgotten() {
+    let mut circle = Circle::new(3, 0);
+    circle.rings[1].ask();
+    circle.run(2_000_000, |_| ());
+    assert_eq!(circle.owners(), [1]);
+    // 2 hears nothing of 1 and wants a new token; 0, on whose word 1 edits, crashes again and again.
+    circle.deaf = Roster::of([1, 2]);
+    circle.rings[2].ask();
+    let mut crashes = 0;
+    circle.run(3_000_000, |circle| {
+        if circle.now % 170_000 == 0 {
+            let lease = Lease::new(LEASE_US).unwrap();
+            let config = Config { seat: 0, contacts: Roster::of(0..3), lease, turn_us: 100_000, seed: circle.now };
+            circle.rings[0] = Ring::new(config, circle.now, *circle.rings[0].record());
+            crashes += 1;
+        }
+    });
+    assert!(crashes > 15 && circle.owners() == [1]);
+}
+
+#[test]
+fn new_members_alone_decide_nothing() {
+    let mut circle = Circle::new(3, 2);
+    // The two outsiders are not there yet.
+    circle.cut = Roster::of([3, 4]);
+    circle.rings[0].ask();
+    circle.run(2_000_000, |_| ());
+    assert_eq!(circle.owners(), [0]);
+    // 0 edits, and hears that 2 would like to leave and 3 and 4 to join; then 1 and 2 are cut off.
+    circle.rings[2].leave();
+    circle.cut = Roster::EMPTY;
+    circle.run(200_000, |_| ());
+    assert_eq!((circle.owners(), circle.rings[0].state().roster), (vec![0], Roster::of(0..3)));
+    circle.cut = Roster::of([1, 2]);
+    circle.publish();
+    circle.rings[1].ask();
+    for seat in [0, 3, 4] {
+        circle.rings[seat].ask();
+    }
+    // Of the members before, 1 and 2 are the majority: what 0 proposes with 3 and 4 is never published.
+    circle.run(3_000_000, |circle| assert!(circle.owners().iter().all(|seat| *seat == 1)));
+    assert_eq!(circle.owners(), [1]);
+    assert!(
+        !std::iter::from_fn(|| circle.rings[0].take_notice()).any(|notice| matches!(notice, Notice::Published { .. }))
+    );
 }
