@@ -19,7 +19,7 @@ enum SchemeName {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MistakeName {
-    /// Some clocks count a quarter of the time.
+    /// One clock counts a quarter of the time.
     SlowClock,
     /// Records are not there after a crash.
     Amnesia,

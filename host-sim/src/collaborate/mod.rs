@@ -36,7 +36,7 @@ pub enum Scheme {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mistake {
-    /// Some clocks count a quarter of the time: beyond what a lease allows.
+    /// One peer's clock counts a quarter of the time: beyond what a lease allows.
     SlowClock,
     /// Records are not there after a crash.
     Amnesia,

@@ -150,12 +150,13 @@ impl<P: Peer> World<P> {
     fn new(trial: &Trial, cast: Cast<P>) -> Self {
         let mut dice = Dice::new(trial.seed);
         let count = cast.peers.len();
-        // Within what a lease allows; the first peer's is beyond, if that is the mistake.
-        let slow = trial.mistake == Some(Mistake::SlowClock);
+        // Within what a lease allows; one of them beyond, if that is the mistake.
+        let slow = 1 + dice.below(count as u64 - 1) as usize;
+        let slow = (trial.mistake == Some(Mistake::SlowClock)).then_some(slow);
         let clocks = (0..count)
-            .map(|_| Clock {
+            .map(|at| Clock {
                 start_us: dice.below(1 << 40),
-                rate: if slow && dice.chance(0.5) { 0.25 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
+                rate: if slow == Some(at) { 0.25 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
             })
             .collect();
         let network = Network {
