@@ -147,7 +147,7 @@ impl<M: Models> State<M> {
         if self.mode != Mode::Probing {
             self.probing.end(End::Stopped);
         }
-        if command == Command::Clear {
+        if command == Command::Clear && matches!(before, Mode::Faulted(_)) {
             // What an encoder says after a jump is taken as where the joint was: the only reference there is.
             for joint in &mut self.joints {
                 joint.encoder.primed = false;

@@ -123,6 +123,8 @@ impl<S: Scalar> Probe<S> {
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
+        // With fewer than 5 ticks to a quarter, those that do not count would hide what a hand does.
+        within("probe.check_s", duration_s, [20.0 * settings.timing.control_period_s, probe.max_s], "s")?;
         let built =
             Self::build(settings, &Request { joint, shape: Shape::Swing, duty, duration_s, frequency_hz: 0.0 })?;
         let travel = CHECK_TRAVEL * probe.check_counts;
@@ -271,8 +273,9 @@ impl Outcome {
     /// What a swing says about the signs of motor and encoder.
     pub fn verdict(&self) -> Verdict {
         let enough = self.verdict_counts;
-        // Division by a constant: no panic.
-        let hardly = enough / 4;
+        // A steady push from rest, by a hand or a slope, shows a seventh to a ninth of its most on the wrong side; right
+        // signs show no more than a count of rounding. Division by a constant: no panic.
+        let hardly = enough / 16;
         match (self.most_counts, self.least_counts) {
             (most, least) if most < enough && least > -enough => Verdict::Still,
             _ if self.end != End::Done => Verdict::Unclear,

@@ -445,9 +445,9 @@ settings! {
         #[doc = "Duty of the check before arming, as a fraction of full scale; at most probe.max_duty."]
         check_duty: f64 = 0.02, number(0.001, 0.1), "";
         #[doc = "Time that the check before arming takes, for one joint."]
-        check_s: f64 = 0.04, number(0.008, 0.4), "s";
+        check_s: f64 = 0.04, number(0.02, 0.4), "s";
         #[doc = "Counts that the motor must move its joint by for the check to tell which way."]
-        check_counts: u32 = 20, whole(4, 1000), "counts";
+        check_counts: u32 = 20, whole(16, 1000), "counts";
     }
 }
 

@@ -159,6 +159,28 @@ fn a_hand_that_pushes_does_not_pass_for_the_motor() {
     }
 }
 
+/// Nor does a hand, or a slope, alone: with a motor that is dead, or weak and the wrong way round.
+#[test]
+fn a_light_steady_push_alone_is_no_verdict() {
+    use Verdict::{Agree, Disagree};
+    for (motor, wrong) in [(0.0, [Agree, Disagree]), (-0.05, [Agree; 2]), (0.05, [Disagree; 2])] {
+        for step in -100..=100 {
+            let hand_n = 0.002 * f64::from(step);
+            let run = check(motor, 1.0, |_| (), |_, device| device.hand_n = hand_n);
+            assert!(!wrong.contains(&run.outcome.verdict()), "{hand_n} N, motor {motor}: {:?}", run.outcome);
+        }
+    }
+}
+
+#[test]
+fn a_check_too_short_to_tell_a_hand_is_refused() {
+    let mut settings = Settings::default();
+    assert!(Probe::<f32>::check(&settings, 1).is_ok());
+    settings.timing.control_period_s = 0.0025;
+    let refused = Probe::<f32>::check(&settings, 1).expect_err("16 ticks").to_string();
+    assert!(refused.starts_with("probe.check_s = 0.04 is not allowed: it must be a number from 0.05"), "{refused}");
+}
+
 fn probe(settings: &Settings, shape: Shape, duty: f64, duration_s: f64) -> Probe<f32> {
     Probe::build(settings, &Request { joint: 1, shape, duty, duration_s, frequency_hz: 5.0 })
         .expect("within its limits")

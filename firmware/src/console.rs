@@ -58,10 +58,15 @@ pub(crate) struct Console {
     pub(crate) probed: Reader<'static, Outcome>,
 }
 
+/// Most ticks between two packets: orders are carried out at packets, and answered within 50 ms.
+const MAX_TICKS_PER_PACKET: u32 = 40;
+
 /// Why a board does not run settings that a scene may have.
 pub(crate) enum Unfit {
     /// Another control period than the timer's.
     Period,
+    /// Packet boundaries so far apart that the operator would wait longer than an answer may take.
+    PacketPeriod,
     /// A velocity that encoders do not measure.
     Velocity,
     /// Settings that nobody runs.
@@ -73,6 +78,9 @@ impl core::fmt::Display for Unfit {
         match self {
             Self::Period => {
                 write!(f, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S)
+            }
+            Self::PacketPeriod => {
+                write!(f, "timing.ticks_per_packet must be at most {MAX_TICKS_PER_PACKET}: orders wait for a packet")
             }
             Self::Velocity => {
                 f.write_str("axis.velocity must be difference, filtered or adaptive: encoders measure no velocity")
@@ -94,6 +102,9 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Unfit> {
     };
     if settings.timing.control_period_s != pace::PERIOD_S {
         return Err(Unfit::Period);
+    }
+    if settings.timing.ticks_per_packet > MAX_TICKS_PER_PACKET {
+        return Err(Unfit::PacketPeriod);
     }
     if settings.axis.velocity == VelocityName::Measured {
         return Err(Unfit::Velocity);
@@ -178,8 +189,11 @@ impl Console {
     async fn command(&mut self, command: Command, to: &mut Answer) -> core::fmt::Result {
         match command {
             Command::Disarm => {
-                tick::DISARM.store(true, Ordering::Relaxed);
-                return write!(to, "ok disarmed");
+                tick::DISARM.store(true, Ordering::Release);
+                return match carried_out(|| !tick::DISARM.load(Ordering::Acquire)).await {
+                    true => write!(to, "ok disarmed"),
+                    false => unanswered(to),
+                };
             }
             Command::Clear => {
                 self.unacknowledged = false;
@@ -205,7 +219,7 @@ impl Console {
         let order = status::order(self.orders, command);
         tick::ORDER.store(order, Ordering::Release);
         if !carried_out(|| tick::DONE.load(Ordering::Acquire) == order).await {
-            return write!(to, "error the tick did not answer");
+            return unanswered(to);
         }
         let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
         match (command, mode) {
@@ -245,7 +259,11 @@ impl Console {
         let number = tick::BEGUN.load(Ordering::Relaxed).wrapping_add(1);
         self.probes.write((number, probe));
         if !carried_out(|| tick::BEGUN.load(Ordering::Acquire) == number).await {
-            return write!(to, "error the tick did not answer");
+            return unanswered(to);
+        }
+        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
+        if mode == "faulted" {
+            return write!(to, "error {mode}, fault {fault}");
         }
         write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
     }
@@ -303,6 +321,12 @@ impl Console {
 
 fn disarmed() -> bool {
     status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 == "disarmed"
+}
+
+/// The tick has not done what it was asked for: it must not do it later either.
+fn unanswered(to: &mut Answer) -> core::fmt::Result {
+    tick::DISARM.store(true, Ordering::Release);
+    write!(to, "error the tick did not answer; motors off")
 }
 
 /// Waits up to 50 ms for something to be done.

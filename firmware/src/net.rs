@@ -99,7 +99,7 @@ pub(crate) async fn start(
     let spawner = unsafe { Spawner::for_current_executor() }.await;
     let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), FLOW_PORT);
-    let flow = Flow { key, number, link, peer, outgoing, incoming };
+    let flow = Flow { key, number, link, peer, outgoing, incoming, apart: false, outdated: false };
     spawner.spawn(defmt::unwrap!(exchange(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
     spawner.spawn(defmt::unwrap!(port::run(stack, console, operator, Telemetry::new(records))));
@@ -210,6 +210,10 @@ struct Flow {
     peer: IpEndpoint,
     outgoing: Reader<'static, Outgoing>,
     incoming: Writer<'static, Received>,
+    /// The other peer's motors have gone off since its last flow that counted.
+    apart: bool,
+    /// The link still has the old settings.
+    outdated: bool,
 }
 
 impl Flow {
@@ -221,7 +225,16 @@ impl Flow {
         match taken {
             Ok(Some(Incoming::Flow(flow))) => {
                 count(&RECEIVED);
-                if flow.engaged {
+                if self.outdated {
+                    return;
+                }
+                if !flow.engaged {
+                    self.apart = true;
+                } else {
+                    if core::mem::take(&mut self.apart) {
+                        // Armed anew it counts from zero, from another place: nothing that came before goes with it.
+                        tick::LIFE.fetch_add(1, Ordering::Release);
+                    }
                     let life = tick::LIFE.load(Ordering::Relaxed);
                     self.incoming.write(Received { life, packet: packet::packet(&flow) });
                 }
@@ -256,11 +269,13 @@ impl Flow {
     /// Other settings: the other peer has to be told them too before the two meet again.
     #[inline(never)]
     fn told(&mut self, settings: &Settings) {
+        tick::LIFE.fetch_add(1, Ordering::Release);
         if let Some(link) = connect(&self.key, self.number, settings) {
             *self.link = link;
-            tick::LIFE.fetch_add(1, Ordering::Release);
+            self.outdated = false;
         } else {
-            defmt::error!("peer: no randomness for a new session; the old one stands, with the old settings");
+            self.outdated = true;
+            defmt::error!("peer: no randomness for a new session, so no peer: the old session has the old settings");
         }
     }
 }
@@ -285,6 +300,7 @@ async fn exchange(stack: Stack<'static>, mut flow: Flow) -> ! {
         match select3(pace::rung(), socket.recv_from(&mut bytes), TOLD.wait()).await {
             Either3::First(()) => {
                 if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
+                    && !flow.outdated
                     && let Some(length) = flow.link.send_flow(now(), &packet::flow(packet, armed, tick), &mut out)
                 {
                     let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;

@@ -45,7 +45,7 @@ pub(crate) async fn run(
         if new != status {
             let ((before, _), (mode, fault)) = (status::unpack(status), status::unpack(new));
             defmt::info!("tick {=u32}: {=str} -> {=str}, fault {=u8}", now, before, mode, fault);
-            armed.set_level(if mode == "armed" { Level::High } else { Level::Low });
+            armed.set_level(if matches!(mode, "armed" | "probing") { Level::High } else { Level::Low });
             status = new;
         }
     }

@@ -217,11 +217,11 @@ impl Loop {
 
         if self.driving && !bridges::live() {
             EMERGENCY.store(true, Ordering::Relaxed);
-            self.command(Command::Disarm);
+            self.stop();
         }
         if DISARM.load(Ordering::Relaxed) {
-            DISARM.store(false, Ordering::Relaxed);
-            self.command(Command::Disarm);
+            self.stop();
+            DISARM.store(false, Ordering::Release);
         }
         let mut incoming = None;
         if self.state.packet_due() {
@@ -267,6 +267,16 @@ impl Loop {
         self.overrun = pace::due();
         if self.overrun {
             OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+        }
+    }
+
+    /// Motors off, and whatever was asked for before is withdrawn: an order that still waits must not undo a stop.
+    #[inline(always)]
+    fn stop(&mut self) {
+        self.command(Command::Disarm);
+        DONE.store(ORDER.load(Ordering::Acquire), Ordering::Release);
+        if self.probes.fetch() {
+            BEGUN.store(self.probes.get().0, Ordering::Release);
         }
     }
 

@@ -231,8 +231,8 @@ fn earliest<S: Scalar, const D: usize, const N: usize>(
         for (wall_at, wall) in walls.iter().enumerate() {
             let parted = *last_hit == Some(Partner::Wall(wall_at));
             let approach = -dot(wall.normal, body.velocity());
-            if !parted && approach > S::ZERO {
-                let gap = dot(wall.normal, body.position()) - wall.offset - body.radius;
+            let gap = dot(wall.normal, body.position()) - wall.offset - body.radius;
+            if !parted && approach > S::ZERO && gap.is_finite() {
                 let after_s = gap.ratio(approach).max(S::ZERO);
                 see(Next { after_s, body: at, partner: Partner::Wall(wall_at), normal: wall.normal });
             }

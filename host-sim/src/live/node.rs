@@ -37,6 +37,8 @@ pub struct Node {
     link: Link,
     /// The newest flow since the last exchange.
     newest: Option<Flow>,
+    /// The other peer's motors have gone off since its last flow that counted.
+    apart: bool,
     /// Flow that waits, where the scene asks for it (network.playout_packets).
     playout: Option<Playout<Flow>>,
     period_s: f64,
@@ -136,6 +138,7 @@ impl Node {
             plant,
             link,
             newest: None,
+            apart: false,
             playout: (depth > 0).then(|| Playout::new(depth, settings.timing.ticks_per_packet)),
             period_s,
             ticks: 0,
@@ -200,7 +203,13 @@ impl Node {
             self.state.part();
         }
         if self.state.packet_due() {
-            let incoming = self.newest.take().filter(|flow| flow.engaged).map(|flow| packet_of(&flow));
+            let newest = self.newest.take();
+            if newest.is_some_and(|flow| flow.engaged) && self.apart {
+                // Armed anew it counts from zero, from another place: nothing that came before goes with it.
+                self.state.part();
+            }
+            self.apart = newest.map_or(self.apart, |flow| !flow.engaged);
+            let incoming = newest.filter(|flow| flow.engaged).map(|flow| packet_of(&flow));
             let packet = peer::exchange(&self.scene, &mut self.state, incoming);
             let flow = flow_of(packet, self.state.mode() == Mode::Armed, self.ticks);
             if let Some(len) = self.link.send_flow(now_us, &flow, &mut out) {

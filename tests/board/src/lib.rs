@@ -14,6 +14,7 @@
 //! | [`partner`] | host-sim's live peer in place of the second board |
 //! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
 //! | [`node`] | one board on a thread of its own, stepped from outside |
+//! | [`power`] | power that goes while settings are saved |
 //! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
 //! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
@@ -32,6 +33,7 @@ pub mod pair;
 pub mod part;
 pub mod partner;
 pub mod pc;
+pub mod power;
 pub mod reviewed;
 pub mod trial;
 pub mod twin;

@@ -213,6 +213,11 @@ fn outputs_go_off_and_stay_off() {
     campaign.break_code("supervisor hangs", &restarted(32, "no progress"), "UART4", &[FOR_EVER]);
     campaign.break_code("tick hangs", &restarted(32, "no progress"), "TIM6_DAC", &[FOR_EVER]);
 
+    let words = board_bench::power::cuts(&campaign.firmware);
+    campaign.rows.push(format!(
+        "| power cut after each of the {words} words of a save | were off | settings old or new, whole | - |"
+    ));
+
     table(&campaign.rows);
 }
 
