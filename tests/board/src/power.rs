@@ -24,8 +24,7 @@ pub fn board(firmware: &Arc<Firmware>, flash: &[(u64, u32)]) -> Bench {
     Bench::start_with(firmware, 1, Line::default(), flash)
 }
 
-/// Another mass for the object, taken by the board.
-pub fn set(bench: &mut Bench, mass: &str) {
+fn set(bench: &mut Bench, mass: &str) {
     assert!(bench.ask(1, &format!("set object.mass_kg {mass}")).starts_with("ok"));
     assert_eq!(bench.ask(1, "apply"), "ok applied");
 }

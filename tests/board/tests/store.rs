@@ -5,7 +5,7 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
 use board_bench::pc::{Pc, key, key_in_flash};
-use board_bench::power::{STORE, board, set};
+use board_bench::power::{STORE, board};
 use board_bench::reviewed;
 
 #[test]
