@@ -20,6 +20,10 @@
 //! | [`render`] | contact between device and object |
 //! | [`axis`] | encoder counts to position and velocity, force to motor duty |
 //! | [`scalar`] | the number types and the only maths functions |
+//! | [`motion`] | position and velocity of one degree of freedom |
+//! | [`vector`] | state as a vector: for the analyser, and for hashes |
+//! | [`mod@sum`] | sums of many small terms, with compensation |
+//! | [`mod@list`] | one list per kind of model: the only place where a law, integrator or estimator is named |
 //!
 //! SI units everywhere. Equations and symbols follow the cooperation paper (Rakhsha & Constantinescu 2012).
 #![no_std]

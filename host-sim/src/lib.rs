@@ -15,6 +15,7 @@
 //! | [`cooperative`] | many users, one object, one dynamics engine: at a server or on its way to a client |
 //! | [`architectures`] | the same task in every architecture, to choose by |
 //! | [`experiment`] | runs with their figures of merit, the papers' experiments |
+//! | [`analysis`] | stability, computed from the code that flies |
 //! | [`accuracy`] | speed against error, for every numerical choice |
 //! | [`report`] | tables, CSV and Parquet files, pictures |
 //! | [`squash`] | one ball, many players: the paper's game, played by bots |

@@ -141,6 +141,65 @@ fn live_peers_floods_and_restarts() {
         refused(&[&peer[..], &[&key]].concat(), &["can be read by others", "chmod 600"]);
         mode(0o600);
         refused(&[&peer[..], &[&key, "--patience-s", "0.05"]].concat(), &["nobody answered", "127.0.0.1:9"]);
+        let visit = ["visit", "--line", "1", "--server", "1=127.0.0.1:9", "--duration-s", "0.05", "--key-file", &key];
+        refused(&visit, &["nobody answered from 127.0.0.1:9", "the key"]);
+        let addresses = "127.0.0.1:0,127.0.0.1:9,127.0.0.1:10";
+        let squash = ["squash", "live", "--number", "0", "--addresses", addresses, "--seconds", "0.05", "--key-file"];
+        refused(&[&squash[..], &[&key]].concat(), &["nobody answered from 127.0.0.1:9, 127.0.0.1:10"]);
+    }
+}
+
+/// A negative number is a number out of range, not an unknown argument.
+#[test]
+fn negative_numbers() {
+    let negative = |arguments: &[&str], names: &[&str]| {
+        let words: Vec<&str> = arguments.iter().flat_map(|text| text.split(' ')).collect();
+        refused(&words, names);
+    };
+    negative(&["flood --rate -1"], &["--rate -1", "1 to 10000000"]);
+    negative(&["flood --seconds -1"], &["--seconds -1", "86400 s"]);
+    negative(&["restarts --count -1"], &["--count", "1..=10000000"]);
+    negative(&["restarts --seed -1"], &["--seed"]);
+    negative(&["crowd --clients 10,-1"], &["--clients", "1..=4096"]);
+    negative(&["crowd --clients -1"], &["--clients", "1..=4096"]);
+    negative(&["crowd --seconds -1"], &["--seconds -1"]);
+    negative(&["crowd --warm-up-s -1"], &["--warm-up-s -1"]);
+    negative(&["squash --players -1"], &["--players", "2..=8"]);
+    negative(&["squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
+    negative(&["squash --seed -1"], &["--seed"]);
+    let relay = "relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0";
+    negative(&[relay, "--duration-s -1"], &["--duration-s -1"]);
+    negative(&["trace --duration-s -1 /no/such/trace.csv"], &["--duration-s -1"]);
+    let peer = "--listen 127.0.0.1:0 --connect 127.0.0.1:9 --key-file /no/such.key";
+    negative(&["peer --number -1", peer], &["--number", "1..=2"]);
+    negative(&["peer --number 1 --duration-s -1", peer], &["--duration-s -1"]);
+    negative(&["peer --number 1 --patience-s -1", peer], &["--patience-s -1"]);
+    let serve = "serve --scene /no/such.toml --listen 127.0.0.1:0 --key-file /no/such.key";
+    negative(&[serve, "--duration-s -1"], &["--duration-s -1"]);
+    negative(&[serve, "--lines -1"], &["--lines", "1..=4096"]);
+    negative(&[serve, "--region -1"], &["--region"]);
+    let visit = "visit --key-file /no/such.key --server 1=127.0.0.1:1";
+    negative(&[visit, "--line -1"], &["--line", "1..=4096"]);
+    for name in ["--duration-s", "--stroke-s", "--radius-m"] {
+        negative(&[visit, "--line 1", name, "-1"], &[&format!("{name} -1")]);
+    }
+    negative(&["keygen /tmp/x --line -1 --of /no/such.key"], &["--line", "1..=4096"]);
+}
+
+#[test]
+fn the_same_place_twice() {
+    let visit = ["visit", "--key-file", "/no/such.key", "--line", "1", "--server", "1=127.0.0.1:1", "--server"];
+    refused(&[&visit[..], &["1=127.0.0.1:2"]].concat(), &["--server 1=127.0.0.1:1", "--server 1=127.0.0.1:2"]);
+    refused(&[&visit[..], &["2=127.0.0.1:1"]].concat(), &["--server 2=127.0.0.1:1", "an address of its own"]);
+    let squash = ["squash", "live", "--number", "0", "--key-file", "/no/such.key", "--addresses"];
+    let addresses = "127.0.0.1:1,127.0.0.1:2,127.0.0.1:1";
+    refused(&[&squash[..], &[addresses]].concat(), &["--addresses has 127.0.0.1:1 twice"]);
+}
+
+#[test]
+fn a_sweep_of_squash_chooses_for_itself() {
+    for (name, value) in [("--rtt-ms", "50"), ("--bounder", "off"), ("--motion-bounder", "on")] {
+        refused(&["squash", "--sweep", name, value], &["--sweep", name]);
     }
 }
 
@@ -177,6 +236,8 @@ fn calibrations_that_cannot_begin() {
 fn recordings_that_cannot_be_made() {
     let out = folder().join("recording.bin").display().to_string();
     refused(&["record", "--built-in", "no-scene", &out], &["no-scene", "paper-5.2-power-16ms"]);
+    refused(&["record", "--built-in", "impulsive", "--set", "axis.count=2", &out], &["--built-in", "--set"]);
+    refused(&["record", "--built-in", "impulsive", "--scene", "a.toml", &out], &["--built-in", "--scene"]);
     refused(&["record", "--duration-s", "0", &out], &["--duration-s 0"]);
     refused(&["record", "--set", "network.clock_drift_ppm=5", &out], &["network.clock_drift_ppm"]);
     refused(&["record", "/no/such/folder/recording.bin"], &["/no/such/folder/recording.bin"]);

@@ -57,6 +57,36 @@ fn the_matched_line() {
     assert!((0.60..=0.70).contains(&mass), "{mass} kg");
 }
 
+/// The dot in a scene's name is no extension: scenes in one folder once overwrote each other's files.
+#[test]
+fn files_of_scenes_with_dots_in_their_names() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("dotted");
+    let out = folder.display().to_string();
+    for name in ["paper-5.1-wave-16ms", "impulsive"] {
+        let report = json(&["cooperate", "--json", "--duration-s", "0.1", "--scene", name, "--out", &out]);
+        assert_eq!((&report["scene"], &report["warnings"]), (&name.into(), &Value::Array(vec![])));
+        for kind in ["csv", "parquet"] {
+            assert!(folder.join(format!("{name}.{kind}")).exists(), "{name}.{kind} in {report}");
+        }
+    }
+}
+
+#[test]
+fn a_scene_in_which_nobody_pushes_says_so() {
+    let report = json(&["cooperate", "--json", "--duration-s", "0.1"]);
+    let warning = report["warnings"][0].as_str().expect("a warning");
+    assert!(warning.starts_with("nobody pushes: set user.1.push_n"), "{warning}");
+}
+
+/// `host-sim keys | head -3`: quiet, and no success.
+#[test]
+fn a_reader_that_goes_away_ends_the_program_quietly() {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("keys").stdout(writer).output().expect("it runs");
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(141), ""));
+}
+
 #[test]
 fn cooperate_reports_what_scripts_rely_on() {
     let report = json(&["cooperate", "--json", "--duration-s", "2", "--set", "user.1.push_n=1"]);

@@ -103,6 +103,16 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     assert_eq!(run(&right, &["status", "get a"]), (Some(0), "ok status\nok get a\n".into(), String::new()));
     let refused = "host-sim: board 2: no: never\n";
     assert_eq!(run(&right, &["one", "no", "two"]), (Some(2), "ok one\n".into(), refused.into()));
+    // A board that never sends a tick is no reason for an empty file.
+    let file = folder.join("ticks.csv");
+    let (status, said, why) = run(&right, &["status", "--seconds", "0.1", "--record", &file.display().to_string()]);
+    assert_eq!((status, said.as_str(), file.exists()), (Some(2), "ok status\n", false));
+    assert_eq!(why, "host-sim: board 2: no tick came in 0.1 s\n");
+    let scene = folder.join("scene.toml");
+    std::fs::write(&scene, "[object]\nmass_kg = 0.5\n").unwrap();
+    let (status, said, why) = run(&right, &["--scene", &scene.display().to_string(), "status"]);
+    assert_eq!((status, said.as_str()), (Some(0), "ok status\n"));
+    assert!(why.starts_with("1 settings of "), "{why}");
     let (status, said, why) = run(&wrong, &["disarm"]);
     assert_eq!((status, said.as_str()), (Some(2), ""));
     assert!(why.contains("nobody who holds the key of") && why.lines().count() == 1, "{why}");

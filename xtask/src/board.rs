@@ -5,20 +5,24 @@
 
 use std::env;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, ExitCode};
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// Builds and runs; `arguments` are the bench's.
-pub(crate) fn board(arguments: &[&str]) -> Result<(), Failure> {
+/// Builds and runs; `arguments` are the bench's, and so is exit status 2 where they are wrong.
+pub(crate) fn board(arguments: &[&str]) -> Result<ExitCode, Failure> {
     let ready = step("set-up", setup::setup)?;
     let image = step("image", || image(&ready))?;
     let mut bench = bench(&["run", "--bin", "board"], &image);
     bench.arg("--").args(arguments);
     eprintln!("    {}", run::spelled(&bench));
     let status = bench.status().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
-    if status.success() { Ok(()) } else { Err(Failure::new("the virtual boards did not run the scene (see above)")) }
+    match status.code() {
+        Some(0) => Ok(ExitCode::SUCCESS),
+        Some(2) => Ok(ExitCode::from(2)),
+        _ => Err(Failure::new("the virtual boards did not run the scene (see above)")),
+    }
 }
 
 /// Builds the release image and says where it is.

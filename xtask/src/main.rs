@@ -186,7 +186,10 @@ fn main() -> ExitCode {
         ["bench", "--help" | "-h"] => print(BENCH_HELP),
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
-        ["board", arguments @ ..] => board::board(arguments),
+        ["board", arguments @ ..] => match board::board(arguments) {
+            Ok(status) => return status,
+            Err(failure) => Err(failure),
+        },
         ["count", "--help" | "-h"] => print(COUNT_HELP),
         ["count"] => count::count(false),
         ["count", "--bless"] => count::count(true),
@@ -205,7 +208,13 @@ fn main() -> ExitCode {
         ["provision", "--help" | "-h"] => print(PROVISION_HELP),
         ["qemu"] => setup::setup().and_then(|ready| test::second_opinion(&ready)),
         ["qemu", "--help" | "-h"] => print(QEMU_HELP),
-        ["provision", arguments @ ..] => provision::provision(arguments),
+        ["provision", arguments @ ..] => match provision::Plan::parse(arguments) {
+            Ok(plan) => provision::provision(&plan),
+            Err(failure) => {
+                eprintln!("error: {failure}");
+                return ExitCode::from(2);
+            }
+        },
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

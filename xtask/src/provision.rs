@@ -10,21 +10,36 @@ use crate::run::{self, Failure, cargo, command, run};
 /// The chip, as probe-rs calls it.
 pub(crate) const CHIP: &str = "STM32H743ZITx";
 
-/// Reads the command line, makes the image, puts it on the board and starts the board anew.
-pub(crate) fn provision(arguments: &[&str]) -> Result<(), Failure> {
-    let (mut key_file, mut probe) = (None, None);
-    let mut rest = arguments;
-    while let [name, value, more @ ..] = rest {
-        match *name {
-            "--key-file" => key_file = Some(*value),
-            "--probe" => probe = Some(*value),
-            _ => break,
+/// Which key, and onto which board.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Plan<'a> {
+    key_file: &'a str,
+    probe: Option<&'a str>,
+}
+
+impl<'a> Plan<'a> {
+    /// Reads the command line.
+    pub(crate) fn parse(arguments: &[&'a str]) -> Result<Self, Failure> {
+        let (mut key_file, mut probe) = (None, None);
+        let mut rest = arguments;
+        while let [name, value, more @ ..] = rest {
+            match *name {
+                "--key-file" => key_file = Some(*value),
+                "--probe" => probe = Some(*value),
+                _ => break,
+            }
+            rest = more;
         }
-        rest = more;
+        match (key_file, rest) {
+            (Some(key_file), []) => Ok(Self { key_file, probe }),
+            _ => Err(Failure::new("usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]")),
+        }
     }
-    let (Some(key_file), []) = (key_file, rest) else {
-        return Err(Failure::new("usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]"));
-    };
+}
+
+/// Makes the image, puts it on the board and starts the board anew.
+pub(crate) fn provision(plan: &Plan<'_>) -> Result<(), Failure> {
+    let Plan { key_file, probe } = *plan;
     if !run::succeeds(&mut command("probe-rs", &["--version"])) {
         return Err(Failure::new("probe-rs is missing: `cargo install probe-rs-tools --locked` installs it"));
     }
@@ -65,6 +80,16 @@ fn address() -> Result<String, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_command_line() {
+        let plan =
+            Plan::parse(&["--probe", "0483:374e", "--key-file", "lab.key"]).map_err(|failure| failure.to_string());
+        assert_eq!(plan, Ok(Plan { key_file: "lab.key", probe: Some("0483:374e") }));
+        for wrong in [&[][..], &["--key-file"], &["--probe", "a"], &["--key-file", "a", "b"], &["--kee-file", "a"]] {
+            assert!(Plan::parse(wrong).is_err(), "{wrong:?}");
+        }
+    }
 
     #[test]
     fn the_key_has_the_sector_that_memory_x_says() {

@@ -99,6 +99,7 @@ impl Report {
         self.across("Mean true discrepancy (mm); NO: unstable, or not done in time", |row| {
             significant(row.true_discrepancy_mm, 3)
         });
+        println!("Packets go every 8 ms, which counts as delay; host-sim cooperative sends them every tick.\n");
         self.across("Mean / largest force felt (N)", |row| format!("{:.2} / {:.1}", row.felt_n, row.peak_n));
         self.across("Placed after (s), and where (mm, both users)", |row| {
             format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1])

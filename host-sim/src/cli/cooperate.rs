@@ -15,6 +15,7 @@ use crate::experiment::{Options, Outcome, apparent_mass, run};
 use crate::report::files;
 use crate::report::text::TextTable;
 use crate::scene::SceneFile;
+use crate::user::User;
 
 /// The number type the peers compute in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -73,6 +74,15 @@ struct Report {
     files: Vec<PathBuf>,
 }
 
+/// Whether a user ever does anything.
+fn pushes(user: &User) -> bool {
+    let profile = &user.settings.user;
+    let has_arm = profile.arm_stiffness_n_per_m != 0.0 || profile.arm_damping_n_s_per_m != 0.0;
+    let forces = [profile.push_n, profile.pulse_n, profile.sine_n, profile.side_push_n];
+    let reaches = [profile.reach_m, profile.tremor_m];
+    user.trace.is_some() || forces.iter().any(|n| *n != 0.0) || has_arm && reaches.iter().any(|m| *m != 0.0)
+}
+
 impl Cooperate {
     /// Runs the scene and reports.
     ///
@@ -109,11 +119,13 @@ impl Cooperate {
 
         let mut report = Report::new(self.scene.name(), &scene, &outcome, wall_s)?;
         if let Some(folder) = folder {
-            let base = folder.join(self.scene.name());
-            report.files = vec![base.with_extension("csv"), base.with_extension("parquet")];
+            let name = self.scene.name();
+            let base = folder.join(&name);
+            // Appended, not replaced: a scene's name may contain a dot.
+            report.files = ["csv", "parquet"].map(|kind| folder.join(format!("{name}.{kind}"))).to_vec();
             files::write_csv(&outcome.table, &report.files[0])?;
             files::write_parquet(&outcome.table, &report.files[1])?;
-            report.files.extend(figures::run(&self.scene.name(), &outcome, &base)?);
+            report.files.extend(figures::run(&name, &outcome, &base)?);
         }
         for warning in &report.warnings {
             eprintln!("warning: {warning}");
@@ -130,6 +142,10 @@ impl Report {
     fn new(name: String, scene: &SceneFile, outcome: &Outcome, wall_s: f64) -> Result<Self, Failure> {
         let verdict = analysis::verdict(scene)?;
         let stable = outcome.bounded && (verdict.stable || !scene.is_linear());
+        let mut warnings = if verdict.stable { Vec::new() } else { vec![analysis::advice(scene)?] };
+        if !scene.users.iter().any(pushes) {
+            warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
+        }
         let moved =
             if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
         Ok(Self {
@@ -152,7 +168,7 @@ impl Report {
             wall_s,
             seed: scene.world.network.seed,
             state_hash: format!("{:016x}", outcome.hash),
-            warnings: if verdict.stable { Vec::new() } else { vec![analysis::advice(scene)?] },
+            warnings,
             files: Vec::new(),
         })
     }

@@ -20,15 +20,15 @@ const RATE_HZ: f64 = 1e6 / PACKET_US as f64;
 /// Arguments of `crowd`.
 #[derive(Debug, Args)]
 pub(super) struct Crowd {
-    /// How many clients, one run for each.
-    #[arg(long, value_delimiter = ',', default_values_t = [100, 200, 500, 1000, 1500, 2000], value_name = "N",
+    /// How many clients, one run for each, separated by commas.
+    #[arg(long, allow_negative_numbers = true, value_delimiter = ',', default_values_t = [100, 200, 500, 1000, 1500, 2000], value_name = "N,…",
         value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     clients: Vec<u32>,
     /// How long each run is measured, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
     /// How long before that the clients have to arrive and download, s.
-    #[arg(long, default_value_t = 3.0, value_name = "S")]
+    #[arg(long, default_value_t = 3.0, value_name = "S", allow_negative_numbers = true)]
     warm_up_s: f64,
     /// World file; without it, the two rooms of `scenes/worlds`.
     #[arg(long, value_name = "WORLD")]

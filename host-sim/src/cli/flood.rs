@@ -15,10 +15,10 @@ pub(super) struct Flood {
     #[command(flatten)]
     scene: SceneArgs,
     /// Forged datagrams per second, both peers together.
-    #[arg(long, default_value_t = 100_000.0, value_name = "PER_S")]
+    #[arg(long, default_value_t = 100_000.0, value_name = "PER_S", allow_negative_numbers = true)]
     rate: f64,
     /// Length of the flood, s.
-    #[arg(long, default_value_t = 5.0, value_name = "S")]
+    #[arg(long, default_value_t = 5.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
     /// Print JSON.
     #[arg(long)]

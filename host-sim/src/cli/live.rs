@@ -17,7 +17,7 @@ pub(super) struct Keygen {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// The key of one client of a server, made from the server's.
-    #[arg(long, value_name = "NUMBER", requires = "of", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, requires = "of", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     line: Option<u32>,
     /// The server's key file.
     #[arg(long, value_name = "FILE", requires = "line")]
@@ -30,11 +30,17 @@ impl Keygen {
     /// # Errors
     /// It exists, or cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        let file = self.file.display();
         match (self.line, &self.of) {
-            (Some(line), Some(of)) => key_file::write(&self.file, &key_file::read(of)?.line(line))?,
-            _ => key_file::generate(&self.file)?,
+            (Some(line), Some(of)) => {
+                key_file::write(&self.file, &key_file::read(of)?.line(line))?;
+                println!("wrote {file}: for client {line} of the server; copy it there over a way that you trust");
+            }
+            _ => {
+                key_file::generate(&self.file)?;
+                println!("wrote {file}: copy it to the other peer over a way that you trust");
+            }
         }
-        println!("wrote {}: copy it to the other peer over a way that you trust", self.file.display());
         Ok(())
     }
 }
@@ -66,7 +72,7 @@ pub(super) struct Peer {
     #[command(flatten)]
     scene: SceneArgs,
     /// Which of the two: 1 (left) or 2 (right).
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
+    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=2))]
     number: u8,
     /// Where this peer listens.
     #[arg(long, value_name = "ADDRESS:PORT")]
@@ -78,10 +84,10 @@ pub(super) struct Peer {
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
     /// Time of the experiment once both are there, s.
-    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// How long to call before giving up, s.
-    #[arg(long, default_value_t = 30.0, value_name = "S")]
+    #[arg(long, default_value_t = 30.0, value_name = "S", allow_negative_numbers = true)]
     patience_s: f64,
     /// Print JSON.
     #[arg(long)]
@@ -94,6 +100,12 @@ pub(super) fn check_time(name: &str, value: f64) -> Result<(), Failure> {
         return Ok(());
     }
     Err(format!("{name} {value} is not allowed: it must be above 0 and up to 86400 s").into())
+}
+
+/// What a command says that met none of those at `addresses`.
+pub(super) fn nobody<'a>(addresses: impl Iterator<Item = &'a SocketAddr>) -> String {
+    let addresses: Vec<String> = addresses.map(SocketAddr::to_string).collect();
+    format!("nobody answered from {}, or nobody who holds the key", addresses.join(", "))
 }
 
 impl Peer {
@@ -165,7 +177,7 @@ pub(super) struct Relay {
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
     /// How long, s.
-    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// Print JSON.
     #[arg(long)]
@@ -203,7 +215,7 @@ pub(super) struct Trace {
     #[command(flatten)]
     scene: SceneArgs,
     /// How much of the network to write down, s.
-    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// CSV file to write.
     #[arg(value_name = "FILE")]

@@ -2,7 +2,12 @@
 //!
 //! Results go to standard output (`--json`: one JSON document and nothing else), progress and warnings to standard error.
 //! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
-//! change.
+//! change, 141 when whoever read the results went away.
+
+/// `println!` that ends the program without a word where nobody reads on (`host-sim cooperate | head -3`).
+macro_rules! println {
+    ($($text:tt)+) => { $crate::cli::say(format_args!($($text)+)) };
+}
 
 mod accuracy;
 mod architectures;
@@ -35,6 +40,7 @@ use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::scene::{SceneError, SceneFile};
+use crate::scenes;
 
 /// What a command may fail with.
 pub(super) type Failure = Box<dyn std::error::Error>;
@@ -106,7 +112,7 @@ enum Command {
 /// Which scene, and what to change in it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct SceneArgs {
-    /// Scene file (TOML); without it, the cooperation paper's defaults.
+    /// Scene file (TOML) or the name of a built-in one; without it, the cooperation paper's defaults.
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
     /// Override one key of the scene; may be repeated.
@@ -120,7 +126,34 @@ impl SceneArgs {
     /// # Errors
     /// The first thing that is wrong with it.
     pub(super) fn load(&self) -> Result<SceneFile, SceneError> {
-        SceneFile::load(self.scene.as_deref(), &self.set)
+        match self.built_in() {
+            Some(name) => self.changed(name),
+            None => SceneFile::load(self.scene.as_deref(), &self.set),
+        }
+    }
+
+    /// As [`Self::load`]; without a scene, the built-in one called `name`.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub(super) fn load_or(&self, name: &str) -> Result<SceneFile, SceneError> {
+        if self.scene.is_some() { self.load() } else { self.changed(name) }
+    }
+
+    /// A built-in scene with the overrides.
+    fn changed(&self, name: &str) -> Result<SceneFile, SceneError> {
+        let mut scene = scenes::load(name)?;
+        for text in &self.set {
+            scene.apply_override(text)?;
+        }
+        scene.check(name)?;
+        Ok(scene)
+    }
+
+    /// The name of the built-in scene that is meant, if there is no such file.
+    fn built_in(&self) -> Option<&str> {
+        let path = self.scene.as_ref().filter(|path| !path.exists())?;
+        path.to_str().filter(|name| scenes::text(name).is_some())
     }
 
     /// Whether any of it was given.
@@ -130,6 +163,9 @@ impl SceneArgs {
 
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
+        if let Some(name) = self.built_in() {
+            return name.to_owned();
+        }
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
         stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
@@ -183,6 +219,20 @@ pub fn main() -> ExitCode {
         Err(error) => {
             eprintln!("host-sim: {error}");
             ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints one line on standard output.
+fn say(line: std::fmt::Arguments<'_>) {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout(), "{line}") {
+        Ok(()) => {}
+        // What a shell sees of a program that the closed pipe ended.
+        Err(cause) if cause.kind() == ErrorKind::BrokenPipe => std::process::exit(141),
+        Err(cause) => {
+            eprintln!("host-sim: cannot write to standard output: {cause}");
+            std::process::exit(2);
         }
     }
 }

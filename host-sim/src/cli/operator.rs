@@ -1,13 +1,18 @@
-//! `host-sim operator`: lines of text to a board, and its answers.
+//! `host-sim operator`: a scene for a board, lines of text and its answers, and what its ticks did.
 
 use std::io::BufRead;
 use std::net::{IpAddr, SocketAddr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 
 use super::Failure;
+use crate::calibrate::board::say;
+use crate::calibrate::settings_file;
 use crate::live::operator::{Operator, PORT};
+use crate::live::recording;
+use crate::report::files::write_csv;
 
 /// Arguments of `operator`.
 #[derive(Debug, Args)]
@@ -18,6 +23,18 @@ pub(super) struct Operate {
     /// The key file that the board was provisioned with.
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
+    /// A scene file: what it says of a board's settings is given to the board first, and applied; what it does not name stays.
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// After the lines, write what the ticks did to this CSV file.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// For so long, s.
+    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
+    seconds: f64,
+    /// Record every how-many-th tick; 1 is all of them, and more than a busy network may carry.
+    #[arg(long, default_value_t = 4, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    every: u32,
     /// What to say, one line each, in quotes; stops at the first that the board refuses. Without any: lines are read from
     /// standard input, and answered one by one.
     #[arg(value_name = "LINE")]
@@ -30,13 +47,22 @@ pub(super) fn board(text: &str) -> Result<SocketAddr, String> {
     address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1"))
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.1..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| "it must be a number from 0.1 to 3600 s".to_owned())
+}
+
 impl Operate {
-    /// Says the lines and prints the answers.
+    /// Gives the scene, says the lines and prints the answers, and records.
     ///
     /// # Errors
-    /// Nobody there, or a line that the board refuses.
+    /// Nobody there, a scene or a line that the board refuses, or a file that cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let mut operator = Operator::connect(self.board, &self.key_file)?;
+        if let Some(scene) = &self.scene {
+            let given = settings_file::give(&mut operator, scene)?;
+            eprintln!("{given} settings of {} applied", scene.display());
+        }
         for line in &self.lines {
             let answer = operator.ask(line)?;
             if let Some(why) = answer.strip_prefix("error ") {
@@ -44,11 +70,29 @@ impl Operate {
             }
             println!("{answer}");
         }
-        if self.lines.is_empty() {
+        if let Some(file) = &self.record {
+            return self.record(&mut operator, file);
+        }
+        if self.lines.is_empty() && self.scene.is_none() {
             for line in std::io::stdin().lock().lines() {
                 println!("{}", operator.ask(line?.trim())?);
             }
         }
+        Ok(())
+    }
+    /// Has the ticks sent, and writes them down.
+    fn record(&self, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
+        let period = say(operator, "get timing.control_period_s")?;
+        let period_s = period.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.001);
+        say(operator, &format!("stream {}", self.every))?;
+        let samples = operator.samples(Duration::from_secs_f64(self.seconds));
+        say(operator, "stream off")?;
+        let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s)?;
+        if table.is_empty() {
+            return Err(format!("board {}: no tick came in {} s", operator.number(), self.seconds).into());
+        }
+        write_csv(&table, file)?;
+        eprintln!("{} ticks written to {}", table.len(), file.display());
         Ok(())
     }
 }

@@ -14,10 +14,10 @@ pub(super) struct Record {
     #[command(flatten)]
     scene: SceneArgs,
     /// A built-in scene instead of a file.
-    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["scene", "set"])]
     built_in: Option<String>,
     /// Which peer, 1 or 2.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=2))]
     number: u8,
     /// How long, s.
     #[arg(long, default_value_t = 5.0, value_name = "S", allow_negative_numbers = true)]

@@ -5,16 +5,23 @@ use clap::Args;
 use super::{Failure, SceneArgs, print_json};
 use crate::live::restarts::{PATIENCE_S, run};
 
+/// The scene without `--scene`.
+const SCENE: &str = "paper-5.2-passive-wave-16ms";
+
 /// Arguments of `restarts`.
 #[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| {
+    scene.help(format!("Scene file (TOML) or the name of a built-in one [default: {SCENE}]"))
+}))]
 pub(super) struct Restarts {
     #[command(flatten)]
     scene: SceneArgs,
     /// How many restarts.
-    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
-    count: u64,
+    #[arg(long, default_value_t = 10_000, value_name = "N", allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    count: u32,
     /// Seed of the instants; the network has its own, network.seed.
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true)]
     seed: u64,
     /// Print JSON.
     #[arg(long)]
@@ -27,12 +34,12 @@ impl Restarts {
     /// # Errors
     /// A bad scene, or a network over which two peers never meet.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let report = run(&self.scene.load()?, self.count, self.seed)?;
+        let report = run(&self.scene.load_or(SCENE)?, u64::from(self.count), self.seed)?;
         if self.json {
             return print_json(&report);
         }
         println!(
-            "{} restarts: engaged again after {:.1} ms on average, {:.0} ms at the most; {} took more than {PATIENCE_S} s",
+            "{} restarts: engaged again after {:.1} ms on average, {:.0} ms at the most; {} were not engaged again within {PATIENCE_S} s",
             report.restarts, report.mean_ms, report.slowest_ms, report.failed
         );
         println!("{} times the peer that stayed did not let go; {} faults", report.held_on, report.faults);

@@ -25,13 +25,13 @@ pub(super) struct Serve {
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
     /// Which region of the world, counted from 1; without it, everything.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     region: Option<usize>,
     /// How many clients there may be: lines 1 to this.
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    #[arg(long, default_value_t = 64, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     lines: u32,
     /// How long, s.
-    #[arg(long, default_value_t = 3600.0, value_name = "S")]
+    #[arg(long, default_value_t = 3600.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// Print JSON.
     #[arg(long)]

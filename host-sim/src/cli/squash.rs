@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
+use super::live::nobody;
 use super::{Failure, SceneArgs, print_json};
 use crate::live::{court, key_file};
 use crate::report::text::{TextTable, significant};
@@ -29,7 +30,7 @@ pub(super) struct Squash {
     #[command(flatten)]
     scene: SceneArgs,
     /// Players.
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=8))]
+    #[arg(long, default_value_t = 4, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=8))]
     players: u8,
     /// Round trip between any two, ms; what the scene's network does comes on top.
     #[arg(long, default_value_t = 100.0, value_name = "R", allow_negative_numbers = true)]
@@ -44,10 +45,10 @@ pub(super) struct Squash {
     #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
     /// Of everything random.
-    #[arg(long, default_value_t = 1, value_name = "K")]
+    #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
     seed: u64,
     /// Round trips of 10 to 400 ms without a bound, with the ball's and with both, instead of one game.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["rtt_ms", "bounder", "motion_bounder"])]
     sweep: bool,
     /// Print JSON; files are written only with --out.
     #[arg(long)]
@@ -66,7 +67,7 @@ enum Live {
 #[derive(Debug, Args)]
 struct LiveArgs {
     /// Which one: 0 is the server, 1, 2 … the players.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     number: u8,
     /// Where each of them listens, in order, the server first; the same for all.
     #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
@@ -91,6 +92,11 @@ struct LiveArgs {
 impl LiveArgs {
     fn run(&self) -> Result<(), Failure> {
         check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
+        for (at, address) in self.addresses.iter().enumerate() {
+            if self.addresses[..at].contains(address) {
+                return Err(format!("--addresses has {address} twice: each of them has one of its own").into());
+            }
+        }
         let key = key_file::read(&self.key_file)?;
         let report = court::run(
             &key,
@@ -102,6 +108,11 @@ impl LiveArgs {
                 seconds: self.seconds,
             },
         )?;
+        // Links end with those who leave first; what was played with them, or the round trip, stays.
+        if report.links == 0 && report.rallies.is_empty() && report.strokes == 0 && report.round_trip_ms == 0.0 {
+            let others = self.addresses.iter().enumerate().filter(|(at, _)| *at != usize::from(self.number));
+            return Err(nobody(others.map(|(_, address)| address)).into());
+        }
         if self.json {
             return print_json(&report);
         }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::live::check_time;
+use super::live::{check_time, nobody};
 use super::{Failure, print_json};
 use crate::live::{key_file, visit};
 use crate::visit::host::MOST_LINES;
@@ -17,7 +17,7 @@ pub(super) struct Visit {
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
     /// This client's line.
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     line: u32,
     /// A server and where it listens; one for each region, the first is where the visit begins.
     #[arg(long = "server", required = true, value_name = "NUMBER=ADDRESS:PORT", value_parser = server)]
@@ -26,7 +26,7 @@ pub(super) struct Visit {
     #[arg(long, default_value = "0.0.0.0:0", value_name = "ADDRESS:PORT")]
     listen: SocketAddr,
     /// How far around the hand the world is wanted, m; without it, everything.
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     radius_m: Option<f32>,
     /// The hand goes from here, m.
     #[arg(long, default_value = "0,0.1", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
@@ -35,10 +35,10 @@ pub(super) struct Visit {
     #[arg(long, default_value = "0,-0.11", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     to_m: [f64; 2],
     /// In this time, s.
-    #[arg(long, default_value_t = 2.0, value_name = "S")]
+    #[arg(long, default_value_t = 2.0, value_name = "S", allow_negative_numbers = true)]
     stroke_s: f64,
     /// How long, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S")]
+    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
     /// Another client that is told straight where this one is, by its line and where it listens.
     #[arg(long, value_name = "LINE=ADDRESS:PORT", value_parser = friend, requires = "friend_key_file")]
@@ -91,6 +91,17 @@ impl Visit {
         if let Some(radius) = self.radius_m.filter(|radius| !(*radius > 0.0 && *radius <= 1000.0)) {
             return Err(format!("--radius-m {radius} is not allowed: it must be above 0 and up to 1000 m").into());
         }
+        for (at, (number, address)) in self.servers.iter().enumerate() {
+            for (known, same) in &self.servers[..at] {
+                if known == number || same == address {
+                    return Err(format!(
+                        "--server {known}={same} and --server {number}={address} are not allowed together: each server \
+                         has a number and an address of its own"
+                    )
+                    .into());
+                }
+            }
+        }
         let friend = match (self.friend, &self.friend_key_file) {
             (Some((line, _)), _) if line == self.line => {
                 return Err(format!("--friend {line} is not allowed: that is this client's own line").into());
@@ -111,6 +122,10 @@ impl Visit {
             duration_s: self.duration_s,
             friend,
         })?;
+        let met = report.complete_after_s.is_some() || report.round_trip_us.is_some() || report.objects_taken > 0;
+        if !met && report.world.is_none() && report.others.is_empty() {
+            return Err(nobody(self.servers.iter().map(|(_, address)| address)).into());
+        }
         if self.json {
             return print_json(&report);
         }

@@ -9,6 +9,7 @@ use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use firmware_parts::record::{ENGAGED, Record};
+use host_sim::live::recording;
 use host_sim::scenes;
 
 fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
@@ -48,6 +49,24 @@ fn pulled_and_put_back() {
     let records = bench.armed_ticks(2);
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
     assert!(records.iter().all(|record| record.mode() == 1), "it stayed armed");
+    for record in &records {
+        let row = recording::row(&record.bytes(), 0.001).expect("a record");
+        let named = |name: &str| row[recording::COLUMNS.iter().position(|column| *column == name).expect("a column")];
+        let [counts, _] = record.counts();
+        let [duty, _] = record.duties();
+        assert_eq!(named("tick"), f64::from(record.tick()));
+        assert_eq!([named("mode"), named("fault")], [record.mode(), record.fault()].map(f64::from));
+        assert_eq!(named("flags"), f64::from(record.flags()));
+        assert_eq!([named("encoder_1_counts"), 32767.0 * named("duty_1")], [f64::from(counts), f64::from(duty)]);
+        let [received, sent] = record.energy_j().map(f64::from);
+        assert_eq!([named("energy_received_j"), named("energy_sent_j")], [received, sent]);
+        assert_eq!(named("device_m"), f64::from(record.device_m()));
+        assert_eq!(named("object_m"), f64::from(record.object_m()));
+        assert_eq!(named("object_m_per_s"), f64::from(record.object_m_per_s()));
+        assert_eq!(named("decoded_m"), f64::from(record.desired_m()));
+        assert_eq!(named("contact_n"), f64::from(record.contact_n()));
+        assert_eq!(named("coordination_n"), f64::from(record.coordination_n()));
+    }
     let engaged = |record: &Record| record.flags() & ENGAGED != 0;
     let held = records[pulled].coordination_n();
     let gone = pulled + records[pulled..].iter().position(|record| !engaged(record)).expect("it lets go");

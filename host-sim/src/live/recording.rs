@@ -1,0 +1,66 @@
+//! What a board's ticks saw and did, as a table: one row for each record that came.
+//!
+//! Records are those of firmware/src/record.rs; tests/board compares the two. Records travel once and some get lost: the
+//! column `tick` says which came. Times count from the first.
+
+use haptic_core::axis::AXES;
+
+use crate::report::ReportError;
+use crate::report::table::Table;
+
+/// Columns, with their units.
+pub const COLUMNS: [&str; 19] = [
+    "time_s",
+    "tick",
+    "mode",
+    "fault",
+    "flags",
+    "encoder_1_counts",
+    "encoder_2_counts",
+    "duty_1",
+    "duty_2",
+    "device_m",
+    "device_m_per_s",
+    "object_m",
+    "object_m_per_s",
+    "decoded_m",
+    "decoded_m_per_s",
+    "contact_n",
+    "coordination_n",
+    "energy_received_j",
+    "energy_sent_j",
+];
+
+/// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.
+pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
+    /// Bytes of a record.
+    const BYTES: usize = 88;
+    let record: &[u8; BYTES] = record.try_into().ok()?;
+    let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
+    let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);
+    let number = |at: usize| f64::from(f32::from_bits(word(at)));
+    let mut row = [0.0; COLUMNS.len()];
+    let counts = (0..AXES).map(|joint| f64::from(half(4 + 2 * joint)));
+    let duties = (0..AXES).map(|joint| f64::from(half(8 + 2 * joint).cast_signed()) / 32767.0);
+    let motions = (28..60).step_by(4).map(number);
+    let energies = [number(64), number(68)];
+    let tick = f64::from(word(0));
+    let head = [period_s * tick, tick, f64::from(record[12]), f64::from(record[13]), f64::from(record[14])];
+    let values = head.into_iter().chain(counts).chain(duties).chain(motions).chain(energies);
+    row.iter_mut().zip(values).for_each(|(to, from)| *to = from);
+    Some(row)
+}
+
+/// A table of the records among these payloads.
+///
+/// # Errors
+/// None that a record could cause.
+pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) -> Result<Table, ReportError> {
+    let mut table = Table::with_names(&COLUMNS)?;
+    let mut first_s = None;
+    for mut row in payloads.into_iter().filter_map(|payload| row(payload, period_s)) {
+        row[0] -= *first_s.get_or_insert(row[0]);
+        table.push_row(&row)?;
+    }
+    Ok(table)
+}
