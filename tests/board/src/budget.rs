@@ -1,5 +1,7 @@
 //! The reviewed budgets (`budgets.txt`) and what was measured: what is over its budget fails the build.
 
+use std::io::Write;
+
 const BUDGETS: &str = include_str!("../budgets.txt");
 /// How far a count that is stated as it was may be off, either way.
 const TOLERANCE: f64 = 0.02;
@@ -47,7 +49,9 @@ impl Measured {
                 Some(Rule::About(expected)) => (value - expected).abs() <= TOLERANCE * expected,
                 None => false,
             };
-            println!("{name:<44} {value:>9}   {}", rule.map_or("no budget".to_owned(), |rule| format!("{rule:?}")));
+            let rule = rule.map_or("no budget".to_owned(), |rule| format!("{rule:?}"));
+            // Not println!, which the test harness keeps to itself while all is well: CI is to show the sizes.
+            let _ = writeln!(std::io::stdout(), "{name:<44} {value:>9}   {rule}");
             if !within {
                 over.push(name.as_str());
             }

@@ -49,7 +49,7 @@ fn pulled_and_put_back() {
     let records = bench.armed_ticks(2);
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
     assert!(records.iter().all(|record| record.mode() == 1), "it stayed armed");
-    for record in &records {
+    for record in records {
         let row = recording::row(&record.bytes(), 0.001).expect("a record");
         let named = |name: &str| row[recording::COLUMNS.iter().position(|column| *column == name).expect("a column")];
         let [counts, _] = record.counts();
