@@ -283,7 +283,8 @@ macro_rules! settings {
     };
 }
 
-const fn number(min: f64, max: f64) -> Allowed {
+/// A number from `min` to `max`.
+pub const fn number(min: f64, max: f64) -> Allowed {
     Allowed::Number { min, max }
 }
 const fn whole(min: u32, max: u32) -> Allowed {

@@ -11,14 +11,10 @@ use std::sync::Arc;
 use haptic_core::axis::kinematics::KinematicsName;
 use haptic_core::axis::velocity::VelocityName;
 use haptic_core::render::{RenderingName, Side};
-use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value};
+use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value, number};
 
 use crate::network::fate::{Jitter, NetworkTrace};
 use crate::user::{Trace, User, UserSettings};
-
-const fn number(min: f64, max: f64) -> Allowed {
-    Allowed::Number { min, max }
-}
 
 haptic_core::settings! {
     /// The world around the peers.

@@ -6,11 +6,7 @@
 
 use std::path::Path;
 
-use haptic_core::settings::Allowed;
-
-const fn number(min: f64, max: f64) -> Allowed {
-    Allowed::Number { min, max }
-}
+use haptic_core::settings::number;
 
 haptic_core::settings! {
     /// What a user may be told, apart from a trace.
