@@ -64,6 +64,15 @@ pub struct Coupled<S> {
     pub power_out: S,
 }
 
+impl<S: Scalar> Coupled<S> {
+    /// Force and powers finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // One test for three: a sum is finite only if its terms are.
+        (self.force + self.power_in + self.power_out).is_finite()
+    }
+}
+
 /// A coordination law.
 pub trait Law<S: Scalar>: Model<S> {
     /// Engages at rest with the local copy: no force until something moves.
