@@ -20,7 +20,7 @@
 //! | `packet` | what goes up and down in one packet period, and its bytes |
 //! | [`world`] | server, clients and the network between them, step by step |
 //! | [`run`] | one run and its figures of merit |
-//! | [`limits`] | the longest round trip for a stiffness, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
+//! | [`limits`] | the stiffest object for a round trip, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
 //! | [`waves`] | N wave peers through the lossless node |
 
 pub mod client;
