@@ -148,9 +148,11 @@ impl<M: Models> State<M> {
             self.probing.end(End::Stopped);
         }
         if command == Command::Clear && matches!(before, Mode::Faulted(_)) {
-            // What an encoder says after a jump is taken as where the joint was: the only reference there is.
-            for joint in &mut self.joints {
+            // What an encoder says after a jump is taken as where the joint was: the only reference there is. And what an
+            // estimator remembers may be no number.
+            for (joint, at) in self.joints.iter_mut().zip(self.device) {
                 joint.encoder.primed = false;
+                scene.velocity.start(&mut joint.velocity, at);
             }
         }
         if before != Mode::Armed && self.mode == Mode::Armed {

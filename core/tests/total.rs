@@ -66,7 +66,7 @@ fn settings(draws: &[f64]) -> Settings {
             Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
             Allowed::Flag => Value::Flag(draw > 0.5),
             Allowed::Names(names) => Value::Text(names[((draw * names.len() as f64) as usize).min(names.len() - 1)]),
-            Allowed::Text | Allowed::Only(_) => continue,
+            Allowed::Only(_) => continue,
         };
         settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
     }

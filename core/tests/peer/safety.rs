@@ -5,45 +5,26 @@ use haptic_core::axis::velocity::VelocityName;
 use haptic_core::axis::{AXES, Reading};
 use haptic_core::couple::{LawName, Packet};
 use haptic_core::motion::Motion;
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::peer::{self, Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::scene::{Any, Scene};
-use haptic_core::settings::Settings;
+use haptic_core::settings::{Choice, Settings};
 
-struct Bench {
-    scene: Scene<Any<f32>>,
-    state: State<Any<f32>>,
-}
+type Bench = crate::Bench<f32>;
 
 impl Bench {
-    fn armed(settings: &Settings) -> Self {
-        let scene = Scene::build(settings).expect("a good scene");
-        let mut state = State::new(&scene, [Motion::REST; AXES]);
-        state.command(&scene, Command::Arm);
-        Self { scene, state }
-    }
-
-    fn at(&mut self, position: f32, velocity: f32) -> Actuators<f32> {
-        self.read(Reading::Exact([Motion { position, velocity }, Motion::REST]))
-    }
-
-    fn read(&mut self, reading: Reading<f32>) -> Actuators<f32> {
-        peer::tick(&self.scene, &mut self.state, &Sensors { reading, overrun: false })
-    }
-
     #[track_caller]
     fn assert_stopped(&mut self, last: Actuators<f32>, fault: Fault) {
         assert_eq!(last, Actuators::default(), "motors are off in the same tick");
         assert_eq!(self.state.mode(), Mode::Faulted(fault));
         // Neither time nor arming leaves a fault; clearing does, and leaves the motors off.
-        self.state.command(&self.scene, Command::Arm);
-        self.state.command(&self.scene, Command::Disarm);
+        self.command(Command::Arm);
+        self.command(Command::Disarm);
         assert_eq!(self.state.mode(), Mode::Faulted(fault));
-        self.state.command(&self.scene, Command::Clear);
+        self.command(Command::Clear);
         assert_eq!(self.state.mode(), Mode::Disarmed);
         assert_eq!(self.at(0.0, 0.0), Actuators::default());
         // Re-armed, the peer starts from no force at all.
-        self.state.command(&self.scene, Command::Arm);
+        self.command(Command::Arm);
         let after = self.at(0.0, 0.0);
         assert!(after.enable && after.forces == [0.0; AXES], "{after:?}");
     }
@@ -61,10 +42,8 @@ fn an_armed_peer_pushes_back() {
 
 #[test]
 fn a_disarmed_peer_is_silent() {
-    let scene = Scene::<Any<f32>>::build(&Settings::default()).expect("defaults");
-    let mut state = State::new(&scene, [Motion::REST; AXES]);
-    let reading = Reading::Exact([Motion { position: 0.01, velocity: 0.0 }, Motion::REST]);
-    assert_eq!(peer::tick(&scene, &mut state, &Sensors { reading, overrun: false }), Actuators::default());
+    let mut bench = Bench::at_rest(&Settings::default(), Motion::REST);
+    assert_eq!(bench.at(0.01, 0.0), Actuators::default());
 }
 
 #[test]
@@ -74,6 +53,19 @@ fn a_reading_that_is_no_number() {
         bench.at(0.001, 0.0);
         let last = bench.at(bad, 0.0);
         bench.assert_stopped(last, Fault::NonFiniteInput);
+    }
+}
+
+/// A jump so far that its speed is no number: the estimators remember it, and clearing must make them forget.
+#[test]
+fn a_reading_whose_velocity_is_no_number() {
+    for velocity in VelocityName::ALL {
+        let mut settings = Settings::default();
+        settings.axis.velocity = *velocity;
+        let mut bench = Bench::armed(&settings);
+        let last = bench.at(3e38, f32::MAX);
+        let fault = if *velocity == VelocityName::Measured { Fault::Overspeed } else { Fault::NonFiniteInput };
+        bench.assert_stopped(last, fault);
     }
 }
 
@@ -97,8 +89,8 @@ fn an_encoder_that_jumps() {
     assert_eq!(last, Actuators::default());
     assert_eq!(bench.state.mode(), Mode::Faulted(Fault::EncoderJump));
     // A lasting offset must not lock the peer for ever: clearing takes it as where the joint was.
-    bench.state.command(&bench.scene, Command::Clear);
-    bench.state.command(&bench.scene, Command::Arm);
+    bench.command(Command::Clear);
+    bench.command(Command::Arm);
     assert!(bench.read(Reading::Counts([Counts(30_000), Counts(0)])).enable);
     assert_eq!(bench.state.mode(), Mode::Armed);
 }
@@ -280,12 +272,10 @@ fn forces_slew() {
 /// Arming puts the object where the device is, so that nothing jerks.
 #[test]
 fn arming_starts_from_zero_force_wherever_the_device_is() {
-    let scene = Scene::<Any<f32>>::build(&Settings::default()).expect("defaults");
-    let mut state = State::new(&scene, [Motion::REST; AXES]);
-    let here = Sensors { reading: Reading::Exact([Motion::at(0.123), Motion::REST]), overrun: false };
-    peer::tick(&scene, &mut state, &here);
-    state.command(&scene, Command::Arm);
-    let armed = peer::tick(&scene, &mut state, &here);
+    let mut bench = Bench::at_rest(&Settings::default(), Motion::REST);
+    bench.at(0.123, 0.0);
+    bench.command(Command::Arm);
+    let armed = bench.at(0.123, 0.0);
     assert!(armed.enable);
     assert_eq!(armed.forces, [0.0; AXES]);
 }
@@ -295,10 +285,8 @@ fn arming_starts_from_zero_force_wherever_the_device_is() {
 fn the_first_reading_of_an_encoder_is_no_motion() {
     let mut settings = Settings::default();
     settings.axis.velocity = VelocityName::Difference;
-    let scene = Scene::<Any<f32>>::build(&settings).expect("a good scene");
-    let mut state = State::new(&scene, [Motion::at(-0.005), Motion::REST]);
-    state.command(&scene, Command::Arm);
-    let reading = Reading::Counts([Counts(1234), Counts(0)]);
-    peer::tick(&scene, &mut state, &Sensors { reading, overrun: false });
-    assert_eq!(state.observed().device, Motion::at(-0.005));
+    let mut bench = Bench::at_rest(&settings, Motion::at(-0.005));
+    bench.command(Command::Arm);
+    bench.read(Reading::Counts([Counts(1234), Counts(0)]));
+    assert_eq!(bench.state.observed().device, Motion::at(-0.005));
 }

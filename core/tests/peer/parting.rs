@@ -1,35 +1,22 @@
 //! A peer that parts lets go at once and begins again from no force, with whoever comes, counting from whatever they count.
 
-use haptic_core::axis::{AXES, Reading};
 use haptic_core::couple::wave::Decode;
 use haptic_core::couple::{LawName, Packet};
 use haptic_core::motion::Motion;
-use haptic_core::peer::{self, Sensors, State};
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::scene::{Any, Scene};
+use haptic_core::peer;
+use haptic_core::safety::{Fault, Mode};
 use haptic_core::settings::Settings;
 
-struct Bench {
-    scene: Scene<Any<f64>>,
-    state: State<Any<f64>>,
-}
+type Bench = crate::Bench<f64>;
 
 impl Bench {
-    fn armed(settings: &Settings) -> Self {
-        let scene = Scene::build(settings).expect("a good scene");
-        let mut state = State::new(&scene, [Motion::REST; AXES]);
-        state.command(&scene, Command::Arm);
-        Self { scene, state }
-    }
-
     /// A packet period with or without a packet; the coordination force of its first tick.
     fn period(&mut self, incoming: Option<Packet<f64>>) -> f64 {
-        let sensors = Sensors { reading: Reading::Exact([Motion::REST; AXES]), overrun: false };
         peer::exchange(&self.scene, &mut self.state, incoming);
-        peer::tick(&self.scene, &mut self.state, &sensors);
+        self.at(0.0, 0.0);
         let force = self.state.observed().coordination_force;
         for _ in 1..self.scene.ticks_per_packet() {
-            peer::tick(&self.scene, &mut self.state, &sensors);
+            self.at(0.0, 0.0);
         }
         force
     }
