@@ -8,6 +8,7 @@
 //! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
 //! | [`budget`] | the reviewed budgets and what was measured |
 //! | [`cost`] | instructions of every tick |
+//! | [`stack`] | static stack: the deepest path from an interrupt or a task |
 //! | [`reviewed`] | what the emulator does not model, against a reviewed list |
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
 //! | [`wire`] | the switch between boards and PC: delay, and whatever a bad network does |
@@ -35,6 +36,7 @@ pub mod partner;
 pub mod pc;
 pub mod power;
 pub mod reviewed;
+pub mod stack;
 pub mod trial;
 pub mod twin;
 pub mod wire;
