@@ -4,7 +4,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`pair`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
+//! | [`mod@bench`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
 //! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
 //! | [`budget`] | the reviewed budgets and what was measured |
 //! | [`cost`] | instructions of every tick |
@@ -25,12 +25,12 @@
 //! execution times are not.
 #![forbid(unsafe_code)]
 
+pub mod bench;
 pub mod budget;
 pub mod cost;
 pub mod image;
 pub mod log;
 pub mod node;
-pub mod pair;
 pub mod part;
 pub mod partner;
 pub mod pc;

@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
+use board_bench::bench::{Bench, PERIOD_NS, for_boards};
 use board_bench::budget::Measured;
 use board_bench::cost::Spread;
 use board_bench::image::{self, Firmware};
-use board_bench::pair::{Bench, PERIOD_NS};
 use board_bench::part::CORE_HZ;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::stack::code::Code;
 use board_bench::stack::{EXCEPTION_FRAME, Stack};
+use board_bench::trial;
 use board_bench::wire::Line;
-use board_bench::{pair, trial};
 use host_sim::scenes;
 
 /// Of the image's sections.
@@ -128,7 +128,7 @@ fn static_stack(measured: &mut Measured) -> f64 {
 
 /// Two boards at work, every tick recorded and sent.
 fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene = pair::for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
+    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
     let mut bench = Bench::start(firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take it");
     bench.arm();

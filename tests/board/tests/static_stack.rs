@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
+use board_bench::bench::Bench;
 use board_bench::image::{self, Firmware};
-use board_bench::pair::Bench;
 use board_bench::stack::code::Code;
 use board_bench::stack::{Path, Stack};
 use board_bench::wire::Line;
