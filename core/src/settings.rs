@@ -450,6 +450,17 @@ settings! {
 }
 
 impl Settings {
+    /// Tables that two coupled peers must have been told alike; the rest is each device's own.
+    const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
+
+    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by table.
+    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
+        Self::KEYS.iter().filter_map(|key| {
+            let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
+            Some((table, short, self.get(key.name)?))
+        })
+    }
+
     /// Every value within its range, and every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;

@@ -21,7 +21,7 @@ use haptic_core::settings::{Settings, Value};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::parameters::{Parameters, TooManyTables};
 use haptic_protocol::playout::Playout;
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
@@ -55,25 +55,13 @@ pub struct Node {
 /// Time from telemetry to telemetry, s.
 const TELEMETRY_S: f64 = 0.5;
 
-/// Tables that both peers must have been told alike; the rest is each device's own.
-const SHARED_TABLES: [&str; 3] = ["timing", "object", "coordination"];
-
-fn parameters(settings: &Settings) -> Result<Parameters, String> {
-    let mut parameters = Parameters::new();
-    for name in SHARED_TABLES {
-        let mut table = Table::new(name);
-        for key in Settings::KEYS {
-            let Some((_, short)) = key.name.split_once('.').filter(|(table, _)| *table == name) else { continue };
-            table = match settings.get(key.name) {
-                Some(Value::Number(number)) => table.number(short, number),
-                Some(Value::Flag(flag)) => table.flag(short, flag),
-                Some(Value::Text(text)) => table.text(short, text),
-                None => table,
-            };
-        }
-        parameters.add(table).map_err(|error| format!("{error:?}"))?;
-    }
-    Ok(parameters)
+/// What both peers must have been told alike, as a greeting names it.
+fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
+    Parameters::of(settings.shared(), |table, key, value| match value {
+        Value::Number(number) => table.number(key, number),
+        Value::Flag(flag) => table.flag(key, flag),
+        Value::Text(text) => table.text(key, text),
+    })
 }
 
 /// On the wire as in core. Neither room knows the other, so whoever joins them spells this out (the board does, too).
@@ -127,7 +115,7 @@ impl Node {
             key,
             ends: Ends { local: PeerId(number), remote: PeerId(3 - number) },
             packet_period_us: (1e6 * period_s * f64::from(settings.timing.ticks_per_packet)) as u32,
-            parameters: parameters(settings)?,
+            parameters: parameters(settings).map_err(|error| error.to_string())?,
             entropy,
         })
         .map_err(|error| error.to_string())?;
