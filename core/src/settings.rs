@@ -10,7 +10,7 @@ use crate::axis::kinematics::{KinematicsName, Maths};
 use crate::axis::velocity::VelocityName;
 use crate::couple::engagement::Ladder;
 use crate::couple::wave::Decode;
-use crate::couple::{AnyLaw, LawName};
+use crate::couple::{AnyLaw, LawName, credit};
 use crate::list::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
 use crate::render::{AnyRendering, RenderingName, Side};
@@ -468,6 +468,7 @@ impl Settings {
         Ladder::<f64>::check(self)?;
         AnyRendering::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;
-        AnyLaw::<f64>::check(self)
+        AnyLaw::<f64>::check(self)?;
+        credit::check(self)
     }
 }

@@ -6,7 +6,7 @@
 //! Constant delay without loss only: a wave held through a loss is not the line's.
 
 use haptic_core::couple::node::Node;
-use haptic_core::couple::{LawName, Packet};
+use haptic_core::couple::{Packet, Sends, sends};
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
@@ -80,7 +80,7 @@ impl Waves {
         if network != plain || scene.network_trace.is_some() {
             return Err(WorldError::NotConstant);
         }
-        if matches!(scene.peer.coordination.comm, LawName::Power | LawName::Free) || scene.peer.coordination.ledger {
+        if sends(&scene.peer) != Sends::Waves || scene.peer.coordination.ledger {
             return Err(WorldError::NoWaves);
         }
         let settings = scene.peers();
