@@ -81,6 +81,15 @@ pub fn sends(settings: &Settings) -> Sends {
     AnyLaw::<f64>::build(settings).sends()
 }
 
+impl<S: Scalar> Coupled<S> {
+    /// Force and powers finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // One test for three: a sum is finite only if its terms are.
+        (self.force + self.power_in + self.power_out).is_finite()
+    }
+}
+
 /// A coordination law.
 pub trait Law<S: Scalar>: Model<S> {
     /// What [`Law::send`] fills in.
