@@ -207,8 +207,16 @@ impl Cooperative {
         if self.json {
             return print_json(&rows);
         }
-        let mut table =
-            TextTable::new(["users", "one way ms", "stable", "true mm", "felt N", "peak N", "node energy out/in"]);
+        let mut table = TextTable::new([
+            "users",
+            "one way ms",
+            "stable",
+            "true mm",
+            "felt N",
+            "peak N",
+            "node energy out/in",
+            "out/put in",
+        ]);
         for WaveRow { users, one_way_ms, outcome } in &rows {
             table.push([
                 users.to_string(),
@@ -218,6 +226,7 @@ impl Cooperative {
                 significant(outcome.felt_n, 3),
                 significant(outcome.peak_n, 3),
                 format!("{:.12}", outcome.node_out_over_in),
+                format!("{:.6}", outcome.node_out_over_put_in),
             ]);
         }
         println!("{table}");
