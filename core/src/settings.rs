@@ -10,7 +10,7 @@ use crate::axis::kinematics::{KinematicsName, Maths};
 use crate::axis::velocity::VelocityName;
 use crate::couple::engagement::Ladder;
 use crate::couple::wave::Decode;
-use crate::couple::{AnyLaw, LawName};
+use crate::couple::{AnyLaw, LawName, credit};
 use crate::list::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
 use crate::render::{AnyRendering, RenderingName, Side};
@@ -450,6 +450,17 @@ settings! {
 }
 
 impl Settings {
+    /// Tables that two coupled peers must have been told alike; the rest is each device's own.
+    const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
+
+    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by table.
+    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
+        Self::KEYS.iter().filter_map(|key| {
+            let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
+            Some((table, short, self.get(key.name)?))
+        })
+    }
+
     /// Every value within its range, and every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;
@@ -457,6 +468,7 @@ impl Settings {
         Ladder::<f64>::check(self)?;
         AnyRendering::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;
-        AnyLaw::<f64>::check(self)
+        AnyLaw::<f64>::check(self)?;
+        credit::check(self)
     }
 }
