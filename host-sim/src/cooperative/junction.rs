@@ -20,7 +20,7 @@
 use haptic_core::couple::credit::{Account, Credit};
 use haptic_core::couple::engagement::{Engagement, Ladder};
 use haptic_core::couple::node::Node;
-use haptic_core::couple::{LawName, Packet};
+use haptic_core::couple::{Packet, Sends, sends};
 use haptic_core::motion::Motion;
 use haptic_core::settings::Settings;
 use serde::Serialize;
@@ -29,10 +29,7 @@ use super::MOST_USERS;
 
 /// The peers of these settings send no waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be \"wave\", \"passive-wave\" or \
-     \"passive-mean\""
-)]
+#[error("coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be a law that sends them")]
 pub struct NoWaves(&'static str);
 
 /// Wave energy at one port, J.
@@ -134,7 +131,7 @@ impl Junction {
     pub fn new(settings: &Settings, users: usize) -> Result<Self, NoWaves> {
         use haptic_core::settings::Choice;
         let coordination = &settings.coordination;
-        if matches!(coordination.comm, LawName::Power | LawName::Free) {
+        if sends(settings) != Sends::Waves {
             return Err(NoWaves(coordination.comm.name()));
         }
         let packet_s = settings.timing.control_period_s * f64::from(settings.timing.ticks_per_packet);

@@ -16,6 +16,7 @@
 //! | [`visit`] | a client of one or several servers |
 //! | [`crowd`] | very many clients at one server, to see where it bends |
 //! | [`histogram`] | quantiles of times |
+//! | [`post`] | the links of a game of squash, and who was there |
 //! | [`recording`] | what a board's ticks did, as a table |
 //! | [`relay`] | a bad network between two peers |
 //! | [`restarts`] | two nodes in virtual time, one or the other restarting |
@@ -33,6 +34,7 @@ pub mod node;
 pub mod operator;
 pub mod pace;
 pub mod peer;
+pub mod post;
 pub mod recording;
 pub mod relay;
 pub mod restarts;

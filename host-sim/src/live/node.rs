@@ -20,7 +20,7 @@ use haptic_core::settings::{Settings, Value};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::parameters::{Parameters, TooManyTables};
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
 use super::flows::{Inbox, flow_of, packet_of};
@@ -49,25 +49,13 @@ pub struct Node {
 /// Time from telemetry to telemetry, s.
 pub(super) const TELEMETRY_S: f64 = 0.5;
 
-/// Tables that both peers must have been told alike; the rest is each device's own.
-const SHARED_TABLES: [&str; 3] = ["timing", "object", "coordination"];
-
-fn parameters(settings: &Settings) -> Result<Parameters, String> {
-    let mut parameters = Parameters::new();
-    for name in SHARED_TABLES {
-        let mut table = Table::new(name);
-        for key in Settings::KEYS {
-            let Some((_, short)) = key.name.split_once('.').filter(|(table, _)| *table == name) else { continue };
-            table = match settings.get(key.name) {
-                Some(Value::Number(number)) => table.number(short, number),
-                Some(Value::Flag(flag)) => table.flag(short, flag),
-                Some(Value::Text(text)) => table.text(short, text),
-                None => table,
-            };
-        }
-        parameters.add(table).map_err(|error| format!("{error:?}"))?;
-    }
-    Ok(parameters)
+/// What both peers must have been told alike, as a greeting names it.
+fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
+    Parameters::of(settings.shared(), |table, key, value| match value {
+        Value::Number(number) => table.number(key, number),
+        Value::Flag(flag) => table.flag(key, flag),
+        Value::Text(text) => table.text(key, text),
+    })
 }
 
 /// The sealed line from one end of a scene to the other, calling.
@@ -78,7 +66,7 @@ pub(super) fn open_link(scene: &SceneFile, ends: Ends, key: Key, entropy: [u8; K
         key,
         ends,
         packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
-        parameters: parameters(settings)?,
+        parameters: parameters(settings).map_err(|error| error.to_string())?,
         entropy,
     })
     .map_err(|error| error.to_string())
