@@ -20,11 +20,13 @@
 //! | `packet` | what goes up and down in one packet period, and its bytes |
 //! | [`world`] | server, clients and the network between them, step by step |
 //! | [`run`] | one run and its figures of merit |
+//! | [`lifted`] | one packet period as a matrix: eigenvalues with slow packets, delay and any gains |
 //! | [`limits`] | the longest round trip for a stiffness, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
 //! | [`waves`] | N wave peers through the lossless node |
 
 pub mod client;
 pub mod engine;
+pub mod lifted;
 pub mod limits;
 mod packet;
 pub mod run;
