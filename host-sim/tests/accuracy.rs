@@ -23,8 +23,7 @@ use serde_json::Value;
 
 const PROCESSORS: [Processor; 2] = [Processor::CortexM7, Processor::X86];
 
-static FAMILIES: LazyLock<Vec<Family>> =
-    LazyLock::new(|| families(Processor::CortexM7).expect("every choice was counted"));
+static FAMILIES: LazyLock<Vec<Family>> = LazyLock::new(|| families(Processor::CortexM7).expect("every scene builds"));
 
 /// As a Cortex-M7 counts; the errors are the same everywhere.
 fn family(name: &str) -> &'static Family {
@@ -251,7 +250,7 @@ fn the_insights_hold() {
     let hand = comparison("kinematics", "five-bar", "m");
     assert!(hand.error_of("f32, micromath") > 1000.0 * hand.error_of("f32, libm"));
     for processor in PROCESSORS {
-        let hand = &mechanisms::measure(processor).expect("every choice was counted").comparisons[0];
+        let hand = &mechanisms::measure(processor).expect("every scene builds").comparisons[0];
         let count = |name| hand.instructions_of(name) as f64;
         assert!(count("f32, micromath") > 0.8 * count("f32, libm"), "{processor:?}");
     }
@@ -263,7 +262,8 @@ fn the_insights_hold() {
     assert!(fine.error_of("difference") < fine.error_of("filtered"));
 }
 
-/// The reviewed files hold the cases that are measured, no more and no less.
+/// The reviewed files hold the cases that are measured, no more and no less. What is not in them is shown without a count,
+/// so this fails for a new integrator or estimator, and for nothing else, until it has been counted.
 #[test]
 fn every_case_was_counted() {
     struct Nothing;
@@ -320,7 +320,8 @@ fn the_command_says_everything() {
             assert!(points.len() > 1 && points.iter().any(|point| point["on_front"] == true), "{comparison}");
             for point in points {
                 assert!(point["error"].as_f64().is_some_and(|error| error >= 0.0 && error.is_finite()), "{point}");
-                assert!(point["instructions"].as_u64().is_some_and(|count| count > 0), "{point}");
+                let counted = &point["instructions"];
+                assert!(counted.is_null() || counted.as_u64().is_some_and(|count| count > 0), "{point}");
             }
         }
     }

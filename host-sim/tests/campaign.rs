@@ -1,6 +1,6 @@
 //! The fault campaign: what passive communications promise on any network, and a reviewed snapshot of the whole table.
 
-use host_sim::experiment::campaign::{Cell, campaign};
+use host_sim::experiment::campaign::{COMMS, Cell, campaign};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt");
 
@@ -33,8 +33,10 @@ fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
     let held_energy = cells.iter().filter(|cell| cell.comm == "wave" && cell.energy_out_over_in > 1.001).count();
     assert!(held_energy >= 5, "only {held_energy} networks make the plain wave line generate energy");
 
+    // The table is of the comms that are named there; a law that is only in core's list has rows after them.
+    let named = cells.iter().filter(|cell| COMMS.iter().any(|(name, ..)| *name == cell.comm));
     let table = "comm | network | stable | energy out/in | peak N | true mm | fault\n".to_owned()
-        + &cells.iter().map(line).collect::<Vec<_>>().join("\n")
+        + &named.map(line).collect::<Vec<_>>().join("\n")
         + "\n";
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(FILE, &table).expect("write the snapshot");

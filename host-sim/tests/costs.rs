@@ -1,6 +1,6 @@
 //! What passivity costs, against closed forms: how late a sample is, and that a late line is heavy.
 
-use host_sim::experiment::costs::{Cost, costs};
+use host_sim::experiment::costs::{CHOICES, Cost, costs};
 
 const PACKET_MS: f64 = 8.0;
 const TICK_MS: f64 = 1.0;
@@ -15,7 +15,10 @@ fn close(got: Option<f64>, want: f64, within: f64, what: &str) {
 
 #[test]
 fn every_cost_is_what_its_mechanism_must_cost() {
-    let costs = costs().expect("the table");
+    let mut costs = costs().expect("the table");
+    // Closed forms are known for the choices that are named there, not for a law that is only in core's list.
+    costs.retain(|cost| CHOICES.iter().any(|(name, _)| *name == cost.choice));
+    assert_eq!(costs.len(), 2 * CHOICES.len());
     let find = |choice: &str, network: &str| -> &Cost {
         costs.iter().find(|cost| cost.choice == choice && cost.network == network).expect("the row")
     };

@@ -1,11 +1,10 @@
 //! No coordination: the scene has one peer, or two that do not feel each other. Also the least a law can be.
 
-use super::credit;
-use super::{Coupled, Law, Packet};
+use super::{Coupled, Law, Packet, Sends};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::settings::{Refused, Settings};
+use crate::settings::Settings;
 
 /// The law that does nothing.
 #[derive(Clone, Copy, Debug)]
@@ -13,16 +12,15 @@ pub struct Free;
 
 impl<S: Scalar> Model<S> for Free {
     type State = ();
-
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        credit::refuse(settings)
-    }
     fn build(_: &Settings) -> Self {
         Self
     }
 }
 
 impl<S: Scalar> Law<S> for Free {
+    fn sends(&self) -> Sends {
+        Sends::Nothing
+    }
     fn start(&self, (): &mut (), _: Motion<S>) {}
     fn receive(&self, (): &mut (), _: Packet<S>) {}
     fn couple(&self, (): &mut (), local: Motion<S>) -> Coupled<S> {

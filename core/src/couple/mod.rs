@@ -2,7 +2,8 @@
 //!
 //! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period
 //! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A new law is one file here and one line in the
-//! list below**: simulator, analyser, board and reports find it there. [`free`] shows the least a law can be.
+//! list below**: simulator, analyser, campaign, board and reports find it there, and go by what it [`Sends`]. [`free`] shows
+//! the least a law can be.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
@@ -64,8 +65,35 @@ pub struct Coupled<S> {
     pub power_out: S,
 }
 
+impl<S: Scalar> Coupled<S> {
+    /// Force and powers finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // One test for three: a sum is finite only if its terms are.
+        (self.force + self.power_in + self.power_out).is_finite()
+    }
+}
+
+/// What a law sends, which is also what it acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sends {
+    /// Nothing.
+    Nothing,
+    /// The motion of its copy.
+    Motion,
+    /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
+    Waves,
+}
+
+/// What the law sends that these settings name.
+pub fn sends(settings: &Settings) -> Sends {
+    AnyLaw::<f64>::build(settings).sends()
+}
+
 /// A coordination law.
 pub trait Law<S: Scalar>: Model<S> {
+    /// What [`Law::send`] fills in.
+    fn sends(&self) -> Sends;
     /// Engages at rest with the local copy: no force until something moves.
     fn start(&self, state: &mut Self::State, local: Motion<S>);
     /// Takes in the other peer's packet; it stands until the next.
@@ -85,6 +113,7 @@ list! {
         "passive-mean" => PassiveMean(wave::PassiveMean<S>),
         "none" => Free(free::Free),
     }
+    fn sends(&self) -> Sends;
     fn start(&self, [&mut] state; local: Motion<S>);
     fn receive(&self, [&mut] state; packet: Packet<S>);
     fn couple(&self, [&mut] state; local: Motion<S>) -> Coupled<S>;

@@ -3,12 +3,11 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
-use super::credit;
-use super::{Coupled, Law, Packet, Spring};
+use super::{Coupled, Law, Packet, Sends, Spring};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::settings::{Refused, Settings};
+use crate::settings::Settings;
 
 /// Virtual coupling to the last received motion.
 #[derive(Clone, Copy, Debug)]
@@ -20,16 +19,16 @@ impl<S: Scalar> Model<S> for Power<S> {
     /// The remote copy's motion as last received: x_d, ẋ_d.
     type State = Motion<S>;
 
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        credit::refuse(settings)
-    }
-
     fn build(settings: &Settings) -> Self {
         Self { spring: Spring::build(settings) }
     }
 }
 
 impl<S: Scalar> Law<S> for Power<S> {
+    fn sends(&self) -> Sends {
+        Sends::Motion
+    }
+
     fn start(&self, desired: &mut Motion<S>, local: Motion<S>) {
         *desired = local;
     }

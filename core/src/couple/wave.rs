@@ -14,7 +14,7 @@
 
 use super::credit::{Account, Credit};
 use super::filter::{Decimator, Mean, Newest, OnePole};
-use super::{Coupled, Law, LawName, Packet, Spring};
+use super::{Coupled, Law, LawName, Packet, Sends, Spring};
 use crate::list::Model;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
@@ -160,6 +160,10 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
+    fn sends(&self) -> Sends {
+        Sends::Waves
+    }
+
     fn start(&self, state: &mut LineState<S, D::State>, local: Motion<S>) {
         // What was sent stays sent: the other peer counts on it.
         let integral = state.integral;

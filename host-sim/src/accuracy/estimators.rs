@@ -14,11 +14,11 @@ use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
 use haptic_core::scalar::Scalar;
-use haptic_core::settings::{Choice, Settings};
+use haptic_core::settings::{Choice, Refused, Settings};
 
 pub use super::cases::reach::{RESOLUTIONS, case, readings, settings};
 use super::counts::Processor;
-use super::{AccuracyError, Comparison, Family, rms};
+use super::{Comparison, Family, rms};
 use crate::report::text::significant;
 
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
@@ -47,14 +47,14 @@ pub fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
 /// Measures.
 ///
 /// # Errors
-/// A choice that was not counted.
-pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
+/// A scene that does not build.
+pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     let mut advice = Vec::new();
     for resolution in RESOLUTIONS {
         let mut measured = Vec::new();
         for &velocity in VelocityName::ALL {
-            let count = processor.count(&case(velocity, resolution), "f32")?;
+            let count = processor.count(&case(velocity, resolution), "f32");
             measured.push((velocity.name().to_owned(), error::<f32>(&settings(velocity, resolution)), count));
             if velocity == VelocityName::Filtered {
                 let (cutoff, error) = best_cutoff(resolution);

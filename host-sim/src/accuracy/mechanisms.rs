@@ -12,12 +12,12 @@ use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName, M
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
 use haptic_core::scalar::{Fixed, Scalar};
-use haptic_core::settings::{Choice, Settings};
+use haptic_core::settings::{Choice, Refused, Settings};
 
 pub use super::cases::workspace::{case, joints, settings};
 use super::counts::Processor;
 use super::double_double::DoubleDouble;
-use super::{AccuracyError, Comparison, Family, largest};
+use super::{Comparison, Family, largest};
 use crate::report::text::significant;
 
 /// Hand (m) and Jacobian (m/rad) of a pose.
@@ -88,8 +88,8 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
 /// Measures.
 ///
 /// # Errors
-/// A choice that was not counted.
-pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
+/// A scene that does not build.
+pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for model in [KinematicsName::FiveBar, KinematicsName::Capstan] {
         let libm = settings(model, Maths::Libm);
@@ -99,13 +99,13 @@ pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
             if model == KinematicsName::FiveBar { format!("{name}, libm") } else { name.to_owned() }
         };
         let mut measured = vec![
-            (named("f32"), errors::<f32>(&libm, &truths), processor.count(&exact, "f32")?),
-            (named("f64"), errors::<f64>(&libm, &truths), processor.count(&exact, "f64")?),
-            (named("i32f32"), errors::<Fixed>(&libm, &truths), processor.count(&exact, "i32f32")?),
+            (named("f32"), errors::<f32>(&libm, &truths), processor.count(&exact, "f32")),
+            (named("f64"), errors::<f64>(&libm, &truths), processor.count(&exact, "f64")),
+            (named("i32f32"), errors::<Fixed>(&libm, &truths), processor.count(&exact, "i32f32")),
         ];
         if model == KinematicsName::FiveBar {
             let fast = settings(model, Maths::Micromath);
-            let count = processor.count(&case(model, Maths::Micromath), "f32")?;
+            let count = processor.count(&case(model, Maths::Micromath), "f32");
             measured.insert(0, ("f32, micromath".to_owned(), errors::<f32>(&fast, &truths), count));
         }
         let pick = |pick: fn((f64, f64)) -> f64| {

@@ -49,8 +49,8 @@ pub struct Point {
     pub choice: String,
     /// How wrong it is, in the comparison's unit.
     pub error: f64,
-    /// What it costs, in the family's unit.
-    pub instructions: u64,
+    /// What it costs, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
+    pub instructions: Option<u64>,
     /// No other choice of the comparison is as good in one and better in the other.
     pub on_front: bool,
     /// For pictures: the choices that belong together, such as one scheme at several rates; empty for none.
@@ -75,15 +75,16 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Compares (choice, error, instructions).
+    /// Compares (choice, error, instructions if they were counted).
     pub fn new(
         title: impl Into<String>,
         error: impl Into<String>,
         unit: &'static str,
-        measured: Vec<(String, f64, u64)>,
+        measured: Vec<(String, f64, Option<u64>)>,
     ) -> Self {
+        let counted = |(_, error, count): &(String, f64, Option<u64>)| count.map(|count| (*error, count as f64));
         let front =
-            pareto::front(&measured.iter().map(|(_, error, count)| (*error, *count as f64)).collect::<Vec<_>>());
+            pareto::front(&measured.iter().map(|one| counted(one).unwrap_or((f64::NAN, 0.0))).collect::<Vec<_>>());
         let points = measured
             .into_iter()
             .zip(front)
@@ -111,9 +112,9 @@ impl Comparison {
         self.points.iter().find(|point| point.choice == choice).map_or(f64::NAN, |point| point.error)
     }
 
-    /// The instructions of the choice with this name; 0 where there is none.
+    /// The instructions of the choice with this name; 0 where there is none, or none were counted.
     pub fn instructions_of(&self, choice: &str) -> u64 {
-        self.points.iter().find(|point| point.choice == choice).map_or(0, |point| point.instructions)
+        self.points.iter().find(|point| point.choice == choice).and_then(|point| point.instructions).unwrap_or(0)
     }
 }
 
@@ -139,25 +140,8 @@ pub struct Family {
     pub insight: String,
 }
 
-/// Why a family could not be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum AccuracyError {
-    /// A scene that does not build.
-    #[error("{0}")]
-    Scene(String),
-    /// A choice whose instructions were never counted.
-    #[error(transparent)]
-    Uncounted(#[from] counts::Uncounted),
-}
-
-impl From<Refused<'_>> for AccuracyError {
-    fn from(refused: Refused<'_>) -> Self {
-        Self::Scene(refused.to_string())
-    }
-}
-
 /// Measures one family.
-type Measure = fn(counts::Processor) -> Result<Family, AccuracyError>;
+type Measure = fn(counts::Processor) -> Result<Family, Refused<'static>>;
 
 /// Every family, in the order of reports.
 const FAMILIES: [Measure; 7] = [
@@ -173,8 +157,8 @@ const FAMILIES: [Measure; 7] = [
 /// Measures every family, with the instructions of this processor.
 ///
 /// # Errors
-/// A choice that was not counted.
-pub fn families(processor: counts::Processor) -> Result<Vec<Family>, AccuracyError> {
+/// A scene that does not build.
+pub fn families(processor: counts::Processor) -> Result<Vec<Family>, Refused<'static>> {
     FAMILIES.par_iter().map(|measure| measure(processor)).collect()
 }
 

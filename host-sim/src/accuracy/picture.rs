@@ -3,7 +3,7 @@
 //!
 //! Both axes are logarithmic and span at least a factor of `LEAST_X` and `LEAST_Y`, so that choices that are nearly
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
-//! error of exactly zero has no place on such an axis: a note says so.
+//! error of exactly zero has no place on such an axis: a note says so. Nor has a choice whose instructions nobody has counted.
 
 use std::path::{Path, PathBuf};
 
@@ -45,19 +45,19 @@ fn panel(family: &Family, comparison: &Comparison, title: String) -> Panel {
         "1" => String::new(),
         unit => format!(" ({unit})"),
     };
-    let points = &comparison.points;
+    let points: Vec<Point> = comparison.points.iter().filter(|point| point.instructions.is_some()).cloned().collect();
     let in_series = points.iter().any(|point| !point.series.is_empty());
     Panel {
         title,
         x_label: format!("Instructions per {}", short(family.instructions_per)),
         y_label: format!("{}{unit}", comparison.error),
-        x_range: range(points.iter().map(|point| point.instructions as f64), LEAST_X),
+        x_range: range(points.iter().map(|point| place(point).0), LEAST_X),
         // Where there is a legend, the layout makes room for it.
         y_range: range(points.iter().map(|point| point.error), LEAST_Y).filter(|_| !in_series),
         log_x: true,
         log_y: true,
-        note: exact(points),
-        series: if in_series { curves(points) } else { dots(points) },
+        note: exact(&points),
+        series: if in_series { curves(&points) } else { dots(&points) },
         ..Panel::default()
     }
 }
@@ -69,7 +69,7 @@ fn exact(points: &[Point]) -> Option<String> {
 }
 
 fn place(point: &Point) -> (f64, f64) {
-    (point.instructions as f64, point.error)
+    (point.instructions.unwrap_or_default() as f64, point.error)
 }
 
 /// The front, from left to right.

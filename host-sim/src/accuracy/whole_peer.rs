@@ -6,12 +6,12 @@
 
 use haptic_core::couple::wave::Decode;
 use haptic_core::object::IntegratorName;
-use haptic_core::settings::Choice;
+use haptic_core::settings::{Choice, Refused};
 use rayon::prelude::*;
 
 use super::counts::Processor;
 use super::pair::{self, Apart, apart};
-use super::{AccuracyError, Comparison, Family, continuous};
+use super::{Comparison, Family, continuous};
 use crate::report::text::significant;
 
 /// Control rates, ticks each millisecond.
@@ -48,18 +48,18 @@ fn schemes() -> Vec<Scheme> {
 /// Measures.
 ///
 /// # Errors
-/// A choice that was not counted.
-pub fn measure(processor: Processor) -> Result<Family, AccuracyError> {
+/// A scene that does not build.
+pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
     let measured = schemes()
         .into_par_iter()
         .map(|scheme| {
             let scene = pair::scene(scheme.integrator, scheme.decode, scheme.ticks_per_ms);
             let run = pair::run::<f32>(&scene, pair::DURATION_S)?;
-            let per_ms = processor.count(&scheme.case(), "f32")? * u64::from(scheme.ticks_per_ms);
+            let per_ms = processor.count(&scheme.case(), "f32").map(|count| count * u64::from(scheme.ticks_per_ms));
             Ok((scheme.name(), apart(&run, &exact), per_ms))
         })
-        .collect::<Result<Vec<_>, AccuracyError>>()?;
+        .collect::<Result<Vec<_>, Refused<'static>>>()?;
     let compare = |title: &str, error: &str, unit, pick: fn(&Apart) -> f64| {
         let points = measured.iter().map(|(name, apart, count)| (name.clone(), pick(apart), *count)).collect();
         Comparison::new(title, error, unit, points).in_series()

@@ -39,10 +39,10 @@ impl Accuracy {
     /// Measures, prints and draws.
     ///
     /// # Errors
-    /// A picture that cannot be written; a choice whose instructions were not counted.
+    /// A picture that cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let bar = progress_bar(2, "errors, pictures");
-        let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor)?);
+        let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor));
         bar.inc(1);
         let folder = match (&self.out, self.json) {
             (None, false) => Some(PathBuf::from("out/accuracy")),
@@ -95,7 +95,7 @@ fn print_family(family: &Family) {
                 point.choice.clone(),
                 significant(point.error, 3),
                 comparison.unit.to_owned(),
-                point.instructions.to_string(),
+                point.instructions.map_or_else(|| "not counted".to_owned(), |count| count.to_string()),
                 if point.on_front { "yes" } else { "no" }.to_owned(),
             ]);
         }

@@ -9,13 +9,13 @@
 //!
 //! | drag | what they lose while they do | 0 |
 //!
-//! The scenes are those of [`super::campaign`]; delay, mass and drag are measured on a slow swing ([`super::swing`]). A sample
+//! Laws of core's that are not in [`CHOICES`] are measured as well. The scenes are those of [`super::campaign`]; delay, mass and drag are measured on a slow swing ([`super::swing`]). A sample
 //! that is held for a packet period is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::campaign::{DURATION_S, scene};
+use super::campaign::{DURATION_S, scene, with_unnamed};
 use super::swing::felt;
 use super::{Options, run};
 
@@ -87,8 +87,9 @@ pub struct Cost {
 /// # Errors
 /// A cell that cannot be built, which would be a mistake in this file.
 pub fn costs() -> Result<Vec<Cost>, Box<dyn std::error::Error + Send + Sync>> {
+    let choices = with_unnamed(&CHOICES);
     let cells: Vec<_> =
-        NETWORKS.iter().flat_map(|network| CHOICES.iter().map(move |choice| (choice, network))).collect();
+        NETWORKS.iter().flat_map(|network| choices.iter().map(move |choice| (choice, network))).collect();
     cells
         .into_par_iter()
         .map(|((choice, settings), (name, network))| {

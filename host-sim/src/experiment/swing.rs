@@ -7,7 +7,7 @@
 //!
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
-use haptic_core::couple::LawName;
+use haptic_core::couple::{Sends, sends};
 use haptic_core::settings::Refused;
 
 use crate::harness::Pair;
@@ -71,16 +71,16 @@ pub fn felt(scene: &SceneFile, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..SETTLE_S * per_period {
         pair.step();
     }
-    let coordination = &scene.peer.coordination;
-    let share = 1.0 / coordination.wave_impedance_n_s_per_m;
+    let sends = sends(&scene.peer);
+    let share = 1.0 / scene.peer.coordination.wave_impedance_n_s_per_m;
     let (mut force, mut speed, mut sent, mut acted_on) = Default::default();
     for _ in 0..periods * per_period {
         let angle = OMEGA * pair.time_s();
         pair.step();
         for seen in pair.sides.iter().map(|side| side.state.observed()) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
-            let (out, into) = match coordination.comm {
-                LawName::Power => (seen.object.position, seen.desired.position),
+            let (out, into) = match sends {
+                Sends::Motion => (seen.object.position, seen.desired.position),
                 _ => {
                     let (speed, force) = (seen.desired.velocity, share * seen.coordination_force);
                     (speed - force, speed + force)

@@ -11,7 +11,7 @@
 //! to_x_m = 0.0
 //! to_y_m = 1.0
 //!
-//! [[wall]]                # also [[body]] and [[strip]]
+//! [[wall]]                # also [[body]], [[strip]] and [[block]]
 //! id = 1
 //! from_x_m = -0.5
 //! # …

@@ -22,7 +22,7 @@ pub(super) struct Point {
 struct PointReport {
     #[serde(flatten)]
     verdict: Verdict,
-    /// How far apart the two constructions of the lifted matrix are; absent where there is only one.
+    /// How far apart the two constructions of the lifted matrix are; null where there is only one.
     constructions: Option<Agreement>,
     advice: String,
 }
@@ -49,9 +49,11 @@ impl Point {
         table.push(["states".to_owned(), states.to_string()]);
         table.push(["rest modes left out".to_owned(), rest_modes.to_string()]);
         table.push(["taken apart into sum and difference", if symmetric { "yes" } else { "no" }]);
-        if let Some(Agreement { matrix, spectral_radius }) = report.constructions {
-            table.push(["second construction differs by".to_owned(), format!("{:.1e}", matrix.max(spectral_radius))]);
-        }
+        let second = match report.constructions {
+            Some(Agreement { matrix, spectral_radius }) => format!("{:.1e}", matrix.max(spectral_radius)),
+            None => "none: it has no equations for one of this scene's models".to_owned(),
+        };
+        table.push(["second construction differs by".to_owned(), second]);
         println!("{table}\n{}", report.advice);
         Ok(())
     }
