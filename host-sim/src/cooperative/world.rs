@@ -82,7 +82,7 @@ pub enum WorldError {
     NotConstant,
     /// There are no waves to scatter.
     #[error(
-        "coordination.comm: the node scatters waves, so it must be one of \"wave\", \"passive-wave\", \"passive-mean\", with \
+        "coordination.comm: the node scatters waves, so it must be a kind of wave, with \
          coordination.ledger false"
     )]
     NoWaves,
