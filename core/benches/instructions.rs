@@ -6,7 +6,7 @@
 //! `… --case SCENE SCALAR` replays that case alone. The same binary gives the same count on every run; what an update of
 //! the compiler changes is for review.
 //!
-//! Counted: `cases::measured_tick` with everything it calls, mean of [`cases::TICKS`] ticks; the exchange before every 8th
+//! Counted: `cases::measured_tick` with everything it calls, mean of [`TICKS`] ticks; the exchange before every 8th
 //! tick is in the mean with an eighth of its cost.
 
 mod cases;
@@ -14,7 +14,8 @@ mod cases;
 use std::collections::BTreeMap;
 use std::process::{Command, ExitCode};
 
-use cases::{Measure, Recording, TICKS};
+use cases::Measure;
+use cases::recording::{Recording, TICKS};
 use haptic_core::scalar::Scalar;
 use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
@@ -33,7 +34,7 @@ impl Measure for Replay<'_> {
     fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
         if scene == self.scene && M::Scalar::NAME == self.scalar {
             self.found = true;
-            std::hint::black_box(Recording::<M>::new(settings).replay());
+            cases::replay(&Recording::<M>::new(settings));
         }
     }
 }

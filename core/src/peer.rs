@@ -148,9 +148,11 @@ impl<M: Models> State<M> {
             self.probing.end(End::Stopped);
         }
         if command == Command::Clear && matches!(before, Mode::Faulted(_)) {
-            // What an encoder says after a jump is taken as where the joint was: the only reference there is.
-            for joint in &mut self.joints {
+            // What an encoder says after a jump is taken as where the joint was: the only reference there is. And what an
+            // estimator remembers may be no number.
+            for (joint, at) in self.joints.iter_mut().zip(self.device) {
                 joint.encoder.primed = false;
+                scene.velocity.start(&mut joint.velocity, at);
             }
         }
         if before != Mode::Armed && self.mode == Mode::Armed {
@@ -307,7 +309,7 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
-    if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
+    if !(next.is_finite() && coupled.is_finite()) {
         state.trip(Fault::Diverged);
         return Actuators::default();
     }

@@ -1,9 +1,9 @@
 //! What stands between the computed force and the motor: modes, numbered faults, limits.
 //!
-//! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns them off in the same tick and latches; leaving it
-//! takes [`Command::Clear`] and then [`Command::Arm`]. No setting switches a guard off. Fault numbers are never reused.
-//! Limits come last: whatever the models say, a force leaves finite, within ±max_force and within the slew limit of the
-//! one before.
+//! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns
+//! them off in the same tick and latches; leaving it takes [`Command::Clear`] and then [`Command::Arm`]. No setting
+//! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models say, a force leaves finite,
+//! within ±max_force and, unless it is off, within the slew limit of the one before.
 
 use crate::scalar::Scalar;
 use crate::settings::Settings;
@@ -18,7 +18,7 @@ pub enum Fault {
     EncoderJump = 2,
     /// The device moved faster than safety.max_speed_m_per_s.
     Overspeed = 3,
-    /// The force stood at its limit for safety.saturated_ticks.
+    /// The force stood at its limit, or a motor at that of its duty, for safety.saturated_ticks.
     ForceSaturated = 4,
     /// No packet for safety.peer_lost_packets packet periods.
     PeerLost = 5,
@@ -67,7 +67,9 @@ impl Fault {
             Self::NonFiniteInput => "a sensor or a packet gave a value that is not a number",
             Self::EncoderJump => "an encoder moved further in one tick than the device can",
             Self::Overspeed => "the device moved faster than safety.max_speed_m_per_s",
-            Self::ForceSaturated => "the force stood at safety.max_force_n for safety.saturated_ticks",
+            Self::ForceSaturated => {
+                "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks"
+            }
             Self::PeerLost => "the other peer was silent for safety.peer_lost_packets",
             Self::TickOverrun => "a tick began before the last one ended",
             Self::Diverged => "the object or the coordination force left the range of numbers",

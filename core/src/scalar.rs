@@ -45,9 +45,9 @@ pub trait Scalar:
     fn is_finite(self) -> bool;
     /// The bits that make two values the same, for state hashes.
     fn bits(self) -> u64;
-    /// Square root, correctly rounded (`libm`); a negative argument gives 0.
+    /// Square root, correctly rounded (`libm`), [`Fixed`] to a step; a negative argument gives 0.
     fn sqrt(self) -> Self;
-    /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹.
+    /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹ up to 2²¹ rad.
     fn sin_cos(self) -> (Self, Self);
     /// Sine and cosine, `micromath` where the type has it (`f32`): error ≤ 1.1e-3, a fraction of the cost.
     fn sin_cos_fast(self) -> (Self, Self) {

@@ -74,8 +74,6 @@ pub enum Allowed {
     Flag,
     /// One of these names.
     Names(&'static [&'static str]),
-    /// Text of any kind, such as a file name.
-    Text,
     /// What the other keys leave, in words.
     Only(&'static str),
 }
@@ -86,7 +84,6 @@ impl fmt::Display for Allowed {
             Self::Number { min, max } => write!(f, "a number from {min} to {max}"),
             Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
             Self::Flag => write!(f, "true or false"),
-            Self::Text => write!(f, "text"),
             Self::Only(words) => write!(f, "{words}"),
             Self::Names(names) => {
                 write!(f, "one of")?;
@@ -419,7 +416,7 @@ settings! {
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s";
         #[doc = "Fastest plausible motion; above it the peer faults."]
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s";
-        #[doc = "Ticks at the force limit, counted up while at it and down while off it, before the peer faults."]
+        #[doc = "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults."]
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks";
         #[doc = "Packet periods without a packet through which the last one stands."]
         fade_packets: u32 = 3, whole(0, 10000), "packets";
@@ -453,6 +450,17 @@ settings! {
 }
 
 impl Settings {
+    /// Tables that two coupled peers must have been told alike; the rest is each device's own.
+    const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
+
+    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by table.
+    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
+        Self::KEYS.iter().filter_map(|key| {
+            let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
+            Some((table, short, self.get(key.name)?))
+        })
+    }
+
     /// Every value within its range, and every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;

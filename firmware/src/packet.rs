@@ -3,30 +3,18 @@
 use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::settings::{Settings, Value};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::parameters::Parameters;
 use haptic_protocol::wire::Flow;
 
-/// Tables that both peers must have been told alike; the rest is each device's own.
-const SHARED: [&str; 3] = ["timing", "object", "coordination"];
-
-/// Those tables, as a greeting names them. host-sim's peers make the same of the same settings (tests/board holds both to it).
+/// What both peers must have been told alike, as a greeting names it.
 pub fn parameters(settings: &Settings) -> Parameters {
-    let mut parameters = Parameters::new();
-    for name in SHARED {
-        let mut table = Table::new(name);
-        for key in Settings::KEYS {
-            let Some((_, short)) = key.name.split_once('.').filter(|(table, _)| *table == name) else { continue };
-            table = match settings.get(key.name) {
-                Some(Value::Number(number)) => table.number(short, number),
-                Some(Value::Flag(flag)) => table.flag(short, flag),
-                Some(Value::Text(text)) => table.text(short, text),
-                None => table,
-            };
-        }
-        // There is room for 16.
-        let _ = parameters.add(table);
-    }
-    parameters
+    Parameters::of(settings.shared(), |table, key, value| match value {
+        Value::Number(number) => table.number(key, number),
+        Value::Flag(flag) => table.flag(key, flag),
+        Value::Text(text) => table.text(key, text),
+    })
+    // There is room for all of it; tests see to that.
+    .unwrap_or_default()
 }
 
 /// A packet of tick `tick` as it goes out; `engaged` while the motors are on.
@@ -56,6 +44,7 @@ pub fn packet(flow: &Flow) -> Packet<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use haptic_core::settings::Allowed;
 
     #[test]
     fn a_packet_survives_the_way() {
@@ -72,11 +61,21 @@ mod tests {
     #[test]
     fn what_is_each_devices_own_may_differ_and_nothing_else() {
         let settings = Settings::default();
-        let mut other = settings;
-        other.motor.full_scale_a = 1.0;
-        other.safety.max_force_n = 1.0;
-        assert_eq!(parameters(&other), parameters(&settings));
-        other.coordination.stiffness_n_per_m += 1.0;
-        assert_ne!(parameters(&other), parameters(&settings));
+        for key in Settings::KEYS {
+            let now = settings.get(key.name).expect("a listed key has a value");
+            let other = |values: &[Value<'static>]| values.iter().copied().find(|value| *value != now);
+            let other = match key.allowed {
+                Allowed::Number { min, max } => other(&[min, max].map(Value::Number)),
+                Allowed::Whole { min, max } => other(&[min, max].map(|whole| Value::Number(whole.into()))),
+                Allowed::Flag => other(&[false, true].map(Value::Flag)),
+                Allowed::Names(names) => names.iter().map(|name| Value::Text(name)).find(|value| *value != now),
+                Allowed::Text | Allowed::Only(_) => None,
+            };
+            let other = other.expect("another value");
+            let mut changed = settings;
+            changed.set(key.name, other).expect("an allowed value");
+            let shared = ["timing.", "object.", "coordination."].iter().any(|table| key.name.starts_with(table));
+            assert_eq!(parameters(&changed) != parameters(&settings), shared, "{}", key.name);
+        }
     }
 }

@@ -7,7 +7,8 @@
 #[path = "../../core/benches/cases/mod.rs"]
 mod cases;
 
-use cases::{Measure, Recording, TICKS};
+use cases::Measure;
+use cases::recording::{Recording, TICKS};
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haptic_core::scalar::Scalar;
@@ -30,7 +31,8 @@ struct Time<'a>(BenchmarkGroup<'a, WallTime>);
 impl Measure for Time<'_> {
     fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
         let recording = Recording::<M>::new(settings);
-        self.0.bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| recording.replay()));
+        self.0
+            .bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| cases::replay(&recording)));
     }
 }
 

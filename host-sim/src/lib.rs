@@ -8,6 +8,7 @@
 //! | [`plant`] | the device and the arm of its user: exact dynamics, optional imperfections |
 //! | [`user`] | what the users do: the paper's force profiles, reaches, traces |
 //! | [`network`] | packets on their way |
+//! | [`dice`] | a stream of random numbers from a seed |
 //! | [`harness`] | two peers, two plants and a network, stepped together |
 //! | [`live`] | peers in real time, over real sockets |
 //! | [`collaborate`] | one at a time edits: lock and token ring on trial |
@@ -33,6 +34,7 @@ pub mod calibrate;
 pub mod cli;
 pub mod collaborate;
 pub mod cooperative;
+pub mod dice;
 pub mod experiment;
 pub mod harness;
 pub mod live;

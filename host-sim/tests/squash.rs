@@ -2,13 +2,15 @@
 //! without the bounder the failure is shown. `host-sim squash --sweep` prints the table.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
 use host_sim::network::fate::Jitter;
 use host_sim::scene::Network;
 use host_sim::squash::bot::MOTION;
 use host_sim::squash::sweep::ROUND_TRIPS_MS;
 use host_sim::squash::{Change, Options, Report, play};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 fn options(players: u8, round_trip_ms: f64, seed: u64) -> Options {
     Options {
@@ -126,7 +128,7 @@ fn the_same_seed_is_the_same_game() {
 
 #[test]
 fn the_command_line_plays_and_refuses() {
-    let run = |line: &str| Command::new(env!("CARGO_BIN_EXE_host-sim")).args(line.split(' ')).output().unwrap();
+    let run = |line: &str| Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
     let good = run("squash --players 2 --rtt-ms 50 --seconds 20 --json");
     let document: serde_json::Value = serde_json::from_slice(&good.stdout).unwrap();
     assert!(good.status.success() && document["agreed"] == true && document["left_the_court"] == 0, "{document}");
@@ -155,21 +157,45 @@ impl Drop for Folder {
     }
 }
 
-/// What the server and three players report of a game of 8 s, each a process of its own.
-fn game(program: &str, key: &Path) -> [serde_json::Value; 4] {
-    // Ports that are free now.
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = Self(std::env::temp_dir().join(format!("haptic-{name}-{}", std::process::id())));
+        std::fs::create_dir_all(&folder.0).unwrap();
+        folder
+    }
+
+    /// A new key file.
+    fn key(&self, name: &str) -> std::path::PathBuf {
+        let key = self.0.join(name);
+        assert!(Command::new(PROGRAM).arg("keygen").arg(&key).output().unwrap().status.success());
+        key
+    }
+}
+
+/// Addresses that are free now.
+fn free_addresses() -> [String; 4] {
     let sockets = [(); 4].map(|()| std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
-    let addresses = sockets.map(|socket| socket.local_addr().unwrap().to_string()).join(",");
-    let games = [0, 1, 2, 3].map(|number| {
-        Command::new(program)
-            .args(["squash", "live", "--json", "--seconds", if number == 0 { "9" } else { "8" }])
-            .args(["--number", &number.to_string(), "--addresses", &addresses, "--key-file"])
-            .arg(key)
-            .stdout(std::process::Stdio::piped())
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap()
-    });
+    sockets.map(|socket| socket.local_addr().unwrap().to_string())
+}
+
+/// One process of a game.
+fn join(number: usize, addresses: &[&String], key: &Path, seconds: &str) -> Child {
+    let addresses = addresses.iter().map(|address| address.as_str()).collect::<Vec<_>>().join(",");
+    Command::new(PROGRAM)
+        .args(["squash", "live", "--json", "--seconds", seconds])
+        .args(["--number", &number.to_string(), "--addresses", &addresses, "--key-file"])
+        .arg(key)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// What the server and three players report of a game of 8 s, each a process of its own.
+fn game(key: &Path) -> [serde_json::Value; 4] {
+    let addresses = free_addresses();
+    let addresses = addresses.each_ref();
+    let games = [0, 1, 2, 3].map(|number| join(number, &addresses, key, if number == 0 { "9" } else { "8" }));
     games.map(|game| {
         let output = game.wait_with_output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -180,15 +206,12 @@ fn game(program: &str, key: &Path) -> [serde_json::Value; 4] {
 /// Four processes on loopback: a server and three players, sealed.
 #[test]
 fn processes_play_over_udp_and_agree() {
-    let folder = Folder(std::env::temp_dir().join(format!("haptic-squash-{}", std::process::id())));
-    std::fs::create_dir_all(&folder.0).unwrap();
-    let key = folder.0.join("key");
-    let program = env!("CARGO_BIN_EXE_host-sim");
-    assert!(Command::new(program).arg("keygen").arg(&key).output().unwrap().status.success());
+    let folder = Folder::new("squash");
+    let key = folder.key("key");
     let ruled =
         |reports: &[serde_json::Value]| reports[0]["rallies"].as_array().is_some_and(|rallies| !rallies.is_empty());
     // Real time: now and then one rally fills a game.
-    let games = (0..4).map(|_| game(program, &key));
+    let games = (0..4).map(|_| game(&key));
     let reports = games.into_iter().find(|reports| ruled(reports)).expect("a rally ends in one of four games");
     let rallies = |at: usize| reports[at]["rallies"].as_array().unwrap();
     for player in 1..4 {
@@ -198,4 +221,42 @@ fn processes_play_over_udp_and_agree() {
         assert_eq!(reports[player]["refused"], 0, "{reports:?}");
     }
     assert!((1..4).any(|player| reports[player]["strokes"].as_u64() > Some(0)), "{reports:?}");
+    for (number, report) in reports.iter().enumerate() {
+        let others = report["others"].as_array().unwrap();
+        let numbers: Vec<_> = others.iter().filter_map(|other| other["number"].as_u64()).collect();
+        assert!(numbers == (0..4).filter(|other| *other != number as u64).collect::<Vec<_>>(), "{reports:?}");
+        let heard = |other: &serde_json::Value| {
+            let [first_s, last_s] = ["first_heard_s", "last_heard_s"].map(|when| other[when].as_f64().unwrap());
+            0.0 < first_s && first_s <= last_s && last_s < 9.5
+        };
+        assert!(others.iter().all(heard), "{reports:?}");
+    }
+}
+
+/// A server; a player with another key; one that is not where the others look for it; one that is not there.
+#[test]
+fn whoever_meets_nobody_says_so_and_what_to_check() {
+    let folder = Folder::new("nobody");
+    let [right, wrong] = ["right", "wrong"].map(|name| folder.key(name));
+    let [server, one, two, elsewhere] = free_addresses();
+    let games = [
+        join(0, &[&server, &one, &two], &right, "1"),
+        join(1, &[&server, &one, &two], &wrong, "1"),
+        join(2, &[&server, &one, &elsewhere], &right, "1"),
+    ];
+    let [by_server, by_one, by_two] = games.map(|game| {
+        let output = game.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty() && said.lines().count() == 1, "{said}");
+        assert!(said.contains("nobody answered within 1 s") && said.contains("check that they run now"), "{said}");
+        said
+    });
+    let silent = |said: &str, who: &str| assert!(said.contains(&format!("{who} was silent")), "{said}");
+    for said in [&by_server, &by_one] {
+        assert!(said.contains("another shared key"), "{said}");
+        silent(said, &format!("player 2 at {two}"));
+        assert!(said.contains(&format!("from elsewhere, the last from {elsewhere}")), "{said}");
+    }
+    silent(&by_two, &format!("the server at {server}"));
+    silent(&by_two, &format!("player 1 at {one}"));
 }

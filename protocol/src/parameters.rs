@@ -79,6 +79,29 @@ impl Parameters {
         Self::default()
     }
 
+    /// The tables of `keys`, each a table's name, a key's and its value, table by table; `put` says what kind of value it is.
+    pub fn of<V>(
+        keys: impl IntoIterator<Item = (&'static str, &'static str, V)>,
+        put: impl Fn(Table, &'static str, V) -> Table,
+    ) -> Result<Self, TooManyTables> {
+        let (mut all, mut last) = (Self::new(), None::<Table>);
+        for (name, key, value) in keys {
+            let table = match last.take() {
+                Some(table) if table.name == name => table,
+                Some(other) => {
+                    all.add(other)?;
+                    Table::new(name)
+                }
+                None => Table::new(name),
+            };
+            last = Some(put(table, key, value));
+        }
+        if let Some(table) = last {
+            all.add(table)?;
+        }
+        Ok(all)
+    }
+
     /// Adds a table; both peers add the same ones in the same order.
     pub fn add(&mut self, table: Table) -> Result<(), TooManyTables> {
         self.names.push(table.name).map_err(|_| TooManyTables)?;
@@ -141,6 +164,19 @@ mod tests {
         assert_eq!(difference(&a, &b), Some("a table that this peer does not have"));
         assert_eq!(difference(&b, &a), Some("network"));
         assert_eq!(difference(&Parameters::new(), &Parameters::new()), None);
+    }
+
+    #[test]
+    fn keys_in_a_row_are_the_tables_that_they_name() {
+        let keys = [("timing", "a", 1.0), ("timing", "b", 2.0), ("object", "a", 3.0)];
+        let mut wanted = Parameters::new();
+        wanted.add(Table::new("timing").number("a", 1.0).number("b", 2.0)).unwrap();
+        wanted.add(Table::new("object").number("a", 3.0)).unwrap();
+        assert_eq!(Parameters::of(keys, Table::number), Ok(wanted));
+        assert_eq!(Parameters::of([], Table::number), Ok(Parameters::new()));
+        let turns = core::iter::repeat([("x", "a", 0.0), ("y", "a", 0.0)]).flatten();
+        assert!(Parameters::of(turns.clone().take(16), Table::number).is_ok());
+        assert_eq!(Parameters::of(turns.take(17), Table::number), Err(TooManyTables));
     }
 
     #[test]

@@ -87,15 +87,15 @@ impl<P> Playout<P> {
     }
 
     /// Takes a packet that was sent at `tick` on its sender's clock and came `now` on this one's; false if it is too old
-    /// to be played, or a copy.
+    /// to be played or to be kept, or a copy.
     pub fn put(&mut self, now: u32, tick: u32, packet: P) -> bool {
         self.measure(now.wrapping_sub(tick));
         let old = self.played.is_some_and(|played| !after(tick, played));
         if old || self.waiting.iter().any(|(waiting, _)| *waiting == tick) {
             return false;
         }
-        if self.waiting.is_full() {
-            self.drop_oldest();
+        if self.waiting.is_full() && !self.drop_older(tick) {
+            return false;
         }
         // There is room now.
         self.waiting.push((tick, packet)).is_ok()
@@ -147,16 +147,18 @@ impl<P> Playout<P> {
         self.waiting.len()
     }
 
-    fn drop_oldest(&mut self) {
+    /// Drops the oldest packet that waits, unless it was sent after `tick`.
+    fn drop_older(&mut self, tick: u32) -> bool {
         let mut oldest: Option<(usize, u32)> = None;
-        for (at, (tick, _)) in self.waiting.iter().enumerate() {
-            if oldest.is_none_or(|(_, oldest)| after(oldest, *tick)) {
-                oldest = Some((at, *tick));
+        for (at, (waiting, _)) in self.waiting.iter().enumerate() {
+            if after(oldest.map_or(tick, |(_, oldest)| oldest), *waiting) {
+                oldest = Some((at, *waiting));
             }
         }
-        if let Some((at, _)) = oldest {
+        oldest.is_some_and(|(at, _)| {
             self.waiting.swap_remove(at);
-        }
+            true
+        })
     }
 }
 
@@ -272,6 +274,13 @@ mod tests {
         assert_eq!(playout.waiting(), MOST);
         assert_eq!(playout.take(1_000 * M), None);
         assert_eq!(playout.take(1_001 * M), Some(1));
+        // One that is older than all that wait is the oldest itself.
+        let mut playout = Playout::new(1_000, M);
+        for number in 1..=MOST as u32 {
+            assert!(playout.put(number * M, number * M, number));
+        }
+        assert!(!playout.put(65 * M, 0, 0) && playout.put(65 * M, 65 * M, 65));
+        assert_eq!(playout.take(1_002 * M), Some(2));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Forward Euler, the paper's integrator (§5): x ← x + T·ẋ, ẋ ← ẋ + (T/m)·(F − b·ẋ), both from the old ẋ.
 //!
-//! First order. Adds energy: an undamped spring k on the mass gains about k·T²/(2m) of its energy each tick.
+//! First order. Adds energy: an undamped spring k on the mass gains k·T²/m of its energy each tick.
 
 use super::{Before, Euler, Integrator};
 use crate::list::Model;

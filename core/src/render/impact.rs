@@ -13,13 +13,16 @@
 //! same instant are taken one after the other, first named first; what is conserved does not depend on the order.
 //!
 //! **Conserved** to rounding, whatever the masses: momentum (walls and bodies without inverse mass take what is missing);
-//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. **None is missed** at any speed: the path is
-//! solved, not sampled. Bodies that touch or overlap and still approach hit at once.
+//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. Roundings walk and do not drift: after n impacts in
+//! a row energy is off by about √n half units in the last place, by less than 2·√n in every run tried: 2.3e-13 after a
+//! million in f64, 1e-5 after 7,000 and 1.2e-4 after a million in f32. **None is missed** at any speed: the path is solved,
+//! not sampled. Bodies that touch or overlap and still approach hit at once.
 //!
 //! **Limits**: no contact that lasts (the paper's own limit): with e < 1 and a steady push, bounces shrink until a step
 //! would hold more than [`MOST`] of them. Then bodies stand for the rest of that step and keep their velocities: no body
 //! passes another, momentum and energy stay right, and [`Account::stood_s`] tells. Squares of speeds must fit the type:
-//! f32 up to 1e18 m/s; radii must be larger than what positions are rounded to, for points on a line have no sides; [`crate::scalar::Fixed`] sees a time of impact only above 0.1 mm/s and to about 1e-7 m.
+//! f32 up to 1e18 m/s; radii must be larger than what positions are rounded to, for points on a line have no sides;
+//! [`crate::scalar::Fixed`] sees a time of impact only above 0.1 mm/s and to about 1e-7 m.
 //! Units: m, m/s, kg, N·s, J. NaN in: no impact.
 
 use crate::motion::Motion;
@@ -117,10 +120,8 @@ pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S)
 pub struct Exchange<S, const D: usize> {
     /// Impulse, N·s.
     pub impulse: [S; D],
-    /// Change of the velocity of the first against the second, m/s.
-    pub change: [S; D],
-    /// How much of the change the first makes, and how much, the other way, the second.
-    pub shares: [S; 2],
+    /// Change of the velocity of the first, and of that of the second the other way, m/s.
+    pub changes: [[S; D]; 2],
     /// Energy lost, J.
     pub lost_j: S,
 }
@@ -138,20 +139,21 @@ pub fn exchange<S: Scalar, const D: usize>(
     if !meets {
         return None;
     }
-    // The shares make 1 exactly, so that v turns around exactly; the smaller one is the quotient, so that the momentum of a
-    // heavy body is right to its last digit.
-    let shares = if first < second {
-        let share = first.ratio(both);
-        [share, S::ONE - share]
-    } else {
-        let share = second.ratio(both);
-        [S::ONE - share, share]
-    };
-    let change = add([S::ZERO; D], (S::ONE + restitution) * approach.ratio(dot(normal, normal)), normal);
+    // What stops the approach, taken twice: the second time takes away what rounding left of the first. Of the same normal
+    // again and again, as on a line, that is the same every time, and adds up.
+    let square = dot(normal, normal);
+    let nearer = |stop| add(stop, -dot(add(v, S::ONE, stop), normal).ratio(square), normal);
+    let change = add([S::ZERO; D], S::ONE + restitution, nearer(nearer([S::ZERO; D])));
+    // The lighter body makes what the heavier one leaves, not a share of its own: two rounded shares are not 1, and that
+    // little, the same at every impact of the two, adds up.
+    let share = first.min(second).ratio(both);
+    let heavier = change.map(|change| share * change);
+    let lighter = add(change, -S::ONE, heavier);
+    let changes = if first < second { [heavier, lighter] } else { [lighter, heavier] };
     let impulse = change.map(|change| change.ratio(both));
     let half = S::from_f64(0.5);
     let lost_j = half * (S::ONE - restitution) * -dot(v, impulse);
-    Some(Exchange { impulse, change, shares, lost_j })
+    Some(Exchange { impulse, changes, lost_j })
 }
 
 impl<S: Scalar, const D: usize> Body<S, D> {
@@ -169,9 +171,9 @@ impl<S: Scalar, const D: usize> Body<S, D> {
         }
     }
 
-    fn change(&mut self, share: S, change: [S; D]) {
+    fn change(&mut self, sign: S, change: [S; D]) {
         for (axis, change) in self.axes.iter_mut().zip(change) {
-            axis.velocity = axis.velocity + share * change;
+            axis.velocity = axis.velocity + sign * change;
         }
     }
 
@@ -259,13 +261,9 @@ fn hit<S: Scalar, const D: usize, const N: usize>(
     let v = add(body.velocity(), -S::ONE, other_velocity);
     let masses = [body.inverse_mass, other_inverse];
     let exchange = exchange(v, next.normal, masses, restitution);
-    let Exchange { impulse, change, shares: [share, other_share], lost_j } = exchange.unwrap_or(Exchange {
-        impulse: [S::ZERO; D],
-        change: [S::ZERO; D],
-        shares: [S::ZERO; 2],
-        lost_j: S::ZERO,
-    });
-    body.change(share, change);
+    let none = Exchange { impulse: [S::ZERO; D], changes: [[S::ZERO; D]; 2], lost_j: S::ZERO };
+    let Exchange { impulse, changes: [change, other_change], lost_j } = exchange.unwrap_or(none);
+    body.change(S::ONE, change);
     account.lost_j = account.lost_j + lost_j;
     let mut book = |at: usize, sign: S, partner: Partner| {
         if let (Some(sum), Some(last)) = (account.impulses.get_mut(at), last.get_mut(at)) {
@@ -277,7 +275,7 @@ fn hit<S: Scalar, const D: usize, const N: usize>(
     if let Some(at) = other_at {
         book(at, -S::ONE, Partner::Body(next.body));
         if let Some(other) = bodies.get_mut(at) {
-            other.change(-other_share, change);
+            other.change(-S::ONE, other_change);
         }
     }
 }

@@ -109,13 +109,13 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         if past > S::ZERO && state.settling == 0 {
             let against = self.contact.past(object.velocity - device.velocity);
             let masses = [self.object_inverse, self.device_inverse];
-            if let Some(Exchange { impulse: [impulse], change: [change], shares: [share, _], lost_j }) =
+            if let Some(Exchange { impulse: [impulse], changes: [[change], _], lost_j }) =
                 exchange([against], [S::ONE], masses, self.restitution)
             {
                 // How much of the step was left after the crossing; nothing if they overlapped before it.
                 let gap = state.before.map_or(S::ZERO, |[device, object]| self.contact.past(object - device));
                 let after = if gap > S::ZERO { past.ratio(past + gap) } else { S::ZERO };
-                let change = self.contact.past(share * change);
+                let change = self.contact.past(change);
                 object.velocity = object.velocity + change;
                 object.position = object.position + after * self.period * change;
                 state.pulse = self.contact.past(self.rate * impulse);

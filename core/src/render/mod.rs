@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`contact`] | continuous rendering: a spring and a damper |
 //! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of one tick |
-//! | [`impact`] | impacts of round bodies and walls in the plane: time of impact, exchange of momentum |
+//! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
 //! | [`bounder`] | stiffness and damping that follow the measured round trip |
 //! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |
 

@@ -50,8 +50,8 @@ fn built<S: Scalar>(random: &mut Random, speeds: [f64; 2], graze: bool, worst: &
     assert_eq!(impacts, 1, "missed at {speed} m/s, lean {lean}, in {}: {before:?}", S::NAME);
     worst.energy = worst.energy.max((energy(&bodies) / energy(&before) - 1.0).abs());
     for axis in 0..2 {
-        let ((after, all), (then, _)) = (momentum(&bodies, axis), momentum(&before, axis));
-        worst.momentum = worst.momentum.max((after - then).abs() / all);
+        let ((now, all), (then, all_then)) = (momentum(&bodies, axis), momentum(&before, axis));
+        worst.momentum = worst.momentum.max((now - then).abs() / all.max(all_then));
     }
     // In the frame of the common centre an elastic impact turns the normal part of both velocities around.
     let along = relative[0] * nx + relative[1] * ny;
@@ -63,20 +63,20 @@ fn built<S: Scalar>(random: &mut Random, speeds: [f64; 2], graze: bool, worst: &
     }
 }
 
-/// The numbers: 1e-12 in f64, 1e-5 in f32, over a million, grazes among them; none missed from 1 mm/s to 1 km/s.
+/// 1e-12 in f64, 1e-5 in f32, over a million each, grazes among them; none missed from 1 mm/s to 1 km/s.
 #[test]
 fn a_million_impacts_conserve_energy_and_momentum_and_none_is_missed() {
     let (mut random, mut double, mut single) = (Random(1), Worst::default(), Worst::default());
     for number in 0..1_000_000 {
-        built::<f64>(&mut random, [1e-3, 1e3], number % 4 == 0, &mut double);
-        if number % 2 == 0 {
-            built::<f32>(&mut random, [1e-2, 10.0], number % 8 == 0, &mut single);
-        }
+        let graze = number % 4 == 0;
+        built::<f64>(&mut random, [1e-3, 1e3], graze, &mut double);
+        // In f32 the path of a graze must not be so long that its rounding is as large as the graze.
+        built::<f32>(&mut random, if graze { [1e-2, 10.0] } else { [1e-3, 1e3] }, graze, &mut single);
     }
     assert!(double.energy < 1e-12 && double.momentum < 1e-12, "{double:?}");
     assert!(single.energy < 1e-5 && single.momentum < 1e-5, "{single:?}");
     // Where a graze touches depends on the last digits of where it passes.
-    assert!(double.velocity < 1e-6, "{double:?}");
+    assert!(double.velocity < 1e-9 && single.velocity < 1e-3, "{double:?} {single:?}");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn fixed_point_conserves_to_its_steps() {
         built::<Fixed>(&mut random, [0.1, 10.0], false, &mut worst);
     }
     // A step is 2.3e-10, of radii of a millimetre and inverse masses of 0.1.
-    assert!(worst.energy < 1e-4 && worst.momentum < 1e-6, "{worst:?}");
+    assert!(worst.energy < 1e-5 && worst.momentum < 1e-6, "{worst:?}");
 }
 
 /// Paths that pass by a billionth of the radius, on either side of a touch.
@@ -129,27 +129,32 @@ fn simultaneous_impacts_of_a_cradle() {
 }
 
 /// A disc struck from both sides at the same instant, by unequal masses: conserved whatever the order.
-#[test]
-fn simultaneous_impacts_of_three_conserve() {
+fn struck_from_both_sides<S: Scalar>(tolerance: f64) {
     let mut random = Random(3);
     for _ in 0..10_000 {
         let [m1, m2, m3] = [(); 3].map(|()| random.scale(0.01, 10.0));
         let speed = random.scale(0.01, 100.0);
         let bodies = [
-            body::<f64, 2>([-0.02, 0.0], [speed, 0.0], 0.01, m1),
+            body::<S, 2>([-0.02, 0.0], [speed, 0.0], 0.01, m1),
             body([0.0, 0.0], [0.0, 0.0], 0.01, m2),
             body([0.02, 0.0], [-speed, 0.0], 0.01, m3),
         ];
         let mut after = bodies;
-        let account = advance(&mut after, &[], 1.0, 1e-3);
+        let account = advance(&mut after, &[], S::ONE, S::from_f64(1e-3));
         assert!(account.impacts >= 2);
-        assert!((energy(&after) / energy(&bodies) - 1.0).abs() < 1e-12);
+        assert!((energy(&after) / energy(&bodies) - 1.0).abs() < tolerance);
         let ((now, all), (then, _)) = (momentum(&after, 0), momentum(&bodies, 0));
-        assert!((now - then).abs() < 1e-12 * all);
+        assert!((now - then).abs() < tolerance * all);
         // Whoever moved right of another still does.
-        assert!(after[0].axes[0].position <= after[1].axes[0].position - 0.02 + 1e-12);
-        assert!(after[1].axes[0].position <= after[2].axes[0].position - 0.02 + 1e-12);
+        let [left, middle, right] = after.map(|body| body.axes[0].position.to_f64());
+        assert!(left <= middle - 0.02 + tolerance && middle <= right - 0.02 + tolerance);
     }
+}
+
+#[test]
+fn simultaneous_impacts_of_three_conserve() {
+    struck_from_both_sides::<f64>(1e-12);
+    struck_from_both_sides::<f32>(1e-5);
 }
 
 /// What restitution takes is what the account says.
@@ -171,31 +176,34 @@ fn energy_lost_is_booked() {
 }
 
 /// A light ball between two heavy ones that close in on it: more bounces than a step may hold. Nobody passes.
-#[test]
-fn a_step_with_too_many_impacts_lets_nobody_through() {
+fn squeezed<S: Scalar>(tolerance: f64) {
     let (heavy, light) = (1e3, 1e-3);
     let bodies = [
-        body::<f64, 1>([-3e-5], [10.0], 1e-5, heavy),
+        body::<S, 1>([-3e-5], [10.0], 1e-5, heavy),
         body([0.0], [3.0], 1e-5, light),
         body([3e-5], [-10.0], 1e-5, heavy),
     ];
-    let mut after = bodies;
-    let account = advance(&mut after, &[], 1.0, 1e-3);
+    let (mut after, step) = (bodies, S::from_f64(1e-3));
+    let account = advance(&mut after, &[], S::ONE, step);
     assert_eq!(account.impacts, MOST, "{account:?} {after:?}");
-    assert!(account.stood_s > 0.0);
-    assert!((energy(&after) / energy(&bodies) - 1.0).abs() < 1e-12);
+    assert!(account.stood_s > S::ZERO);
+    assert!((energy(&after) / energy(&bodies) - 1.0).abs() < tolerance);
     // The steps that follow finish it.
     for _ in 0..20 {
-        advance(&mut after, &[], 1.0, 1e-3);
+        advance(&mut after, &[], S::ONE, step);
     }
-    assert!(
-        after[0].axes[0].position <= after[1].axes[0].position
-            && after[1].axes[0].position <= after[2].axes[0].position
-    );
-    assert!(after[0].axes[0].velocity < 0.0 && after[2].axes[0].velocity > 0.0, "{after:?}");
+    let [left, middle, right] = after.map(|body| body.axes[0]);
+    assert!(left.position <= middle.position && middle.position <= right.position, "{after:?}");
+    assert!(left.velocity < S::ZERO && right.velocity > S::ZERO, "{after:?}");
 }
 
-/// Any bits: no panic, and what is finite stays so.
+#[test]
+fn a_step_with_too_many_impacts_lets_nobody_through() {
+    squeezed::<f64>(1e-12);
+    squeezed::<f32>(1e-5);
+}
+
+/// Any bits: no panic, and no more impacts than a step may hold.
 #[test]
 fn any_bits_are_taken() {
     fn any<S: Scalar>(random: &mut Random) {

@@ -4,8 +4,6 @@
 //! spring ([`Linear`]): who waits keeps the hand, open, at the body as it sees it, and grips when it owns the body and has
 //! come within [`GRIP_M`]; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
-use std::collections::VecDeque;
-
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
 use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
@@ -16,6 +14,8 @@ use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::{Account, Architecture, ArchitectureError, Row, TASK, event_bytes, presence_bytes_per_s, scene};
+use crate::network::in_flight::InFlight;
+use crate::network::mesh::Letter;
 use crate::plant::Linear;
 use crate::scene::SceneFile;
 
@@ -149,6 +149,9 @@ trait Turn {
     fn say(&mut self, now: u64) -> Vec<(PeerId, Event)>;
 }
 
+/// The body's number among the shared objects.
+const OBJECT: u16 = 0;
+
 /// The server of the lock has this number.
 const SERVER: PeerId = PeerId(0);
 
@@ -178,8 +181,7 @@ impl Turn for LockClient {
     }
     fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
         self.role.poll(now, &mut self.out);
-        let out = &mut self.out;
-        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+        self.out.events(|message| message.event(OBJECT)).collect()
     }
 }
 
@@ -205,8 +207,7 @@ impl Turn for LockServer {
     }
     fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
         self.role.poll(now, &mut self.out);
-        let out = &mut self.out;
-        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+        self.out.events(|message| message.event(OBJECT)).collect()
     }
 }
 
@@ -235,8 +236,7 @@ impl Turn for RingMember {
     }
     fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
         self.role.poll(now, &mut self.out);
-        let out = &mut self.out;
-        std::iter::from_fn(|| out.take()).filter_map(|(to, message)| Some((to, message.event(0).ok()?))).collect()
+        self.out.events(|message| message.event(OBJECT)).collect()
     }
 }
 
@@ -273,7 +273,7 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
     let (mut peers, users, delay_us) = cast(architecture, (1e3 * delay_ms) as u64)?;
     let goals = [0.5 * TASK.goals_m[0], TASK.goals_m[1]];
     let mut hands = [0, 1].map(|index| Hand::new(&scene, index, goals[index]));
-    let mut flying: VecDeque<(u64, usize, usize, Event)> = VecDeque::new();
+    let mut flying = InFlight::default();
     // A ring begins by finding out that nobody has a token; that is over before the task starts.
     let settled_us = 2 * u64::from(LEASE_US) + 4 * delay_us;
     let ticks = (TASK.duration_s / period_s) as u64;
@@ -284,15 +284,8 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
         let now = (tick as f64 * period_s * 1e6) as u64;
         let at_work = tick >= warm_up;
         let time_s = tick.saturating_sub(warm_up) as f64 * period_s;
-        for _ in 0..flying.len() {
-            if let Some(message) = flying.pop_front() {
-                let (due, from, to, event) = message;
-                if due <= now {
-                    peers[to].hear(now, PeerId(from as u8), &event);
-                } else {
-                    flying.push_back(message);
-                }
-            }
+        while let Some((_, Letter { from, to, event })) = flying.take(now) {
+            peers[to].hear(now, PeerId(from as u8), &event);
         }
         if at_work {
             for (index, hand) in hands.iter_mut().enumerate() {
@@ -316,7 +309,7 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
                 } else {
                     server_bytes += bytes
                 }
-                flying.push_back((now + delay_us, from, usize::from(to.0), event));
+                flying.send(now + delay_us, Letter { from, to: usize::from(to.0), event });
             }
         }
     }

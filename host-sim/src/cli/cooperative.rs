@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::cooperative::limits::{self, Longest, bounded_radius};
+use crate::cooperative::limits::{self, Stiffest, bounded_radius};
 use crate::cooperative::run::{Outcome, run};
 use crate::cooperative::waves::{self, Waves};
 use crate::cooperative::{Collision, Engine, Setup};
@@ -18,7 +18,7 @@ use crate::report::text::{TextTable, significant};
 use crate::scene::SceneFile;
 
 /// One-way delays of the sweep, ms.
-const DELAYS_MS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 150.0, 200.0];
+const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 /// Forces of the cooperation paper's §5.2, which a scene may change as anything else.
 const FORCES: [&str; 3] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
@@ -106,7 +106,7 @@ struct WaveRow {
 struct Report {
     rows: Vec<Row>,
     /// The paper's limits without the bounder; of a sweep only.
-    limits: Vec<Longest>,
+    limits: Vec<Stiffest>,
     wall_s: f64,
     files: Vec<PathBuf>,
 }
@@ -207,8 +207,16 @@ impl Cooperative {
         if self.json {
             return print_json(&rows);
         }
-        let mut table =
-            TextTable::new(["users", "one way ms", "stable", "true mm", "felt N", "peak N", "node energy out/in"]);
+        let mut table = TextTable::new([
+            "users",
+            "one way ms",
+            "stable",
+            "true mm",
+            "felt N",
+            "peak N",
+            "node energy out/in",
+            "out/put in",
+        ]);
         for WaveRow { users, one_way_ms, outcome } in &rows {
             table.push([
                 users.to_string(),
@@ -218,6 +226,7 @@ impl Cooperative {
                 significant(outcome.felt_n, 3),
                 significant(outcome.peak_n, 3),
                 format!("{:.12}", outcome.node_out_over_in),
+                format!("{:.6}", outcome.node_out_over_put_in),
             ]);
         }
         println!("{table}");
@@ -290,11 +299,22 @@ fn sweep(rows: &[Row]) -> Figure {
     let panel = |y_label: &str, value| Panel {
         x_label: "One-way delay (ms)".to_owned(),
         y_label: y_label.to_owned(),
+        log_x: true,
+        log_y: true,
         series: both(value),
         ..Panel::default()
     };
+    let contact = match rows.first().map(|row| row.collision) {
+        Some(Collision::Server) => "server",
+        _ => "clients",
+    };
+    let engine = match rows.first().map(|row| row.engine) {
+        Some(Engine::Client) => "at the first client",
+        Some(Engine::Moves) => "that moves to the first client and back",
+        _ => "at the server",
+    };
     Figure {
-        title: "One dynamics engine at the server, contact at the clients".to_owned(),
+        title: format!("One dynamics engine {engine}, contact at the {contact}"),
         caption: "Only runs that are stable: without the bounder a line ends where the environment breaks.".to_owned(),
         columns: 2,
         panels: vec![
@@ -350,19 +370,26 @@ impl Report {
         println!("{table}");
         if !self.limits.is_empty() {
             println!(
-                "\nLongest round trip without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
+                "\nStiffest object without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
             );
-            let mut table =
-                TextTable::new(["contact at", "users", "object", "K N/m", "b/K ms", "simulated ms", "eigenvalues ms"]);
+            let mut table = TextTable::new([
+                "round trip ms",
+                "object",
+                "contact at",
+                "users",
+                "closed form N/m",
+                "simulated N/m",
+                "eigenvalues N/m",
+            ]);
             for row in &self.limits {
                 table.push([
+                    row.round_trip_ms.to_string(),
+                    row.kind.to_owned(),
                     format!("{:?}", row.collision).to_lowercase(),
                     row.users.to_string(),
-                    row.kind.to_owned(),
-                    significant(row.stiffness_n_per_m, 3),
-                    significant(row.closed_form_ms, 3),
-                    significant(row.simulated_ms, 3),
-                    significant(row.eigenvalues_ms, 3),
+                    significant(row.closed_form_n_per_m, 3),
+                    significant(row.simulated_n_per_m, 3),
+                    significant(row.eigenvalues_n_per_m, 3),
                 ]);
             }
             println!("{table}");

@@ -18,6 +18,7 @@ mod cooperate;
 mod cooperative;
 mod crowd;
 mod flood;
+mod hub;
 mod keys;
 mod live;
 mod operator;
@@ -86,6 +87,8 @@ enum Command {
     KeyImage(live::KeyImage),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
+    /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
+    Hub(hub::Hub),
     /// Say lines to a board: arm, stop, set up; sealed.
     Operator(operator::Operate),
     /// A bad network between two peers.
@@ -205,6 +208,7 @@ pub fn main() -> ExitCode {
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
+        Command::Hub(command) => command.run(),
         Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Serve(command) => command.run(),

@@ -1,14 +1,14 @@
 //! `host-sim squash`: Force Feedback Multi-player Squash, played by bots.
 
-use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+mod live;
+
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
-use super::live::nobody;
+use super::stability::{folder, tell};
 use super::{Failure, SceneArgs, print_json};
-use crate::live::{court, key_file};
 use crate::report::text::{TextTable, significant};
 use crate::squash::sweep::{Cell, sweep};
 use crate::squash::{Options, Report, picture, play};
@@ -21,12 +21,37 @@ enum Switch {
     Off,
 }
 
+/// What a game goes by, simulated or live.
+#[derive(Clone, Copy, Debug, Args)]
+struct Rules {
+    /// Bounds the speed of the ball; live, the server's word.
+    #[arg(long, value_enum, default_value = "on")]
+    bounder: Switch,
+    /// Damps the hands of the players; live, of this one.
+    #[arg(long, value_enum, default_value = "on")]
+    motion_bounder: Switch,
+    /// How long, s.
+    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
+    seconds: f64,
+}
+
+impl Rules {
+    /// Whether the ball is bounded, whether the hands are, and how long the game is, s.
+    ///
+    /// # Errors
+    /// A time out of range.
+    fn read(&self) -> Result<(bool, bool, f64), Failure> {
+        check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
+        Ok((self.bounder == Switch::On, self.motion_bounder == Switch::On, self.seconds))
+    }
+}
+
 /// Arguments of `squash`.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(super) struct Squash {
     #[command(subcommand)]
-    live: Option<Live>,
+    question: Option<Question>,
     #[command(flatten)]
     scene: SceneArgs,
     /// Players.
@@ -35,15 +60,8 @@ pub(super) struct Squash {
     /// Round trip between any two, ms; what the scene's network does comes on top.
     #[arg(long, default_value_t = 100.0, value_name = "R", allow_negative_numbers = true)]
     rtt_ms: f64,
-    /// Bounds the speed of the ball.
-    #[arg(long, value_enum, default_value = "on")]
-    bounder: Switch,
-    /// Damps the hands of the players.
-    #[arg(long, value_enum, default_value = "on")]
-    motion_bounder: Switch,
-    /// Simulated time, s.
-    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
-    seconds: f64,
+    #[command(flatten)]
+    rules: Rules,
     /// Of everything random.
     #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
     seed: u64,
@@ -59,77 +77,9 @@ pub(super) struct Squash {
 }
 
 #[derive(Debug, Subcommand)]
-enum Live {
+enum Question {
     /// The game in real time over UDP, sealed: this process is its server or one of its players.
-    Live(LiveArgs),
-}
-
-#[derive(Debug, Args)]
-struct LiveArgs {
-    /// Which one: 0 is the server, 1, 2 … the players.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    number: u8,
-    /// Where each of them listens, in order, the server first; the same for all.
-    #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
-    addresses: Vec<SocketAddr>,
-    /// Key file, the same for all (`host-sim keygen`).
-    #[arg(long, value_name = "FILE")]
-    key_file: PathBuf,
-    /// Bounds the speed of the ball; the server's word.
-    #[arg(long, value_enum, default_value = "on")]
-    bounder: Switch,
-    /// Damps this player's hand.
-    #[arg(long, value_enum, default_value = "on")]
-    motion_bounder: Switch,
-    /// How long, s.
-    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
-    seconds: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
-}
-
-impl LiveArgs {
-    fn run(&self) -> Result<(), Failure> {
-        check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
-        for (at, address) in self.addresses.iter().enumerate() {
-            if self.addresses[..at].contains(address) {
-                return Err(format!("--addresses has {address} twice: each of them has one of its own").into());
-            }
-        }
-        let key = key_file::read(&self.key_file)?;
-        let report = court::run(
-            &key,
-            &court::Options {
-                number: self.number,
-                addresses: self.addresses.clone(),
-                bounder: self.bounder == Switch::On,
-                motion_bounder: self.motion_bounder == Switch::On,
-                seconds: self.seconds,
-            },
-        )?;
-        // Links end with those who leave first; what was played with them, or the round trip, stays.
-        if report.links == 0 && report.rallies.is_empty() && report.strokes == 0 && report.round_trip_ms == 0.0 {
-            let others = self.addresses.iter().enumerate().filter(|(at, _)| *at != usize::from(self.number));
-            return Err(nobody(others.map(|(_, address)| address)).into());
-        }
-        if self.json {
-            return print_json(&report);
-        }
-        let mut table = TextTable::new(["rally", "strokes", "ending", "loser"]);
-        for rally in &report.rallies {
-            let numbers = [rally.rally.to_string(), rally.strokes.to_string(), rally.ending.clone()];
-            table.push(numbers.into_iter().chain([rally.loser.to_string()]));
-        }
-        println!("{table}");
-        let score = report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : ");
-        println!("score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
-        println!(
-            "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} beats late",
-            report.round_trip_ms, report.links, report.refused, report.punctuality.missed
-        );
-        Ok(())
-    }
+    Live(live::Live),
 }
 
 #[derive(Serialize)]
@@ -159,18 +109,18 @@ impl Squash {
     /// # Errors
     /// A bad scene or number, or a picture that cannot be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if let Some(Live::Live(live)) = &self.live {
+        if let Some(Question::Live(live)) = &self.question {
             return live.run();
         }
         check("--rtt-ms", self.rtt_ms, 0.0, 2000.0, "ms")?;
-        check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
+        let (bounder, motion_bounder, seconds) = self.rules.read()?;
         let mut options = Options {
             players: self.players,
             round_trip_s: self.rtt_ms * 1e-3,
             network: self.scene.load()?.world.network,
-            bounder: self.bounder == Switch::On,
-            motion_bounder: self.motion_bounder == Switch::On,
-            seconds: self.seconds,
+            bounder,
+            motion_bounder,
+            seconds,
             seed: self.seed,
             changes: Vec::new(),
             record_every: 0,
@@ -183,10 +133,7 @@ impl Squash {
             print_sweep(&cells);
             return Ok(());
         }
-        let folder = match (&self.out, self.json) {
-            (None, true) => None,
-            (out, _) => Some(out.as_deref().unwrap_or(Path::new("out/squash"))),
-        };
+        let folder = folder(self.out.as_deref(), self.json, "out/squash");
         options.record_every = if folder.is_some() { 5 } else { 0 };
         let game = play(&options);
         let files = match folder {
@@ -196,9 +143,9 @@ impl Squash {
         let document = Document {
             players: options.players,
             rtt_ms: self.rtt_ms,
-            bounder: options.bounder,
-            motion_bounder: options.motion_bounder,
-            seconds: self.seconds,
+            bounder,
+            motion_bounder,
+            seconds,
             seed: self.seed,
             report: game.report,
             files,
@@ -268,8 +215,6 @@ impl Document {
         line("sent by a player", format!("{:.0} bytes/s", report.bytes_per_s));
         line("state hash", report.state_hash.clone());
         println!("{table}");
-        for file in &self.files {
-            println!("wrote {}", file.display());
-        }
+        tell(&self.files);
     }
 }

@@ -5,10 +5,11 @@ use haptic_protocol::roles::collaborative::lock::{self, Client, Message, Notice,
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
 use haptic_protocol::wire::{Event, PeerId};
 
-use super::hand::{Hand, LONGEST_EDIT_US};
 use super::history::History;
-use super::world::{Cast, Dice, Peer};
+use super::user::{LONGEST_EDIT_US, User};
+use super::world::{Cast, Peer};
 use super::{MOST_USERS, Mistake, Trial};
+use crate::dice::Dice;
 
 /// The object.
 const OBJECT: u16 = 7;
@@ -36,13 +37,8 @@ pub struct ServerPeer {
 /// A client and its user.
 pub struct ClientPeer {
     client: Client,
-    hand: Hand,
-    patient: bool,
-    /// What the user makes of the object.
-    edited: Option<Value>,
+    user: User,
     out: Outbox<Message, 8>,
-    published: u64,
-    interrupted: u64,
 }
 
 fn lease() -> Lease {
@@ -60,12 +56,8 @@ pub fn peers(trial: &Trial) -> Cast<LockPeer> {
     peers.extend((0..trial.users).map(|_| {
         LockPeer::Client(Box::new(ClientPeer {
             client: client(&mut dice),
-            hand: Hand::new(0, &mut dice),
-            patient: false,
-            edited: None,
+            user: User::new(0, &mut dice),
             out: Outbox::new(),
-            published: 0,
-            interrupted: 0,
         }))
     }));
     let users = u64::from(trial.users);
@@ -109,34 +101,23 @@ impl ClientPeer {
         }
         while let Some(notice) = self.client.take_notice() {
             match notice {
-                Notice::Published { version } => {
-                    let value = self.edited.take().ok_or_else(|| format!("version {version} was never edited"))?;
-                    history.publish(&value)?;
-                    self.published += 1;
-                    self.hand.plan(now, dice, self.patient);
-                    if self.patient {
-                        self.hand.rest();
-                    }
-                }
-                Notice::Expired | Notice::TooLate { .. } => {
-                    self.interrupted += 1;
-                    self.hand.stops();
-                }
+                Notice::Published { version } => self.user.has_published(version, now, history, dice)?,
+                Notice::Expired | Notice::TooLate { .. } => self.user.is_interrupted(),
                 Notice::Granted | Notice::Changed { .. } => {}
             }
         }
-        match (self.hand.wish(now), self.client.phase()) {
+        match (self.user.wish(now), self.client.phase()) {
             (Wish::Edit, Phase::Idle) => self.client.ask(now),
             (Wish::Leave, Phase::Asking) => {
                 self.client.withdraw(&mut self.out);
-                self.hand.plan(now, dice, self.patient);
+                self.user.plan(now, dice);
             }
-            (wish, Phase::Owner { .. }) if self.client.owns(now) && (self.hand.edits(now) || wish == Wish::Leave) => {
-                let value = history.edit(&self.client.copy().value)?;
-                self.edited = Some(value);
-                self.client.release(now, Some(value), &mut self.out).map_err(|error| error.to_string())?;
+            (_, Phase::Owner { .. }) if self.client.owns(now) => {
+                if let Some(value) = self.user.edits(now, &self.client.copy().value, history)? {
+                    self.client.release(now, Some(value), &mut self.out).map_err(|error| error.to_string())?;
+                }
             }
-            (Wish::Leave, Phase::Idle) if self.hand.is_gone(now) => self.hand.plan(now, dice, self.patient),
+            (Wish::Leave, Phase::Idle) if self.user.is_gone(now) => self.user.plan(now, dice),
             _ => {}
         }
         Ok(())
@@ -161,12 +142,12 @@ impl Peer for LockPeer {
         }
     }
 
-    fn take(&mut self) -> Option<(PeerId, Event)> {
-        let (to, message) = match self {
-            Self::Server(peer) => peer.out.take()?,
-            Self::Client(peer) => peer.out.take()?,
-        };
-        Some((to, message.event(OBJECT).ok()?))
+    fn say(&mut self) -> Vec<(PeerId, Event)> {
+        let event = |message: &Message| message.event(OBJECT);
+        match self {
+            Self::Server(peer) => peer.out.events(event).collect(),
+            Self::Client(peer) => peer.out.events(event).collect(),
+        }
     }
 
     fn owns(&self, now: u64) -> bool {
@@ -186,8 +167,8 @@ impl Peer for LockPeer {
             }
             Self::Client(peer) => {
                 peer.client = client(dice);
-                peer.edited = None;
-                peer.hand.plan(now, dice, peer.patient);
+                peer.user.forgets();
+                peer.user.plan(now, dice);
                 peer.out = Outbox::new();
             }
         }
@@ -195,15 +176,14 @@ impl Peer for LockPeer {
 
     fn insist(&mut self, now: u64) -> bool {
         let Self::Client(peer) = self else { return false };
-        peer.patient = true;
-        peer.hand.insist(now);
+        peer.user.insist(now);
         true
     }
 
     fn counts(&self) -> (u64, u64) {
         match self {
             Self::Server(_) => (0, 0),
-            Self::Client(peer) => (peer.published, peer.interrupted),
+            Self::Client(peer) => peer.user.counts(),
         }
     }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`history`] | the checker: who built on what, what was promised to whom |
 //! | [`world`] | one run: peers with clocks of their own, a bad network, crashes, partitions |
-//! | [`hand`] | a user who comes, edits and goes |
+//! | [`user`] | a user who comes, edits and goes |
 //! | [`lock`], [`ring`] | the peers of either scheme as the world sees them |
 //!
 //! In the first part of a run everything goes wrong: messages are lost, doubled, overtaken, held back for several leases, peers
@@ -14,10 +14,10 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub mod hand;
 pub mod history;
 pub mod lock;
 pub mod ring;
+pub mod user;
 pub mod world;
 
 use world::{Run, Trouble};

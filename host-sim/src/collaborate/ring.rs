@@ -6,10 +6,11 @@ use haptic_protocol::roles::collaborative::ring::{self, Config, Message, Notice,
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
 use haptic_protocol::wire::{Event, PeerId};
 
-use super::hand::{Hand, LONGEST_EDIT_US};
 use super::history::History;
-use super::world::{Cast, Dice, Peer};
+use super::user::{LONGEST_EDIT_US, User};
+use super::world::{Cast, Peer};
 use super::{Mistake, Trial};
+use crate::dice::Dice;
 
 /// The object.
 const OBJECT: u16 = 9;
@@ -32,12 +33,8 @@ pub struct Member {
     stays_us: Option<u64>,
     since_us: Option<u64>,
     for_good: bool,
-    hand: Hand,
-    patient: bool,
-    edited: Option<Value>,
+    user: User,
     out: Outbox<Message, 64>,
-    published: u64,
-    interrupted: u64,
     no_majority: bool,
 }
 
@@ -62,12 +59,8 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
                 stays_us: (seat > 0).then(|| 500_000 + dice.below(LEAVES_US)),
                 since_us: None,
                 for_good,
-                hand: Hand::new(0, &mut dice),
-                patient: false,
-                edited: None,
+                user: User::new(0, &mut dice),
                 out: Outbox::new(),
-                published: 0,
-                interrupted: 0,
                 no_majority: trial.mistake == Some(Mistake::NoMajority),
             }
         })
@@ -81,27 +74,18 @@ impl Member {
     fn comes_back(&mut self, now: u64, dice: &mut Dice) {
         self.config.seed = dice.below(u64::MAX);
         self.ring = Ring::new(self.config, now, self.stored);
-        self.edited = None;
-        self.stays_us = (!self.patient).then(|| dice.below(LEAVES_US));
+        self.user.forgets();
+        self.stays_us = (!self.user.is_patient()).then(|| dice.below(LEAVES_US));
         self.since_us = Some(now);
     }
 
     fn told(&mut self, now: u64, history: &mut History, dice: &mut Dice) -> Result<(), String> {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
-                Notice::Published { version } => {
-                    let value = self.edited.take().ok_or_else(|| format!("version {version} was never edited"))?;
-                    history.publish(&value)?;
-                    self.published += 1;
-                    self.hand.plan(now, dice, self.patient);
-                    if self.patient {
-                        self.hand.rest();
-                    }
-                }
+                Notice::Published { version } => self.user.has_published(version, now, history, dice)?,
                 Notice::Overdue | Notice::Lost => {
-                    self.edited = None;
-                    self.interrupted += 1;
-                    self.hand.stops();
+                    self.user.forgets();
+                    self.user.is_interrupted();
                 }
                 Notice::Granted => {}
             }
@@ -128,7 +112,6 @@ impl Peer for Member {
             _ => self.ring.poll(now, &mut self.out),
         }
         self.told(now, history, dice)?;
-        let wish = self.hand.wish(now);
         let since_us = *self.since_us.get_or_insert(now);
         if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
             self.ring.leave();
@@ -136,17 +119,15 @@ impl Peer for Member {
                 self.comes_back(now, dice);
             }
         } else if self.ring.owns(now) {
-            if self.hand.edits(now) || wish == Wish::Leave {
-                let value = history.edit(&self.ring.state().value)?;
-                self.edited = Some(value);
+            if let Some(value) = self.user.edits(now, &self.ring.state().value, history)? {
                 self.ring.publish(now, value, &mut self.out).map_err(|error| error.to_string())?;
             }
-        } else if self.edited.is_none() {
-            match wish {
+        } else if !self.user.waits() {
+            match self.user.wish(now) {
                 Wish::Edit => self.ring.ask(),
-                Wish::Leave if self.hand.is_gone(now) => {
+                Wish::Leave if self.user.is_gone(now) => {
                     self.ring.give_up(now, &mut self.out);
-                    self.hand.plan(now, dice, self.patient);
+                    self.user.plan(now, dice);
                 }
                 _ => {}
             }
@@ -156,9 +137,8 @@ impl Peer for Member {
         Ok(())
     }
 
-    fn take(&mut self) -> Option<(PeerId, Event)> {
-        let (to, message) = self.out.take()?;
-        Some((to, message.event(OBJECT).ok()?))
+    fn say(&mut self) -> Vec<(PeerId, Event)> {
+        self.out.events(|message| message.event(OBJECT)).collect()
     }
 
     fn owns(&self, now: u64) -> bool {
@@ -168,24 +148,23 @@ impl Peer for Member {
     fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice) {
         self.config.seed = dice.below(u64::MAX);
         self.ring = Ring::new(self.config, now, if forgets { self.blank } else { self.stored });
-        self.edited = None;
-        self.hand.plan(now, dice, self.patient);
+        self.user.forgets();
+        self.user.plan(now, dice);
         self.out = Outbox::new();
     }
 
     fn insist(&mut self, now: u64) -> bool {
-        self.patient = true;
-        self.hand.insist(now);
+        self.user.insist(now);
         if !self.for_good && self.stays_us.take().is_some() {
             // Whether it was about to leave or not, it stays.
             self.ring = Ring::new(self.config, now, self.stored);
-            self.edited = None;
+            self.user.forgets();
         }
         !self.for_good
     }
 
     fn counts(&self) -> (u64, u64) {
-        (self.published, self.interrupted)
+        self.user.counts()
     }
 
     fn is_settled(&self) -> bool {

@@ -1,20 +1,18 @@
 //! One run: peers with clocks of their own, a bad network, crashes and partitions, all from one seed.
 //!
-//! True time is µs. Each pair of peers has its own [`Fates`], so that what the scene files can do to packets is what happens
-//! here. A peer's record is stored after every step, before what it said leaves: a crash comes between steps, and what it
+//! True time is µs. The network between the peers is a [`Mesh`], so that what the scene files can do to packets is what
+//! happens here. A peer's record is stored after every step, before what it said leaves: a crash comes between steps, and what it
 //! had said may be lost with it. Messages cross as the bytes of their events.
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 use haptic_protocol::roles::collaborative::Value;
 use haptic_protocol::wire::{Event, PeerId};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use super::history::History;
 use super::{Mistake, Trial};
-use crate::network::fate::{Direction, Fates, Generator, Jitter};
+use crate::dice::Dice;
+use crate::network::fate::Jitter;
+use crate::network::in_flight::InFlight;
+use crate::network::mesh::{Clock, Letter, Mesh};
 use crate::scene::Network;
 
 /// End of the time in which things go wrong, µs.
@@ -27,27 +25,6 @@ const DELAY_US: u64 = 5_000;
 const HELD_BACK_US: u64 = 1_200_000;
 /// Longest time a peer is down, µs.
 const DOWN_US: u64 = 1_500_000;
-
-/// A stream of random numbers.
-#[derive(Clone, Debug)]
-pub struct Dice(Xoshiro256PlusPlus);
-
-impl Dice {
-    /// The stream of a seed.
-    pub fn new(seed: u64) -> Self {
-        Self(Xoshiro256PlusPlus::seed_from_u64(seed))
-    }
-
-    /// Below `end`.
-    pub fn below(&mut self, end: u64) -> u64 {
-        self.0.next_u64() % end.max(1)
-    }
-
-    /// True this often.
-    pub fn chance(&mut self, probability: f64) -> bool {
-        ((self.0.next_u64() >> 11) as f64) * (-53.0_f64).exp2() < probability
-    }
-}
 
 /// A peer of either scheme as the world sees it.
 pub trait Peer {
@@ -63,7 +40,7 @@ pub trait Peer {
         dice: &mut Dice,
     ) -> Result<(), String>;
     /// What it says.
-    fn take(&mut self) -> Option<(PeerId, Event)>;
+    fn say(&mut self) -> Vec<(PeerId, Event)>;
     /// Whether it may edit.
     fn owns(&self, now: u64) -> bool;
     /// Starts anew, from its record unless that is lost, too.
@@ -118,29 +95,15 @@ pub struct Cast<P> {
     pub wait_bound_us: Box<dyn Fn(u64) -> u64>,
 }
 
-/// A clock that starts anywhere and runs fast or slow.
-#[derive(Clone, Copy, Debug)]
-struct Clock {
-    start_us: u64,
-    rate: f64,
-}
-
-impl Clock {
-    fn at(self, true_us: u64) -> u64 {
-        self.start_us + (true_us as f64 * self.rate) as u64
-    }
-}
-
 struct World<P> {
     peers: Vec<P>,
     clocks: Vec<Clock>,
     /// Until when each peer is down, true µs.
     down_until: Vec<u64>,
-    fates: Vec<Fates>,
+    mesh: Mesh,
     /// Which ways are cut: from, to.
     cut: Vec<bool>,
-    flying: BinaryHeap<Reverse<(u64, u64)>>,
-    letters: Vec<Option<(usize, usize, Event)>>,
+    flying: InFlight<Letter>,
     dice: Dice,
     history: History,
     run: Run,
@@ -168,22 +131,15 @@ impl<P: Peer> World<P> {
             reorder_depth_packets: 1000,
             ..Network::default()
         };
-        let packet_s = HELD_BACK_US as f64 * 1e-9;
-        let fates = (0..count * count)
-            .map(|_| {
-                let network = Network { seed: dice.below(1 << 32) as u32, ..network };
-                Fates::Seeded(Box::new(Generator::new(network, Direction::OneToTwo, packet_s)))
-            })
-            .collect();
+        let mesh = Mesh::new(count, network, HELD_BACK_US as f64 * 1e-9, &mut dice);
         let wait_bound_us = (cast.wait_bound_us)(2 * DELAY_US);
         Self {
             peers: cast.peers,
             clocks,
             down_until: vec![0; count],
-            fates,
+            mesh,
             cut: vec![false; count * count],
-            flying: BinaryHeap::new(),
-            letters: Vec::new(),
+            flying: InFlight::default(),
             dice,
             history: History::default(),
             run: Run { wait_bound_us, ..Run::default() },
@@ -197,7 +153,7 @@ impl<P: Peer> World<P> {
         if let Err(what) = self.peers[at].step(clock, message, &mut self.history, &mut self.dice) {
             self.wrong(Trouble::LostUpdate, now, &what);
         }
-        while let Some((to, event)) = self.peers[at].take() {
+        for (to, event) in self.peers[at].say() {
             self.send(now, at, usize::from(to.0), event);
         }
         if self.owns(now, at)
@@ -213,20 +169,14 @@ impl<P: Peer> World<P> {
 
     fn send(&mut self, now: u64, from: usize, to: usize, event: Event) {
         self.run.messages += 1;
-        let number = self.letters.len() as u64;
-        let arrivals: Vec<u64> = if now < TROUBLE_US {
-            let fates = &mut self.fates[from * self.peers.len() + to];
-            fates.next(number, now as f64 * 1e-6).iter().map(|arrival| (arrival.delay_s * 1e6) as u64).collect()
-        } else {
-            vec![self.dice.below(DELAY_US)]
-        };
-        if self.cut[from * self.peers.len() + to] || arrivals.is_empty() {
+        let delays_us =
+            if now < TROUBLE_US { self.mesh.delays_us(from, to, now) } else { vec![self.dice.below(DELAY_US)] };
+        if self.cut[from * self.peers.len() + to] || delays_us.is_empty() {
             self.run.lost += 1;
             return;
         }
-        for delay in arrivals {
-            self.flying.push(Reverse((now + DELAY_US + delay, self.letters.len() as u64)));
-            self.letters.push(Some((from, to, event)));
+        for delay_us in delays_us {
+            self.flying.send(now + DELAY_US + delay_us, Letter { from, to, event });
         }
     }
 
@@ -238,12 +188,7 @@ impl<P: Peer> World<P> {
 
     /// What has arrived by `now`.
     fn deliver(&mut self, now: u64) {
-        while let Some(Reverse((due, letter))) = self.flying.pop() {
-            if due > now {
-                self.flying.push(Reverse((due, letter)));
-                return;
-            }
-            let Some((from, to, event)) = self.letters[letter as usize].take() else { continue };
+        while let Some((due, Letter { from, to, event })) = self.flying.take(now) {
             if self.down_until[to] > due {
                 self.run.lost += 1;
             } else {

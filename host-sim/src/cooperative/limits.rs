@@ -1,20 +1,24 @@
-//! The longest round trip that a stiffness bears, without and with the bounder, simulated and by eigenvalues.
+//! The stiffest object that a round trip allows, without and with the bounder, simulated and by eigenvalues.
 //!
 //! The paper (eq. 7): the latency of the haptic loop must not exceed 5 to 10 ms for stiff objects, 30 ms for soft ones; and
 //! (§2.3) 1000 N/m needs less than 5 ms. All of it is K = b/θ of the device that the second statement identifies
 //! (b = 5 N·s/m, [`crate::analysis::rendering::identify`]): 1000, 500 and 167 N/m for 5, 10 and 30 ms. Two systems show it:
-//! contact at the server with an object that hardly moves, and contact at the clients with two users of 0.3 kg.
+//! contact at the server with an object that hardly moves, and contact at the clients with two users of [`SHARED_KG`].
 //!
-//! **Simulated**: whole worlds ([`super::world`]) are struck once and watched; the longest round trip is closed in by
-//! bisection over whole ticks of 0.2 ms. **By eigenvalues**: the sampled map of one device and one object with delay at the
-//! places of the paper's Fig. 3 ([`crate::analysis::rendering`]), which shares no code with it. N equal users on one object
-//! are N − 1 modes in which it rests and one in which all move alike, as one of them would on an Nth of the object.
+//! **Simulated**: whole worlds ([`super::world`]) are struck once and watched, from half of the closed form upwards in steps
+//! of 15 % to the first stiffness that is not stable; bisection closes it in. **By eigenvalues**: every crossing of the
+//! sampled map of one device and one object with delay at the places of the paper's Fig. 3, pockets followed
+//! ([`crate::analysis::rendering`]); it shares no code with the worlds. N equal users on one object are N − 1 modes in which
+//! it rests and one in which all move alike, as one of them would on an Nth of the object.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::world::{World, WorldError};
 use super::{Collision, Setup};
 use crate::analysis::AnalysisError;
+use crate::analysis::rendering::closed::largest_stiffness;
+use crate::analysis::rendering::maps::{first, stiffness_limit};
 use crate::analysis::rendering::{Body, Renderer, Rendering};
 use crate::scene::SceneError;
 use haptic_core::render::bounder::Bounder;
@@ -25,26 +29,36 @@ pub const PERIOD_S: f64 = 2e-4;
 /// Time that a strike is watched, s.
 const WATCHED_S: f64 = 4.0;
 
-/// Stiffnesses looked at, N/m, and what the paper calls them.
-pub const STIFFNESSES: [(&str, f64); 3] = [("stiff", 1000.0), ("stiff", 500.0), ("soft", 500.0 / 3.0)];
+/// From stiffness to stiffness on the way up in simulation.
+const STEP: f64 = 1.15;
 
-/// The longest round trips of one stiffness.
+/// How closely the stiffest is then found, relative.
+const TOLERANCE: f64 = 0.005;
+
+/// What two users share, kg. An undamped object bears no delay above m_o/b, m_o for each user, however soft the contact is
+/// ([`crate::analysis::rendering::closed`]): with the default 0.3 kg that is 30 ms, and nothing would be left there.
+pub const SHARED_KG: f64 = 0.35;
+
+/// Round trips looked at, ms, and what the paper calls the objects that they allow.
+pub const ROUND_TRIPS_MS: [(&str, f64); 3] = [("stiff", 5.0), ("stiff", 10.0), ("soft", 30.0)];
+
+/// The stiffest objects of one round trip, N/m.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Longest {
-    /// What the paper calls it.
+pub struct Stiffest {
+    /// What the paper calls them.
     pub kind: &'static str,
-    /// N/m.
-    pub stiffness_n_per_m: f64,
+    /// ms.
+    pub round_trip_ms: f64,
     /// Where contact is computed.
     pub collision: Collision,
     /// Its users.
     pub users: usize,
-    /// b/K, ms.
-    pub closed_form_ms: f64,
-    /// Longest stable round trip in simulation, ms.
-    pub simulated_ms: f64,
-    /// The same by eigenvalues, ms.
-    pub eigenvalues_ms: f64,
+    /// b/delay, with what the object gives way ([`crate::analysis::rendering::closed`]).
+    pub closed_form_n_per_m: f64,
+    /// Stiffest that is stable in simulation; 0 where half of the closed form is not.
+    pub simulated_n_per_m: f64,
+    /// First crossing by eigenvalues; 0 where even the softest is not stable.
+    pub eigenvalues_n_per_m: f64,
 }
 
 /// What may go wrong.
@@ -61,11 +75,13 @@ pub enum LimitError {
     Analysis(#[from] AnalysisError),
 }
 
-/// Longest round trip looked at, ticks: 60 ms.
-const MOST_TICKS: u32 = 300;
-
-/// The setup of one point: delay in ticks, there and back together.
-fn setup(stiffness: f64, collision: Collision, ticks: u32) -> Result<Setup, SceneError> {
+/// The setup of one point.
+fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setup, SceneError> {
+    let (users, mass_kg) = match collision {
+        Collision::Server => (1, 1000.0),
+        Collision::Client => (2, SHARED_KG),
+    };
+    let ticks = (round_trip_s / PERIOD_S).round() as u32;
     let (up, down) = (ticks / 2, ticks - ticks / 2);
     let keys = [
         format!("timing.control_period_s={PERIOD_S}"),
@@ -77,15 +93,9 @@ fn setup(stiffness: f64, collision: Collision, ticks: u32) -> Result<Setup, Scen
         "user.1.pulse_n=0.1".to_owned(),
         "user.1.pulse_s=0.01".to_owned(),
         "user.1.pulse_every_s=1000".to_owned(),
+        format!("object.mass_kg={mass_kg}"),
     ];
-    let mut keys: Vec<&str> = keys.iter().map(String::as_str).collect();
-    let users = match collision {
-        Collision::Server => {
-            keys.push("object.mass_kg=1000");
-            1
-        }
-        Collision::Client => 2,
-    };
+    let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
     let mut setup = Setup::base(f64::from(up) * PERIOD_S, &keys)?;
     (setup.users, setup.bounder, setup.collision) = (users, false, collision);
     Ok(setup)
@@ -147,50 +157,49 @@ pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, AnalysisE
     Renderer::default().radius(&rendering, bound.stiffness)
 }
 
-/// The largest number of ticks for which `stable` holds from 1 on, by bisection.
-fn longest<E>(mut stable: impl FnMut(u32) -> Result<bool, E>) -> Result<u32, E> {
-    let (mut low, mut high) = (0, MOST_TICKS);
-    while high - low > 1 {
+/// The stiffest of the worlds, N/m, looked for around `near`.
+fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Result<f64, LimitError> {
+    let stable = |stiffness: f64| -> Result<bool, LimitError> {
+        Ok(dies_out(&setup(stiffness, collision, round_trip_s)?, WATCHED_S)?)
+    };
+    let (mut low, mut high) = (0.0, 0.5 * near);
+    // A stiffness that a scene refuses ends it at the latest.
+    while stable(high)? {
+        (low, high) = (high, STEP * high);
+    }
+    while low > 0.0 && high - low > TOLERANCE * high {
         let middle = low.midpoint(high);
         if stable(middle)? { low = middle } else { high = middle }
     }
     Ok(low)
 }
 
-/// The longest round trip for one stiffness (N/m), contact computed at `collision`.
+/// The stiffest objects for one round trip (ms), contact computed at `collision`.
 ///
 /// # Errors
 /// What world and analysis refuse.
-pub fn longest_round_trip(kind: &'static str, stiffness: f64, collision: Collision) -> Result<Longest, LimitError> {
-    let simulated = longest(|ticks| -> Result<bool, LimitError> {
-        Ok(dies_out(&setup(stiffness, collision, ticks)?, WATCHED_S)?)
-    })?;
-    let mut renderer = Renderer::default();
-    let eigenvalues = longest(|ticks| -> Result<bool, LimitError> {
-        let setup = setup(stiffness, collision, ticks)?;
-        let radius = renderer.radius(&rendering(&setup, f64::from(ticks) * PERIOD_S, 0.0), stiffness)?;
-        Ok(radius <= 1.0 + 1e-9)
-    })?;
-    let Setup { scene, users, .. } = setup(stiffness, collision, 1)?;
-    let damping = scene.world.device.damping_n_s_per_m;
-    let ms = |ticks: u32| 1e3 * PERIOD_S * f64::from(ticks);
-    Ok(Longest {
+pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) -> Result<Stiffest, LimitError> {
+    let round_trip_s = 1e-3 * round_trip_ms;
+    let setup = setup(1.0, collision, round_trip_s)?;
+    let rendering = rendering(&setup, round_trip_s, 0.0);
+    let closed_form_n_per_m = largest_stiffness(&rendering);
+    Ok(Stiffest {
         kind,
-        stiffness_n_per_m: stiffness,
+        round_trip_ms,
         collision,
-        users,
-        closed_form_ms: 1e3 * damping / stiffness,
-        simulated_ms: ms(simulated),
-        eigenvalues_ms: ms(eigenvalues),
+        users: setup.users,
+        closed_form_n_per_m,
+        simulated_n_per_m: stiffest_simulated(closed_form_n_per_m, collision, round_trip_s)?,
+        eigenvalues_n_per_m: first(&stiffness_limit(&rendering)?).unwrap_or(f64::INFINITY),
     })
 }
 
-/// All of [`STIFFNESSES`], contact at the server and at the clients.
+/// All of [`ROUND_TRIPS_MS`], contact at the server and at the clients.
 ///
 /// # Errors
 /// What world and analysis refuse.
-pub fn table() -> Result<Vec<Longest>, LimitError> {
+pub fn table() -> Result<Vec<Stiffest>, LimitError> {
     let places = [Collision::Server, Collision::Client];
-    let all = places.into_iter().flat_map(|place| STIFFNESSES.map(|(kind, stiffness)| (kind, stiffness, place)));
-    all.map(|(kind, stiffness, place)| longest_round_trip(kind, stiffness, place)).collect()
+    let all: Vec<_> = places.into_iter().flat_map(|place| ROUND_TRIPS_MS.map(|(kind, ms)| (kind, ms, place))).collect();
+    all.into_par_iter().map(|(kind, ms, place)| stiffest(kind, ms, place)).collect()
 }

@@ -77,15 +77,13 @@ pub enum WorldError {
     NoContact,
     /// The node is lossless only for waves that come when they are due.
     #[error(
-        "network: through the node every wave must arrive, after a constant delay; leave jitter, loss and all else at 0"
+        "network: through the node every wave must arrive, after a constant delay: leave jitter, loss and all else at 0, or \
+         set coordination.ledger = true, which pays for waves that are held"
     )]
     NotConstant,
     /// There are no waves to scatter.
-    #[error(
-        "coordination.comm: the node scatters waves, so it must be a kind of wave, with \
-         coordination.ledger false"
-    )]
-    NoWaves,
+    #[error(transparent)]
+    NoWaves(#[from] super::junction::NoWaves),
 }
 
 impl World {

@@ -1,32 +1,23 @@
-//! Squash in real time: one process for the server and one for each player, a sealed link between any two.
-//!
-//! The paper's enhanced UDP: single events (join, leave, hit, miss) go as the link's reliable events, the flow (places, pings,
-//! the state of the game) as samples, which are lost if they are lost; a role drops what is old by itself. What a link has no
-//! room for is dropped, too: the role says it again. The bots are those of the simulated game ([`crate::squash`]).
+//! Squash in real time: one process for the server and one for each player, a sealed link between any two ([`super::post`]).
+//! The bots are those of the simulated game ([`crate::squash`]).
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::roles::Outbox;
-use haptic_protocol::roles::code;
 use haptic_protocol::roles::squash::{
     Court, Ending, Message, Notice, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig, Verdict,
 };
-use haptic_protocol::wire::{Event, MAX_DATAGRAM, PeerId, Sample};
+use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
 use super::pace::{Pace, Punctuality};
-use super::socket;
+use super::post::{Met, Post};
 use crate::squash::bot::{Action, BALL_KG, Bot, MOTION};
 
 /// Control period.
 const TICK: Duration = Duration::from_millis(1);
-/// Packet period of the links, µs: a link ends after 12 of them in silence.
-const PACKET_US: u32 = 50_000;
 
 /// Who this is, and where the others are.
 #[derive(Clone, Debug)]
@@ -78,104 +69,14 @@ pub struct Report {
     pub unseen: u32,
     /// Longest round trip that the game knows of, ms; 0 without the bounder.
     pub round_trip_ms: f64,
+    /// The others, and when each was there.
+    pub others: Vec<Met>,
     /// Links to others that are up in the end.
     pub links: usize,
     /// Datagrams that were refused.
     pub refused: u32,
     /// How well the 1 kHz beat was kept.
     pub punctuality: Punctuality,
-}
-
-/// The links to everybody else, on one socket.
-struct Post {
-    socket: std::net::UdpSocket,
-    /// Number, address, link.
-    others: Vec<(PeerId, SocketAddr, Link)>,
-}
-
-impl Post {
-    fn new(key: &Key, options: &Options) -> Result<Self, String> {
-        let own = options.addresses[usize::from(options.number)];
-        let mut others = Vec::new();
-        for (number, address) in (0..).zip(&options.addresses).filter(|(number, _)| *number != options.number) {
-            let mut entropy = [0; Key::LEN];
-            getrandom::fill(&mut entropy).map_err(|cause| format!("no randomness: {cause}"))?;
-            let Court { length_m, width_m } = Court::SINGLES;
-            let table = Table::new("squash").number("length_m", length_m.into()).number("width_m", width_m.into());
-            let mut parameters = Parameters::new();
-            parameters.add(table).map_err(|error| format!("{error:?}"))?;
-            let link = Link::new(Config {
-                key: key.clone(),
-                ends: Ends { local: PeerId(options.number), remote: PeerId(number) },
-                packet_period_us: PACKET_US,
-                parameters,
-                entropy,
-            })
-            .map_err(|error| error.to_string())?;
-            others.push((PeerId(number), *address, link));
-        }
-        Ok(Self { socket: socket::open(own)?, others })
-    }
-
-    /// What has come.
-    fn take(&mut self, now: u64, until: Instant) -> Vec<(PeerId, Message)> {
-        let mut came = Vec::new();
-        let Self { socket, others } = self;
-        socket::drain(socket, until, |address, datagram| {
-            // The address only tells which link to ask; whether it is true, the seal does.
-            let Some((from, _, link)) = others.iter_mut().find(|(_, known, _)| *known == address) else { return };
-            if let Ok(Some(Incoming::Sample(sample))) = link.receive(now, datagram)
-                && let Ok(event) = Event::new(sample.code, sample.payload())
-                && let Ok(message) = Message::parse(&event)
-            {
-                came.push((*from, message));
-            }
-        });
-        for (from, _, link) in others {
-            while let Some(event) = link.take_event() {
-                came.extend(Message::parse(&event).map(|message| (*from, message)));
-            }
-            while link.take_notice().is_some() {}
-        }
-        came
-    }
-
-    /// Says what a role wants to say, and what the links themselves have to.
-    fn say<const Q: usize>(&mut self, now: u64, roles: &mut Outbox<Message, Q>) {
-        let mut out = [0; MAX_DATAGRAM];
-        let Self { socket, others } = self;
-        // A datagram that the socket does not take now is one that is lost.
-        let send = |address: SocketAddr, bytes: &[u8]| drop(socket.send_to(bytes, address));
-        while let Some((to, message)) = roles.take() {
-            let Some((_, address, link)) = others.iter_mut().find(|(number, ..)| *number == to) else { continue };
-            let Ok(event) = message.event() else { continue };
-            match message {
-                Message::Join | Message::Leave | Message::Hit { .. } | Message::Miss { .. } => {
-                    let _ = link.push_event(event);
-                }
-                _ => {
-                    if let Ok(sample) = Sample::new(code::SQUASH, event.payload())
-                        && let Some(len) = link.send_sample(now, &sample, &mut out)
-                    {
-                        send(*address, &out[..len]);
-                    }
-                }
-            }
-        }
-        for (_, address, link) in others {
-            while let Some(len) = link.poll(now, &mut out) {
-                send(*address, &out[..len]);
-            }
-        }
-    }
-
-    fn links(&self) -> usize {
-        self.others.iter().filter(|(_, _, link)| matches!(link.stage(), Stage::Idle | Stage::Running)).count()
-    }
-
-    fn refused(&self) -> u32 {
-        self.others.iter().map(|(_, _, link)| link.counts().refused).sum()
-    }
 }
 
 /// What this process plays.
@@ -187,7 +88,7 @@ enum Part {
 /// Plays until the time is over.
 ///
 /// # Errors
-/// A number without an address, a socket that cannot be opened: in one line.
+/// A number without an address, a socket that cannot be opened, nobody there: in one line.
 pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
     let count = options.addresses.len();
     if !(3..=PLAYERS + 1).contains(&count) {
@@ -202,7 +103,7 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
             options.number
         ));
     }
-    let mut post = Post::new(key, options)?;
+    let mut post = Post::new(key, options.number, &options.addresses)?;
     let mut random = [0; 8];
     getrandom::fill(&mut random).map_err(|cause| format!("no randomness: {cause}"))?;
     let seed = u64::from_le_bytes(random);
@@ -266,6 +167,9 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
         }
         post.say(now, &mut out);
     }
+    if !post.met().iter().any(Met::is_met) {
+        return Err(post.nobody(options.seconds));
+    }
     let game = match &part {
         Part::Server(server) => server.game(),
         Part::Player { player, .. } => player.game(),
@@ -277,6 +181,7 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
         strokes,
         unseen,
         round_trip_ms: f64::from(game.round_trip_us) * 1e-3,
+        others: post.met(),
         links: post.links(),
         refused: post.refused(),
         punctuality: pace.punctuality(),

@@ -3,12 +3,10 @@
 //! Unlike a [`super::Way`], which hands out the newest packet once each packet period, this delivers every datagram when its
 //! time has come, in the order of arrival: greetings and acknowledgements count as much as flow.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use serde::Serialize;
 
 use super::fate::{Arrival, Direction, Fates};
+use super::in_flight::InFlight;
 use crate::scene::SceneFile;
 
 /// What became of the datagrams of one direction.
@@ -29,9 +27,7 @@ pub struct Relayed {
 pub struct Datagrams {
     constant_s: f64,
     fates: Option<Fates>,
-    /// When each is due, µs; of those due at once, in the order in which they were sent.
-    in_flight: BinaryHeap<Reverse<(u64, u64, Vec<u8>)>>,
-    order: u64,
+    in_flight: InFlight<Vec<u8>>,
     counts: Relayed,
 }
 
@@ -43,8 +39,7 @@ impl Datagrams {
         Self {
             constant_s: packet_s * f64::from(scene.world.network.one_way_delay_packets),
             fates: Fates::new(scene, direction),
-            in_flight: BinaryHeap::new(),
-            order: 0,
+            in_flight: InFlight::default(),
             counts: Relayed::default(),
         }
     }
@@ -65,19 +60,16 @@ impl Datagrams {
                 *byte ^= 0x10;
                 self.counts.corrupt += 1;
             }
-            self.order += 1;
             let due_us = now_us + (1e6 * (self.constant_s + copy.delay_s)).round() as u64;
-            self.in_flight.push(Reverse((due_us, self.order, datagram)));
+            self.in_flight.send(due_us, datagram);
         }
     }
 
     /// The next datagram that has arrived by `now_us`.
     pub fn take(&mut self, now_us: u64) -> Option<Vec<u8>> {
-        if self.in_flight.peek().is_none_or(|Reverse((due_us, ..))| *due_us > now_us) {
-            return None;
-        }
+        let (_, datagram) = self.in_flight.take(now_us)?;
         self.counts.sent += 1;
-        self.in_flight.pop().map(|Reverse((_, _, datagram))| datagram)
+        Some(datagram)
     }
 
     /// What became of the datagrams so far.

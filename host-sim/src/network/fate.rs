@@ -16,9 +16,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
-
+use crate::dice::Dice;
 use crate::scene::{Network, SceneFile};
 
 /// Which way a packet goes.
@@ -105,7 +103,7 @@ pub struct Generator {
     network: Network,
     direction: Direction,
     packet_s: f64,
-    random: Xoshiro256PlusPlus,
+    dice: Dice,
     /// In a run of losses (Gilbert–Elliott).
     losing: bool,
     /// When the line is free again, s.
@@ -119,27 +117,18 @@ impl Generator {
             Direction::OneToTwo => 0,
             Direction::TwoToOne => 1 << 32,
         };
-        let random = Xoshiro256PlusPlus::seed_from_u64(u64::from(network.seed) | stream);
-        Self { network, direction, packet_s, random, losing: false, free_s: 0.0 }
-    }
-
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.random.next_u64() >> 11) as f64 * (-53.0_f64).exp2()
-    }
-
-    fn happens(&mut self, probability: f64) -> bool {
-        self.unit() < probability
+        let dice = Dice::new(u64::from(network.seed) | stream);
+        Self { network, direction, packet_s, dice, losing: false, free_s: 0.0 }
     }
 
     fn lost(&mut self) -> bool {
         let (loss, burst) = (self.network.loss, self.network.loss_burst_packets);
         if burst <= 1.0 {
-            return self.happens(loss);
+            return self.dice.chance(loss);
         }
         // Mean run of `burst` losses; entered so often that `loss` of all packets fall into one.
         let change = if self.losing { 1.0 / burst } else { loss / (burst * (1.0 - loss)) };
-        if self.happens(change) {
+        if self.dice.chance(change) {
             self.losing = !self.losing;
         }
         self.losing
@@ -156,14 +145,17 @@ impl Generator {
         }
         delay += match network.jitter {
             Jitter::None => 0.0,
-            Jitter::Uniform => network.jitter_s * self.unit(),
+            Jitter::Uniform => network.jitter_s * self.dice.unit(),
             // Two exponentials of half the mean.
-            Jitter::Gamma => -0.5 * network.jitter_s * (libm::log(1.0 - self.unit()) + libm::log(1.0 - self.unit())),
+            Jitter::Gamma => {
+                -0.5 * network.jitter_s * (libm::log(1.0 - self.dice.unit()) + libm::log(1.0 - self.dice.unit()))
+            }
         };
         delay
     }
 
-    fn next(&mut self, sent_s: f64) -> Vec<Arrival> {
+    /// The copies of the next packet, sent at `sent_s`, that arrive.
+    pub fn next(&mut self, sent_s: f64) -> Vec<Arrival> {
         let network = self.network;
         if self.lost() {
             return Vec::new();
@@ -173,15 +165,15 @@ impl Generator {
             self.free_s = self.free_s.max(sent_s) + PACKET_BITS / network.bandwidth_bit_per_s;
             queued = self.free_s - sent_s;
         }
-        let copies = 1 + usize::from(self.happens(network.duplicate));
+        let copies = 1 + usize::from(self.dice.chance(network.duplicate));
         (0..copies)
             .map(|_| {
                 let mut delay_s = queued + self.delay(sent_s);
-                if self.happens(network.reorder) {
-                    delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.unit();
+                if self.dice.chance(network.reorder) {
+                    delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.dice.unit();
                 }
                 // No packet arrives before the constant delay is over, whatever steps are asked for.
-                Arrival { delay_s: delay_s.max(0.0), corrupt: self.happens(network.corrupt) }
+                Arrival { delay_s: delay_s.max(0.0), corrupt: self.dice.chance(network.corrupt) }
             })
             .collect()
     }

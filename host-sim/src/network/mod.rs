@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`datagrams`] | every datagram of one direction, each when its time has come |
 //! | [`fate`] | what becomes of each packet: seeded from the scene, or read from a trace |
+//! | [`in_flight`] | what is on its way, each when its time has come |
+//! | [`mesh`] | several peers: their clocks, and a line from each to each other |
 //! | this | a way of packets: packets in flight, and which one a peer gets |
 //!
 //! A peer asks once each packet period and gets the newest packet that has arrived; older ones, and second copies, are
@@ -12,6 +14,8 @@
 
 pub mod datagrams;
 pub mod fate;
+pub mod in_flight;
+pub mod mesh;
 
 use std::collections::VecDeque;
 

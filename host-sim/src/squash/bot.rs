@@ -5,7 +5,7 @@
 
 use haptic_protocol::roles::squash::{Ball, Court, MotionBounder, Racket};
 
-use crate::collaborate::world::Dice;
+use crate::dice::Dice;
 
 /// A device's workspace over the court: 15 cm for 9.75 m.
 pub const SCALE: f64 = 0.15 / 9.75;

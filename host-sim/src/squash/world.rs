@@ -1,21 +1,20 @@
 //! One game from one seed: server and players with clocks of their own, bots, and the scene's network between all of them.
 //!
-//! Everything moves in control periods of true time. Peer 0 is the server; each ordered pair of peers has its own
-//! [`Fates`]. Messages cross as the bytes of their events; a broken one does not pass the seal.
+//! Everything moves in control periods of true time. Peer 0 is the server; the network between the peers is a [`Mesh`].
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::VecDeque;
 
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
-    Ball, Court, Message, Notice, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig,
+    Ball, Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig,
 };
-use haptic_protocol::wire::{Event, PeerId};
+use haptic_protocol::wire::PeerId;
 
 use super::bot::{Action, BALL_KG, Bot, MOTION, SCALE};
 use super::referee::{Referee, Report};
-use crate::collaborate::world::Dice;
-use crate::network::fate::{Direction, Fates, Generator};
+use crate::dice::Dice;
+use crate::network::in_flight::InFlight;
+use crate::network::mesh::{Clock, Letter, Mesh};
 use crate::scene::Network;
 
 /// Control period, s.
@@ -83,8 +82,7 @@ pub struct Game {
 }
 
 struct Peer {
-    start_us: u64,
-    rate: f64,
+    clock: Clock,
     on: bool,
 }
 
@@ -94,7 +92,7 @@ struct Seat {
     out: Outbox<Message, 64>,
     bytes: u64,
     /// Where the hand was in each tick of the last round trip.
-    trail: std::collections::VecDeque<[f64; 2]>,
+    trail: VecDeque<[f64; 2]>,
     was_active: bool,
 }
 
@@ -105,9 +103,8 @@ struct World<'a> {
     server: Server,
     server_out: Outbox<Message, 64>,
     seats: Vec<Seat>,
-    fates: Vec<Fates>,
-    flying: BinaryHeap<Reverse<(u64, u64)>>,
-    letters: Vec<Option<(usize, usize, Event)>>,
+    mesh: Mesh,
+    flying: InFlight<Letter>,
     dice: Dice,
     referee: Referee,
     rallies: u16,
@@ -121,7 +118,7 @@ fn seat(court: Court, number: usize, dice: &mut Dice) -> Seat {
         bot: Bot::new(court, dice.below(u64::MAX)),
         out: Outbox::new(),
         bytes: 0,
-        trail: std::collections::VecDeque::new(),
+        trail: VecDeque::new(),
         was_active: false,
     }
 }
@@ -132,21 +129,15 @@ impl<'a> World<'a> {
         let mut dice = Dice::new(options.seed);
         let count = usize::from(options.players) + 1;
         let peers = (0..count)
-            .map(|_| Peer {
-                start_us: dice.below(1 << 40),
+            .map(|_| {
                 // Quartz: 100 ppm.
-                rate: 1.0 + (dice.below(201) as f64 - 100.0) * 1e-6,
-                on: true,
+                let (start_us, ppm) = (dice.below(1 << 40), dice.below(201) as f64 - 100.0);
+                Peer { clock: Clock { start_us, rate: 1.0 + ppm * 1e-6 }, on: true }
             })
             .collect();
         let network =
             Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
-        let fates = (0..count * count)
-            .map(|_| {
-                let network = Network { seed: dice.below(1 << 32) as u32, ..network };
-                Fates::Seeded(Box::new(Generator::new(network, Direction::OneToTwo, 0.05)))
-            })
-            .collect();
+        let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut dice);
         let config = ServerConfig { players: options.players, rallies: u16::MAX, bounder: options.bounder };
         Self {
             options,
@@ -155,9 +146,8 @@ impl<'a> World<'a> {
             server: Server::new(config),
             server_out: Outbox::new(),
             seats: (1..count).map(|number| seat(court, number, &mut dice)).collect(),
-            fates,
-            flying: BinaryHeap::new(),
-            letters: Vec::new(),
+            mesh,
+            flying: InFlight::default(),
             dice,
             referee: Referee::new(court, options.players),
             rallies: 0,
@@ -165,28 +155,25 @@ impl<'a> World<'a> {
     }
 
     fn clock(&self, peer: usize, true_us: u64) -> u64 {
-        let Peer { start_us, rate, .. } = self.peers[peer];
-        start_us + (true_us as f64 * rate) as u64
+        self.peers[peer].clock.at(true_us)
     }
 
     /// What a peer has said goes out.
     fn send(&mut self, now_us: u64, from: usize) {
-        let count = self.peers.len();
-        loop {
-            let said = if from == 0 { self.server_out.take() } else { self.seats[from - 1].out.take() };
-            let Some((to, message)) = said else { return };
-            let (to, Ok(event)) = (usize::from(to.0), message.event()) else { continue };
-            if from > 0 {
-                self.seats[from - 1].bytes += (AROUND + event.payload().len()) as u64;
+        let said: Vec<_> = match from.checked_sub(1) {
+            None => self.server_out.events(Message::event).collect(),
+            Some(seat) => {
+                let Seat { out, bytes, .. } = &mut self.seats[seat];
+                out.events(Message::event)
+                    .inspect(|(_, event)| *bytes += (AROUND + event.payload().len()) as u64)
+                    .collect()
             }
-            if to >= count {
-                continue;
-            }
-            let number = self.letters.len() as u64;
-            for arrival in self.fates[from * count + to].next(number, now_us as f64 * 1e-6) {
-                if !arrival.corrupt {
-                    self.flying.push(Reverse((now_us + (arrival.delay_s * 1e6) as u64, self.letters.len() as u64)));
-                    self.letters.push(Some((from, to, event)));
+        };
+        for (to, event) in said {
+            let to = usize::from(to.0);
+            if to < self.peers.len() {
+                for delay_us in self.mesh.delays_us(from, to, now_us) {
+                    self.flying.send(now_us + delay_us, Letter { from, to, event });
                 }
             }
         }
@@ -194,12 +181,7 @@ impl<'a> World<'a> {
 
     /// What has arrived.
     fn deliver(&mut self, now_us: u64) {
-        while let Some(Reverse((due, letter))) = self.flying.pop() {
-            if due > now_us {
-                self.flying.push(Reverse((due, letter)));
-                return;
-            }
-            let Some((from, to, event)) = self.letters[letter as usize].take() else { continue };
+        while let Some((due, Letter { from, to, event })) = self.flying.take(now_us) {
             let Ok(message) = Message::parse(&event) else { continue };
             if !self.peers[to].on {
                 continue;

@@ -3,7 +3,7 @@
 //! True up to 1e6 N/m on every scene tried around the paper's (b = 10, B_T = 2, M = 8, copies of 0.3 and 0.6 kg) for the exact
 //! and the semi-implicit object. It is no law of nature; the counter-examples below are printed with their reasons:
 //!
-//! * **Forward Euler** adds energy of its own (about k·T²/(2m) of an oscillation's each tick): weakly unstable pockets.
+//! * **Forward Euler** adds energy of its own (k·T²/m of an oscillation's each tick): weakly unstable pockets.
 //! * **Light copies**: the line and the spring damp the copy with b and B_T, explicitly. What explicit damping can take off
 //!   in a tick is bounded: max(b, B_T)·T_c must stay below about m_O, below half of it for forward Euler.
 //! * **A held wave is not a passive one**: u_in is repeated M times, and the one-pole filter does not take off enough for a

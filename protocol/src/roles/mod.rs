@@ -21,7 +21,7 @@
 
 use heapless::Deque;
 
-use crate::wire::PeerId;
+use crate::wire::{Event, PeerId};
 
 pub mod collaborative;
 pub mod cooperative;
@@ -63,6 +63,11 @@ impl<M, const N: usize> Outbox<M, N> {
     /// The oldest message, once.
     pub fn take(&mut self) -> Option<(PeerId, M)> {
         self.queue.pop_front()
+    }
+
+    /// Everything, oldest first, as the events that carry it; what does not fit into one is left out.
+    pub fn events<E>(&mut self, event: impl Fn(&M) -> Result<Event, E>) -> impl Iterator<Item = (PeerId, Event)> {
+        core::iter::from_fn(|| self.take()).filter_map(move |(to, message)| Some((to, event(&message).ok()?)))
     }
 
     /// Messages for which there was no room.

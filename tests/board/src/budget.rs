@@ -36,6 +36,14 @@ impl Measured {
         self.0.push((name.into(), value.into()));
     }
 
+    /// What was measured under a name.
+    ///
+    /// # Panics
+    /// Nothing was.
+    pub fn of(&self, name: &str) -> f64 {
+        self.0.iter().find(|(known, _)| known == name).unwrap_or_else(|| panic!("{name} was not measured")).1
+    }
+
     /// Prints all, and fails on what is over.
     ///
     /// # Panics

@@ -4,10 +4,11 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`pair`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
+//! | [`mod@bench`] | two boards, their devices and a PC on one wire, running a scene; what they did, tick by tick |
 //! | [`trial`] | a scene on two boards from power-on to the figures of merit, beside host-sim's |
 //! | [`budget`] | the reviewed budgets and what was measured |
 //! | [`cost`] | instructions of every tick |
+//! | [`stack`] | static stack: the deepest path from an interrupt or a task |
 //! | [`reviewed`] | what the emulator does not model, against a reviewed list |
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
 //! | [`wire`] | the switch between boards and PC: delay, and whatever a bad network does |
@@ -24,17 +25,18 @@
 //! execution times are not.
 #![forbid(unsafe_code)]
 
+pub mod bench;
 pub mod budget;
 pub mod cost;
 pub mod image;
 pub mod log;
 pub mod node;
-pub mod pair;
 pub mod part;
 pub mod partner;
 pub mod pc;
 pub mod power;
 pub mod reviewed;
+pub mod stack;
 pub mod trial;
 pub mod twin;
 pub mod wire;

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::bench::Bench;
 use crate::image::Firmware;
-use crate::pair::Bench;
 
 /// The control block's first channel: buffer, size and where it is written next, as words behind the block's start.
 const CHANNEL: u64 = 24;

@@ -6,9 +6,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::bench::Bench;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node};
-use crate::pair::Bench;
 use crate::reviewed;
 use crate::wire::Line;
 

@@ -14,10 +14,10 @@ use host_sim::network::fate::{Direction, Fates};
 use host_sim::report::table::{Column, Table};
 use host_sim::scene::SceneFile;
 
+use crate::bench::{Bench, PERIOD_NS, for_boards};
 use crate::cost;
 use crate::image::Firmware;
 use crate::node::Report;
-use crate::pair::{Bench, PERIOD_NS, for_boards};
 use crate::twin::{self, Equal};
 use crate::wire::Line;
 

@@ -1,15 +1,18 @@
-//! Flash, memory by bank, stack, instructions of a tick and how late it may begin, against the reviewed budgets.
+//! Flash, memory by bank, stack (static and painted), instructions of a tick and how late it may begin, against the reviewed
+//! budgets.
 
 use std::sync::Arc;
 
+use board_bench::bench::{Bench, PERIOD_NS, for_boards};
 use board_bench::budget::Measured;
 use board_bench::cost::Spread;
-use board_bench::image::Firmware;
-use board_bench::pair::{Bench, PERIOD_NS};
+use board_bench::image::{self, Firmware};
 use board_bench::part::CORE_HZ;
 use board_bench::pc::{board_ip, board_mac, udp};
+use board_bench::stack::code::Code;
+use board_bench::stack::{EXCEPTION_FRAME, Stack};
+use board_bench::trial;
 use board_bench::wire::Line;
-use board_bench::{pair, trial};
 use host_sim::scenes;
 
 /// Of the image's sections.
@@ -98,9 +101,34 @@ fn a_section_that_masks_interrupts_shows() {
     bench.finish();
 }
 
+/// The deepest paths of interrupts and tasks, and all of them on top of each other; gives the latter.
+fn static_stack(measured: &mut Measured) -> f64 {
+    let code = Code::read(&std::fs::read(image::path()).expect("the image is there"));
+    let mut stack = Stack::of(&code);
+    let mut deepest = |entry: &str| {
+        let path = stack.deepest(entry).unwrap_or_else(|why| panic!("the stack of {entry}: {why}"));
+        println!("{entry}: {path}");
+        path.bytes as f64
+    };
+    let thread = deepest("Reset");
+    let mut all = thread;
+    for handler in &code.handlers {
+        let bytes = deepest(handler);
+        all += bytes + EXCEPTION_FRAME as f64;
+        measured.add(format!("static_stack_bytes.{handler}"), bytes);
+    }
+    measured.add("static_stack_bytes.thread", thread);
+    for (task, (_, size)) in code.tasks() {
+        measured.add(format!("static_stack_bytes.{task}"), deepest(&format!("task {task}")));
+        measured.add(format!("task_bytes.{task}"), size as f64);
+    }
+    measured.add("static_stack_bytes.all", all);
+    all
+}
+
 /// Two boards at work, every tick recorded and sent.
 fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene = pair::for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
+    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
     let mut bench = Bench::start(firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take it");
     bench.arm();
@@ -114,9 +142,13 @@ fn everything_is_within_its_budget() {
     let firmware = Arc::new(Firmware::release());
     let mut measured = Measured::default();
     memory(&firmware, &mut measured);
+    let most = static_stack(&mut measured);
     stack(&firmware, &mut measured);
     flood(&firmware, &mut measured);
     instructions(&firmware, &mut measured);
+    for painted in ["stack_bytes.two-boards", "stack_bytes.flood"] {
+        assert!(measured.of(painted) <= most, "{painted}: deeper than the {most} bytes that the image says");
+    }
     measured.check();
 }
 

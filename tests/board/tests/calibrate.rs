@@ -6,8 +6,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use board_bench::bench::{Bench, PWM_STEPS};
 use board_bench::image::Firmware;
-use board_bench::pair::{Bench, PWM_STEPS};
 use board_bench::wire::Line;
 use host_sim::calibrate::board::{Board, Tick};
 use host_sim::calibrate::counts::{self, Distance};

@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
+use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
-use board_bench::pair::{Bench, for_boards};
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::log;
 use board_bench::node::{Inputs, Node};
-use board_bench::pair::Bench;
 use board_bench::pc::{Pc, board_ip, board_mac, key, key_in_flash, udp};
 use board_bench::reviewed;
 use board_bench::wire::{Line, PC, Wire};

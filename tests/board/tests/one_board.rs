@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
-use board_bench::pair::Bench;
 use board_bench::reviewed;
 use board_bench::wire::Line;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
-use board_bench::pair::{Bench, for_boards};
 use board_bench::partner::Partner;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;

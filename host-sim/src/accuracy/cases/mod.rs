@@ -9,7 +9,7 @@ pub mod filters;
 pub mod line;
 pub mod reach;
 pub mod scenes;
-pub mod ticks;
+mod ticks;
 pub mod workspace;
 
 use alloc::boxed::Box;

@@ -91,8 +91,10 @@ impl MotionBounder {
     }
 }
 
-/// The vector in the same direction, no longer than `most`.
-fn shorten([x, y]: [f32; 2], most: f32) -> [f32; 2] {
+/// The vector in the same direction, no longer than `most`; always finite.
+fn shorten(vector: [f32; 2], most: f32) -> [f32; 2] {
+    // The square of what is longer may be no number.
+    let [x, y] = vector.map(|part| part.clamp(-LONGEST, LONGEST));
     let square = x * x + y * y;
     if square <= most * most {
         return [x, y];
@@ -101,6 +103,9 @@ fn shorten([x, y]: [f32; 2], most: f32) -> [f32; 2] {
     let scale = most / root(square) * (1.0 - 1e-6);
     [x * scale, y * scale]
 }
+
+/// No part of a vector counts as longer.
+const LONGEST: f32 = 1e18;
 
 /// Square root of a positive number to 2 ulp: Newton's from a guess that halves the exponent. Neither core nor this crate's
 /// dependencies have one.
@@ -138,6 +143,10 @@ mod tests {
         }
         assert_eq!(BallBounds::new(9.75, 0).limit([1.0, 2.0], [500.0, 3.0]), [500.0, 3.0]);
         assert_eq!(bounds.limit([-10.0, 0.0], [10.0, 5.0]), [10.0, 5.0]);
+        for huge in [1e30, -1e30, f32::MAX, f32::INFINITY] {
+            let [x, y] = bounds.limit([1.0, -huge], [huge, 2.0]).map(f64::from);
+            assert!(x.hypot(y) <= 24.375 && x.hypot(y) > 24.374, "{x} {y}");
+        }
     }
 
     #[test]

@@ -27,11 +27,11 @@ impl Racket {
         let [nx, ny] = self.normal;
         let square = nx * nx + ny * ny;
         let closing = (self.velocity[0] - ball[0]) * nx + (self.velocity[1] - ball[1]) * ny;
+        let push = 2.0 * self.mass_kg / (self.mass_kg + ball_kg) * closing / square;
         // Written so that what is not a number is no hit.
-        if !(square > 0.0 && closing > 0.0 && square.is_finite() && closing.is_finite()) {
+        if !(square > 0.0 && closing > 0.0 && square.is_finite() && push.is_finite()) {
             return None;
         }
-        let push = 2.0 * self.mass_kg / (self.mass_kg + ball_kg) * closing / square;
         Some([ball[0] + push * nx, ball[1] + push * ny])
     }
 }

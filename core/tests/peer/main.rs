@@ -1,0 +1,48 @@
+//! A peer through its entries alone: what makes it stop, what makes it start again, and what its forces do meanwhile.
+
+mod parting;
+mod safety;
+
+use haptic_core::axis::Reading;
+use haptic_core::motion::Motion;
+use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::safety::Command;
+use haptic_core::scalar::Scalar;
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::Settings;
+
+/// A peer without device or network.
+struct Bench<S: Scalar> {
+    scene: Scene<Any<S>>,
+    state: State<Any<S>>,
+}
+
+impl<S: Scalar> Bench<S> {
+    /// Disarmed, its device here.
+    fn at_rest(settings: &Settings, device: Motion<S>) -> Self {
+        let scene = Scene::build(settings).expect("a good scene");
+        let state = State::new(&scene, [device, Motion::REST]);
+        Self { scene, state }
+    }
+
+    /// Armed, its device at the origin.
+    fn armed(settings: &Settings) -> Self {
+        let mut bench = Self::at_rest(settings, Motion::REST);
+        bench.command(Command::Arm);
+        bench
+    }
+
+    fn command(&mut self, command: Command) {
+        self.state.command(&self.scene, command);
+    }
+
+    /// A tick with this reading.
+    fn read(&mut self, reading: Reading<S>) -> Actuators<S> {
+        peer::tick(&self.scene, &mut self.state, &Sensors { reading, overrun: false })
+    }
+
+    /// A tick with the device here, moving like this.
+    fn at(&mut self, position: S, velocity: S) -> Actuators<S> {
+        self.read(Reading::Exact([Motion { position, velocity }, Motion::REST]))
+    }
+}

@@ -1,0 +1,72 @@
+//! `host-sim squash live`: the game in real time over UDP.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Rules;
+use crate::cli::{Failure, print_json};
+use crate::live::court::{self, Options, Report};
+use crate::live::key_file;
+use crate::report::text::TextTable;
+
+/// Arguments of `squash live`.
+#[derive(Debug, Args)]
+pub(super) struct Live {
+    /// Which one: 0 is the server, 1, 2 … the players.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    number: u8,
+    /// Where each of them listens, in order, the server first; the same for all.
+    #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
+    addresses: Vec<SocketAddr>,
+    /// Key file, the same for all (`host-sim keygen`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    #[command(flatten)]
+    rules: Rules,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Live {
+    /// Plays and reports.
+    ///
+    /// # Errors
+    /// A bad number, address or key file; nobody answering.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let (bounder, motion_bounder, seconds) = self.rules.read()?;
+        for (at, address) in self.addresses.iter().enumerate() {
+            if self.addresses[..at].contains(address) {
+                return Err(format!("--addresses has {address} twice: each of them has one of its own").into());
+            }
+        }
+        let key = key_file::read(&self.key_file)?;
+        let addresses = self.addresses.clone();
+        let report = court::run(&key, &Options { number: self.number, addresses, bounder, motion_bounder, seconds })?;
+        if self.json {
+            return print_json(&report);
+        }
+        print(&report);
+        Ok(())
+    }
+}
+
+fn print(report: &Report) {
+    let mut table = TextTable::new(["rally", "strokes", "ending", "loser"]);
+    for rally in &report.rallies {
+        let numbers = [rally.rally.to_string(), rally.strokes.to_string(), rally.ending.clone()];
+        table.push(numbers.into_iter().chain([rally.loser.to_string()]));
+    }
+    println!("{table}");
+    let score = report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : ");
+    println!("score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
+    println!(
+        "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} beats late",
+        report.round_trip_ms, report.links, report.refused, report.punctuality.missed
+    );
+    for other in &report.others {
+        println!("{other}");
+    }
+}

@@ -1,0 +1,298 @@
+//! Two boards, their devices and a PC on one wire, running a scene.
+//!
+//! Time goes in steps of 1 ms that end in the middle between two ticks. At every stop, in this order: frames that left go
+//! onto the wire and those that arrived come off it; each device (host-sim's plant) moves by one period under what its
+//! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
+//! host-sim's harness, and what is compared is the board.
+//!
+//! What a person does there stands in `person.rs`, what a device is on a board in `device.rs`.
+
+mod device;
+mod person;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use firmware_parts::record::Record;
+use host_sim::scene::SceneFile;
+
+use crate::cost::Meter;
+use crate::image::Firmware;
+use crate::node::{Inputs, Node, Report, Stopped};
+use crate::partner::Partner;
+use crate::pc::{Pc, key, key_in_flash};
+use crate::wire::{Line, PC, Wire};
+
+pub use device::{PWM_STEPS, duties, for_boards};
+
+use device::Device;
+
+/// A control period, ns.
+pub const PERIOD_NS: u64 = 1_000_000;
+
+/// The stack (memory.x), without the guard at its bottom and what start-up may be using of its top.
+pub const STACK: Range<u64> = 0x2000_0100..0x2000_9F00;
+/// What the stack holds at power-on, to see later how far down it was used.
+const PAINT: u32 = 0x5EA1_AB1E;
+
+/// The bench.
+pub struct Bench {
+    nodes: Vec<Node>,
+    /// Between them.
+    pub wire: Wire,
+    /// Who talks to them.
+    pub pc: Pc,
+    /// Who stands in for board 2, if anyone.
+    pub partner: Option<Partner>,
+    scene: SceneFile,
+    devices: Vec<Option<Device>>,
+    /// The devices while nobody holds them; empty while somebody does.
+    loose: Vec<Device>,
+    inputs: Vec<Inputs>,
+    /// What each board did at the last stop.
+    pub stopped: Vec<Stopped>,
+    /// Instructions of each board's ticks, once [`Bench::count_instructions`] was asked for.
+    pub meters: Vec<Meter>,
+    now_ns: u64,
+    period_s: f64,
+    /// Stops since power-on.
+    stops: u64,
+    /// Periods that armed boards are given to engage: a whole number of packets.
+    engaging: u64,
+    /// At which stop the motors of each board were first seen on.
+    on: Vec<Option<u64>>,
+    /// At which stop the devices began to move.
+    begun: Option<u64>,
+    /// Ticks that the devices have moved since then.
+    pub ticks: u64,
+}
+
+impl Bench {
+    /// `boards` (1 or 2) boards at power-on, run until their network is up.
+    ///
+    /// # Panics
+    /// The tick does not start, or not at the same time on both.
+    pub fn start(firmware: &Arc<Firmware>, boards: usize, line: Line) -> Self {
+        Self::start_with(firmware, boards, line, &[])
+    }
+
+    /// The same, with words in every board's flash that were there before, beside the key: address and value.
+    ///
+    /// # Panics
+    /// As [`Bench::start`].
+    pub fn start_with(firmware: &Arc<Firmware>, boards: usize, line: Line, flash: &[(u64, u32)]) -> Self {
+        let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
+        let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
+        let mut bench = Self {
+            scene: for_boards(&SceneFile::default()),
+            devices: nodes.iter().map(|_| None).collect(),
+            loose: Vec::new(),
+            stopped: nodes.iter().map(|_| Stopped::default()).collect(),
+            inputs: each(),
+            meters: nodes.iter().map(|_| Meter::new(firmware)).collect(),
+            nodes,
+            wire: Wire::new(line),
+            pc: Pc::default(),
+            partner: None,
+            now_ns: 1000,
+            period_s: 1e-3,
+            stops: 0,
+            engaging: 0,
+            on: vec![None; boards],
+            begun: None,
+            ticks: 0,
+        };
+        let paint =
+            STACK.step_by(4).map(|address| (address, PAINT)).chain(key_in_flash(&key())).chain(flash.iter().copied());
+        bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
+        let entry = firmware.address("TIM6_DAC");
+        bench.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
+        bench.run_to(60_000_000);
+        let phases: Vec<u64> = (bench.stopped.iter())
+            .map(|stopped| stopped.hits.last().expect("the tick runs 60 ms after power-on").at.0 % PERIOD_NS)
+            .collect();
+        let spread = phases.iter().max().expect("a board") - phases.iter().min().expect("a board");
+        assert!(spread < 100_000, "the boards' ticks are {spread} ns apart");
+        bench.inputs.iter_mut().for_each(|inputs| inputs.unwatch.push(entry));
+        // From here on every stop is in the middle between two ticks.
+        let middle = (phases[0] + PERIOD_NS / 2) % PERIOD_NS;
+        bench.run_to(61_000_000 + middle);
+        // The PHY is asked for its link every 500 ms.
+        bench.run_for_ms(1000);
+        for number in 1..=boards {
+            bench.meet(number);
+        }
+        bench
+    }
+
+    /// Makes sure that a board (1 or 2) knows the PC and the PC has a session with it.
+    ///
+    /// # Panics
+    /// They do not meet within two seconds.
+    pub fn meet(&mut self, number: usize) {
+        for ms in 0..2000 {
+            // As a PC does that has something to send: a board that is not up yet does not hear it.
+            if ms % 100 == 0 {
+                self.wire.send(PC, self.now_ns, &Pc::resolve(number));
+            }
+            self.step();
+            if self.pc.reaches(number) {
+                return;
+            }
+        }
+        panic!("board {number} and the operator do not meet");
+    }
+
+    /// Now, ns.
+    pub fn now_ns(&self) -> u64 {
+        self.now_ns
+    }
+
+    /// What goes in to a board (1 or 2) at the next stop.
+    pub fn input(&mut self, number: usize) -> &mut Inputs {
+        &mut self.inputs[number - 1]
+    }
+
+    fn run_to(&mut self, until_ns: u64) {
+        for (node, inputs) in self.nodes.iter().zip(&mut self.inputs) {
+            node.run(until_ns, std::mem::take(inputs));
+        }
+        self.stopped = self.nodes.iter().map(Node::wait).collect();
+        self.now_ns = until_ns;
+        for (meter, stopped) in self.meters.iter_mut().zip(&self.stopped) {
+            meter.see(&stopped.hits);
+        }
+        for (port, stopped) in self.stopped.iter().enumerate() {
+            for (at, frame) in &stopped.frames {
+                self.wire.send(port, *at, frame);
+            }
+        }
+        for frame in self.wire.receive(PC, until_ns) {
+            if let Some(answer) = self.pc.hear(until_ns, &frame) {
+                self.wire.send(PC, until_ns, &answer);
+            }
+        }
+        self.talk();
+    }
+
+    /// What the PC has to say goes onto the wire, and what has arrived at the boards comes off it.
+    fn talk(&mut self) {
+        for frame in self.pc.talk(self.now_ns, self.nodes.len()) {
+            self.wire.send(PC, self.now_ns, &frame);
+        }
+        for (port, inputs) in self.inputs.iter_mut().enumerate() {
+            inputs.frames.extend(self.wire.receive(port, self.now_ns));
+        }
+    }
+
+    /// One period of boards and devices.
+    pub fn step(&mut self) {
+        self.run_to(self.now_ns + PERIOD_NS);
+        if let Some(partner) = &mut self.partner {
+            for frame in self.wire.receive(1, self.now_ns) {
+                partner.hear(self.now_ns, &frame);
+            }
+            for frame in partner.beat(self.now_ns) {
+                self.wire.send(1, self.now_ns, &frame);
+            }
+        }
+        let time_s = self.ticks as f64 * self.period_s;
+        if !self.loose.is_empty() {
+            for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+                inputs.counts = Some(device.step(time_s, &stopped.bridges));
+            }
+            return;
+        }
+        self.stops += 1;
+        for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
+            if on.is_none() && stopped.bridges.on() {
+                *on = Some(self.stops);
+            }
+        }
+        let all_on = self.on.iter().copied().try_fold(0, |last: u64, on| Some(last.max(on?)));
+        if self.begun.is_none() && all_on.is_some_and(|since| self.stops == since + self.engaging) {
+            self.begun = Some(self.stops);
+        }
+        if self.begun.is_none() {
+            return;
+        }
+        let mut moved = false;
+        for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+            let Some(device) = device else { continue };
+            moved = true;
+            inputs.counts = Some(device.step(time_s, &stopped.bridges));
+        }
+        self.ticks += u64::from(moved);
+    }
+
+    /// Counts the instructions of every tick from the next stop on.
+    pub fn count_instructions(&mut self) {
+        for (meter, inputs) in self.meters.iter_mut().zip(&mut self.inputs) {
+            meter.clear();
+            inputs.watch.extend(meter.watched());
+        }
+    }
+
+    /// What words of a board's memory or registers hold at the next stop.
+    pub fn peek(&mut self, number: usize, addresses: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        self.input(number).peek.extend(addresses);
+        self.step();
+        std::mem::take(&mut self.stopped[number - 1].peeked)
+    }
+
+    /// What words of a board's memory, flash or registers hold now; a microsecond passes.
+    pub fn peek_now(&mut self, number: usize, addresses: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        self.input(number).peek.extend(addresses);
+        // Values are those of the stop that the board goes on from.
+        self.run_to(self.now_ns + 1000);
+        std::mem::take(&mut self.stopped[number - 1].peeked)
+    }
+
+    /// What a board's flash holds in a range of addresses, word by word, without what is blank.
+    pub fn flash(&mut self, number: usize, range: Range<u64>) -> Vec<(u64, u32)> {
+        let words = self.peek_now(number, range.clone().step_by(4));
+        range.step_by(4).zip(words).filter(|(_, word)| *word != u32::MAX).collect()
+    }
+
+    /// Bytes of a board's stack that were ever in use.
+    pub fn stack_used(&mut self, number: usize) -> u64 {
+        let words = self.peek(number, STACK.step_by(4));
+        let untouched = words.iter().take_while(|word| **word == PAINT).count() as u64;
+        STACK.end + 0x100 - (STACK.start + 4 * untouched)
+    }
+
+    /// One period in which `per_ms` copies of a frame reach a board, evenly spread.
+    pub fn flood(&mut self, number: usize, frame: &[u8], per_ms: usize) {
+        const PARTS: usize = 20;
+        let start = self.now_ns;
+        for part in 1..=PARTS {
+            let frames = per_ms * part / PARTS - per_ms * (part - 1) / PARTS;
+            self.input(number).frames.extend(std::iter::repeat_n(frame.to_vec(), frames));
+            self.run_to(start + PERIOD_NS * part as u64 / PARTS as u64);
+        }
+    }
+
+    /// So many microseconds in which nothing comes in and no device moves.
+    pub fn run_for_us(&mut self, us: u64) {
+        self.run_to(self.now_ns + 1000 * us);
+    }
+
+    /// So many periods.
+    pub fn run_for_ms(&mut self, periods: u64) {
+        (0..periods).for_each(|_| self.step());
+    }
+
+    /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
+    pub fn armed_ticks(&self, number: usize) -> &[Record] {
+        let records = &self.pc.records[number - 1];
+        let armed = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
+        let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
+        let first = records.get(armed).map_or(0, |record| record.tick() + held);
+        &records[armed + records[armed..].iter().take_while(|record| record.tick() < first).count()..]
+    }
+
+    /// Ends the run.
+    pub fn finish(self) -> Vec<Report> {
+        self.nodes.into_iter().map(Node::finish).collect()
+    }
+}

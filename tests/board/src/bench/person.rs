@@ -1,0 +1,219 @@
+//! What a person does at the bench: says lines to the boards, sets them up, lets go of devices and takes hold of them again,
+//! checks, arms.
+//!
+//! Settings go to the boards as a person's would: lines of text to the operator's port, then `apply`, then `check`, then `arm`.
+//! For the check, and for any probe, the devices are let go of: [`Bench::let_go`]. Armed boards engage step by step once they
+//! hear each other; until they are engaged the hands hold still, and there the experiment begins: from rest and with the
+//! coordination acting in full, as host-sim begins its own.
+
+use firmware_parts::record::ENGAGED;
+use haptic_core::axis::AXES;
+use haptic_core::motion::Motion;
+use haptic_core::settings::{Settings, Value};
+use host_sim::plant::Plant;
+use host_sim::scene::SceneFile;
+
+use super::device::Device;
+use super::{Bench, PERIOD_NS};
+
+/// The lines that bring a board from whatever it has to `settings`.
+fn lines(settings: &Settings) -> Vec<String> {
+    let defaults = Settings::default();
+    let mut lines = vec!["defaults".to_owned()];
+    for key in Settings::KEYS {
+        let (wanted, default) = (settings.get(key.name), defaults.get(key.name));
+        // The board's own default differs from the scene's in this one.
+        if key.name == "contact.side" || wanted == default && key.name != "axis.velocity" {
+            continue;
+        }
+        lines.push(match wanted.expect("a listed key has a value") {
+            Value::Number(number) => format!("set {} {number:?}", key.name),
+            Value::Flag(flag) => format!("set {} {flag}", key.name),
+            Value::Text(text) => format!("set {} {text}", key.name),
+        });
+    }
+    lines.push("apply".to_owned());
+    lines
+}
+
+impl Bench {
+    /// Says a line to a board (1 or 2) and gives its answer.
+    ///
+    /// # Panics
+    /// It does not answer within a second.
+    pub fn ask(&mut self, number: usize, line: &str) -> String {
+        let before = self.pc.answers[number - 1].len();
+        self.send(number, line);
+        for _ in 0..1000 {
+            self.step();
+            if let Some(answer) = self.pc.answers[number - 1].get(before) {
+                return answer.clone();
+            }
+        }
+        panic!("board {number} does not answer {line:?}");
+    }
+
+    /// Says a line to a board (1 or 2) and waits for nothing.
+    pub fn send(&mut self, number: usize, line: &str) {
+        self.pc.say(number, line);
+        self.talk();
+    }
+
+    /// Brings every board to the scene and puts a device on it; disarmed still.
+    ///
+    /// # Errors
+    /// What a board says against a setting.
+    pub fn set_up(&mut self, scene: &SceneFile) -> Result<(), String> {
+        self.period_s = scene.peer.timing.control_period_s;
+        self.scene = scene.clone();
+        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(Plant::new(scene, index)))).collect();
+        for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
+            inputs.counts = Some(device.turn());
+        }
+        for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
+            for line in lines(settings) {
+                let answer = self.ask(index + 1, &line);
+                if !answer.starts_with("ok") {
+                    return Err(format!("board {}: {line}: {answer}", index + 1));
+                }
+            }
+        }
+        // The scene is taken at the next packet boundary, and the peers meet again under it.
+        self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        self.settle()
+    }
+
+    /// Waits until two boards talk to each other under the settings that they have.
+    ///
+    /// # Errors
+    /// They do not.
+    fn settle(&mut self) -> Result<(), String> {
+        if self.nodes.len() == 2 {
+            let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
+            let steps = u64::from(safety.disengage_packets - safety.fade_packets);
+            let delay = u64::from(self.scene.world.network.one_way_delay_packets);
+            // Twice what it takes without losses.
+            self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);
+            let met = (0..100).any(|_| {
+                self.run_for_ms(10);
+                (1..=2).all(|number| self.ask(number, "status").contains("link running"))
+            });
+            if !met {
+                return Err(format!("the boards do not meet: {}", self.ask(1, "status")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
+    /// them, and what moves them is their own board.
+    pub fn let_go(&mut self, device: Option<&SceneFile>) {
+        let mut scene = device.unwrap_or(&self.scene).clone();
+        scene.users = Default::default();
+        let counts = |index: usize| {
+            let now = self.loose.get(index).or(self.devices[index].as_ref());
+            now.map_or([0; AXES], |device| device.counts)
+        };
+        self.loose = (0..self.nodes.len()).map(|i| Device::at(Plant::new(&scene, i), counts(i))).collect();
+    }
+
+    /// Moves the loose device of a board by hand along its first axis, evenly, and leaves it at rest.
+    pub fn carry(&mut self, number: usize, metres: f64, ms: u64) {
+        for _ in 0..ms {
+            let motion = self.loose[number - 1].plant.free_axis().0;
+            *motion = Motion::at(motion.position + metres / ms as f64);
+            self.step();
+            *self.loose[number - 1].plant.free_axis().0 =
+                Motion::at(self.loose[number - 1].plant.motions()[0].position);
+        }
+    }
+
+    /// Puts every device back where it was, and gives it back to its user.
+    pub fn take_hold(&mut self) {
+        /// Slow enough for any limit of speed in these tests, counts in a period.
+        const STRIDE: i64 = 100;
+        let mut loose = std::mem::take(&mut self.loose);
+        let home: Vec<[i64; AXES]> =
+            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], |device| device.counts)).collect();
+        let held = std::mem::take(&mut self.devices);
+        self.devices = held.iter().map(|_| None).collect();
+        while loose.iter().zip(&home).any(|(device, home)| device.counts != *home) {
+            for ((device, home), inputs) in loose.iter_mut().zip(&home).zip(&mut self.inputs) {
+                for (counts, home) in device.counts.iter_mut().zip(home) {
+                    *counts += (home - *counts).clamp(-STRIDE, STRIDE);
+                }
+                inputs.counts = Some(device.counts);
+            }
+            self.step();
+        }
+        self.devices = held;
+        self.run_to(self.now_ns + PERIOD_NS);
+    }
+
+    /// The answer to `probed` once the probe of a board is over.
+    ///
+    /// # Panics
+    /// It takes longer than the longest probe.
+    pub fn probed(&mut self, number: usize) -> String {
+        for _ in 0..200 {
+            let answer = self.ask(number, "probed");
+            if !answer.contains(" running") {
+                return answer;
+            }
+            self.run_for_ms(50);
+        }
+        panic!("the probe of board {number} does not end");
+    }
+
+    /// Checks the signs of every joint in use, as a person does before arming: hands off, check, the device put back.
+    ///
+    /// # Errors
+    /// What a board found.
+    pub fn check(&mut self, number: usize) -> Result<(), String> {
+        self.let_go(None);
+        let mut outcome = Ok(());
+        for joint in 1..=self.scene.peer.axis.count {
+            let begun = self.ask(number, &format!("check {joint}"));
+            let answer = if begun.starts_with("ok") { self.probed(number) } else { begun };
+            if !answer.contains("; agree: ") {
+                outcome = Err(format!("board {number}, joint {joint}: {answer}"));
+            }
+        }
+        self.take_hold();
+        outcome
+    }
+
+    /// Checks the signs of every board, starts the scene anew, asks for every tick, arms all boards, and waits until they are
+    /// engaged and the devices have begun to move.
+    ///
+    /// # Panics
+    /// A board does not pass the check or does not arm, or two do not engage.
+    pub fn arm(&mut self) {
+        for number in 1..=self.nodes.len() {
+            self.check(number).unwrap_or_else(|found| panic!("{found}"));
+            assert_eq!(self.ask(number, "apply"), "ok applied");
+        }
+        self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
+        self.settle().unwrap_or_else(|found| panic!("{found}"));
+        for number in 1..=self.nodes.len() {
+            assert!(self.ask(number, "stream 1").starts_with("ok"));
+        }
+        let before: Vec<usize> = self.pc.answers.iter().map(Vec::len).collect();
+        for number in 1..=self.nodes.len() {
+            self.send(number, "arm");
+        }
+        self.run_for_ms(self.engaging);
+        while self.ticks < 24 {
+            assert!(self.stops < 1_000_000, "the boards do not arm");
+            self.step();
+            for (index, before) in before.iter().enumerate().take(self.nodes.len()) {
+                let answer = self.pc.answers[index].get(*before).map(String::as_str);
+                assert!(matches!(answer, None | Some("ok armed")), "board {}: {answer:?}", index + 1);
+            }
+        }
+        for number in 1..=self.nodes.len() {
+            let first = self.armed_ticks(number).first().expect("its first ticks are here");
+            assert!(self.nodes.len() == 1 || first.flags() & ENGAGED != 0, "board {number} is not engaged");
+        }
+    }
+}
