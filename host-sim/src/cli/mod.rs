@@ -28,6 +28,7 @@ mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod shape;
 mod squash;
 mod stability;
 mod tune;
@@ -100,6 +101,8 @@ enum Command {
     Crowd(crowd::Crowd),
     /// Every key of a world file, or what a world holds.
     World(world::World),
+    /// A hand strokes along an object of a world and pushes it about: force, depth at corners, energy.
+    Shape(shape::ShapeArgs),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
     /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
@@ -217,6 +220,7 @@ pub fn main() -> ExitCode {
         Command::Visit(command) => command.run(),
         Command::Crowd(command) => command.run(),
         Command::World(command) => command.run(),
+        Command::Shape(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),
