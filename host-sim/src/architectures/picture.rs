@@ -38,7 +38,8 @@ pub fn figure(rows: &[Row]) -> Figure {
         title: "Two people carry and place a body, in every architecture".to_owned(),
         caption: "Dotted: own copies, lock, token ring. Dashed: one dynamics engine. Solid: copies held together by a law. \
                   Lines end where an architecture is unstable; a discrepancy of 0, as with one engine at the server, has \
-                  no place on its axis. Bytes are those that one user sends, sealed."
+                  no place on its axis. Bytes are those that one user sends, sealed. Lock and ring are apart only while \
+                  one carries, and only who carries feels the body: their discrepancy says how long that is."
             .to_owned(),
         columns: 2,
         panels: vec![

@@ -1,8 +1,8 @@
 //! One user at a time: the lock and the token ring of the protocol, carried by a line that only delays.
 //!
 //! Who owns the body moves its copy; the other's copy is the last one that was released. Hands are a device and an arm on one
-//! spring ([`Linear`]): who waits keeps the hand, open, at the body as it sees it, and grips when it owns the body and has
-//! come within [`GRIP_M`]; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
+//! spring ([`Linear`]): who waits reaches, open, for the body as it sees it, and grips when it owns the body and has come to
+//! rest at it ([`GRIP_M`], [`GRIP_M_PER_S`]), so that how it grips does not depend on when the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
 use haptic_core::list::Model;
 use haptic_core::motion::Motion;
@@ -13,14 +13,23 @@ use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
 use haptic_protocol::wire::{Event, PeerId};
 
-use super::{Account, Architecture, ArchitectureError, Row, TASK, event_bytes, presence_bytes_per_s, scene};
+use super::account::{Account, End, event_bytes, presence_bytes_per_s};
+use super::{Architecture, ArchitectureError, Row, TASK, scene};
+use crate::analysis::verdict;
 use crate::network::in_flight::InFlight;
 use crate::network::mesh::Letter;
 use crate::plant::Linear;
 use crate::scene::SceneFile;
+use crate::user::minimum_jerk;
 
-/// A hand this close to the body grips it, m.
-pub const GRIP_M: f64 = 1e-3;
+/// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
+pub const GRIP_M: f64 = 2e-4;
+
+/// If it is no faster than this, m/s.
+pub const GRIP_M_PER_S: f64 = 0.02;
+
+/// How long half of the way takes, and the way to the body, s.
+const HALF_REACH_S: f64 = 0.5 * TASK.reach_s;
 
 /// How long who carries rests before it lets go, s.
 pub const REST_S: f64 = 0.8;
@@ -47,10 +56,31 @@ fn position(value: &Value) -> f64 {
 enum Doing {
     /// Wants it.
     Waits,
-    /// Carries it since this time (s), from here (m).
-    Carries(f64, f64),
+    /// Carries it since this time, s.
+    Carries(f64),
     /// Has let go.
     Done,
+}
+
+/// Where an arm wants its hand: on the way from one place to another.
+#[derive(Clone, Copy)]
+struct Reach {
+    since_s: f64,
+    from_m: f64,
+    to_m: f64,
+}
+
+impl Reach {
+    /// Place (m) and speed (m/s) that are wanted.
+    fn at(self, time_s: f64) -> (f64, f64) {
+        let (way, speed) = minimum_jerk(self.to_m - self.from_m, HALF_REACH_S, time_s - self.since_s);
+        (self.from_m + way, speed)
+    }
+
+    /// From where it has come by now to another place.
+    fn turn(&mut self, time_s: f64, to_m: f64) {
+        *self = Self { since_s: time_s, from_m: self.at(time_s).0, to_m };
+    }
 }
 
 /// A user with its device and its copy.
@@ -59,6 +89,7 @@ struct Hand {
     stiffness: f64,
     damping: f64,
     device: Motion<f64>,
+    reach: Reach,
     body: Motion<f64>,
     contact: Contact<f64>,
     integrator: AnyIntegrator<f64>,
@@ -67,7 +98,7 @@ struct Hand {
     goal: f64,
     /// The official copy as last seen, m: what one has released stands until there is news.
     known: f64,
-    /// Force on the body, N.
+    /// Force on the body, N; the device feels its reaction a tick late, as far as the scene says.
     force: f64,
 }
 
@@ -79,10 +110,11 @@ impl Hand {
         let mass = device.mass_kg + TASK.arm_mass_kg;
         let integrator = AnyIntegrator::build(settings);
         Self {
-            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, 0.0, period_s),
+            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, device.force_delay_ticks, period_s),
             stiffness,
             damping,
             device: Motion::REST,
+            reach: Reach { since_s: 0.0, from_m: 0.0, to_m: 0.0 },
             body: Motion::REST,
             contact: Contact::build(settings),
             state: integrator.initial(),
@@ -94,17 +126,27 @@ impl Hand {
         }
     }
 
+    /// Whether the hand rests at a place, m.
+    fn is_at(&self, place: f64) -> bool {
+        (self.device.position - place).abs() < GRIP_M && self.device.velocity.abs() < GRIP_M_PER_S
+    }
+
     /// One tick; true when the user lets go.
     fn step(&mut self, time_s: f64, owns: bool, official: f64) -> bool {
         let mut lets_go = false;
         match self.doing {
-            Doing::Waits if owns && (self.device.position - official).abs() < GRIP_M => {
+            Doing::Waits if owns && self.is_at(official) => {
                 self.body = Motion::at(official);
-                self.doing = Doing::Carries(time_s, official);
+                self.doing = Doing::Carries(time_s);
+                self.reach.turn(time_s, self.goal);
             }
             // Whoever has lost the right has to wait again.
-            Doing::Carries(..) if !owns => self.doing = Doing::Waits,
-            Doing::Carries(since, _) if time_s - since > 0.5 * TASK.reach_s + REST_S => {
+            Doing::Carries(_) if !owns => {
+                self.body = Motion::at(official);
+                self.doing = Doing::Waits;
+                self.reach.turn(time_s, official);
+            }
+            Doing::Carries(since) if time_s - since > HALF_REACH_S + REST_S => {
                 self.doing = Doing::Done;
                 self.body.velocity = 0.0;
                 lets_go = true;
@@ -113,27 +155,19 @@ impl Hand {
         }
         if official != self.known {
             self.known = official;
-            if !matches!(self.doing, Doing::Carries(..)) {
+            if !matches!(self.doing, Doing::Carries(_)) {
                 self.body = Motion::at(official);
+                self.reach.turn(time_s, official);
             }
         }
-        let (wanted, speed) = match self.doing {
-            Doing::Waits | Doing::Done => (self.body.position, 0.0),
-            Doing::Carries(since, from) => {
-                // Half of the way in half of the time: minimum jerk (Flash & Hogan 1985).
-                let (time, way) = (0.5 * TASK.reach_s, self.goal - from);
-                let s = ((time_s - since) / time).min(1.0);
-                let place = from + way * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-                (place, way / time * 30.0 * s * s * (1.0 - s) * (1.0 - s))
-            }
-        };
+        let (wanted, speed) = self.reach.at(time_s);
+        let (pull, felt) = (self.stiffness * wanted + self.damping * speed, self.force);
         self.force = 0.0;
-        if matches!(self.doing, Doing::Carries(..)) {
+        if matches!(self.doing, Doing::Carries(_)) {
             self.force = self.contact.force(self.device, self.body);
             self.body = self.integrator.step(&mut self.state, self.body, self.force);
         }
-        let push = self.stiffness * wanted + self.damping * speed - self.force;
-        self.device = self.plant.advance(self.device, push, push);
+        self.device = self.plant.advance(self.device, pull - felt, pull - self.force);
         lets_go
     }
 }
@@ -268,7 +302,7 @@ fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureE
 /// # Errors
 /// What the scene or the roles refuse.
 pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
-    let scene = scene(&[])?;
+    let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
     let (mut peers, users, delay_us) = cast(architecture, (1e3 * delay_ms) as u64)?;
     let goals = [0.5 * TASK.goals_m[0], TASK.goals_m[1]];
@@ -313,8 +347,14 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
             }
         }
     }
-    let done = hands.iter().all(|hand| hand.doing == Doing::Done);
     let aware = presence_bytes_per_s() * TASK.duration_s;
     let served = if architecture == Architecture::CollaborativeLock { server_bytes as f64 + 2.0 * aware } else { 0.0 };
-    Ok(account.row(architecture, delay_ms, done, [user_bytes as f64 + 2.0 * aware, served]))
+    let end = End {
+        done: hands.iter().all(|hand| hand.doing == Doing::Done),
+        // Of one hand at the body, whoever's is the larger: nobody else pushes.
+        spectral_radius: verdict(&scene)?.spectral_radius,
+        contact_n_per_m: [scene.peer.contact.stiffness_n_per_m; 2],
+        bytes: [user_bytes as f64 + 2.0 * aware, served],
+    };
+    Ok(account.row(architecture, delay_ms, end))
 }

@@ -259,12 +259,14 @@ impl World {
                 came_us: user.came_us,
                 sent_us: now,
             };
+            let mut others = pushes;
+            others[index] = None;
             let holds = lent_to == Some(peer(index));
             let say = recalled.filter(|(to, _)| *to == peer(index)).map(|(_, message)| message);
             let down = Down {
                 state: if here { Some(own) } else { seat.passed_on.take() },
                 force_n: (self.collision == Collision::Server).then_some(user.force_n),
-                pushes: holds.then_some(pushes),
+                pushes: holds.then_some(others),
                 say: seat.answer.take().or(say),
             };
             self.bytes[1] += down.bytes() as u64;
@@ -286,9 +288,9 @@ impl World {
             }
         }
         seat.received_n = down.force_n.unwrap_or(seat.received_n);
-        for (at, (user, pushed)) in seat.engine.users.iter_mut().zip(pushed).enumerate() {
+        for (user, pushed) in seat.engine.users.iter_mut().zip(pushed) {
             // A push that comes again is the one that stands.
-            *user = pushed.filter(|new| at != index && new.sent_us > user.sent_us).unwrap_or(*user);
+            *user = pushed.filter(|new| new.sent_us > user.sent_us).unwrap_or(*user);
         }
         match down.say.map_or(Told::Nothing, |message| seat.role.receive(now, &message)) {
             Told::Came(body) => seat.engine.take_over(object(body)),
