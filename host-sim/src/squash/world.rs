@@ -6,12 +6,13 @@ use std::collections::VecDeque;
 
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
-    Ball, Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig,
+    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, PlayerConfig, SERVER, Server, ServerConfig,
 };
-use haptic_protocol::wire::PeerId;
+use haptic_protocol::wire::{PeerId, SEAL_LEN};
 
 use super::bot::{Action, BALL_KG, Bot, MOTION, SCALE};
-use super::referee::{Referee, Report};
+use super::referee::Referee;
+use super::{Change, Game, Moment, Options};
 use crate::dice::Dice;
 use crate::network::in_flight::InFlight;
 use crate::network::mesh::{Clock, Letter, Mesh};
@@ -19,67 +20,6 @@ use crate::scene::Network;
 
 /// Control period, s.
 pub const TICK_S: f64 = 0.001;
-
-/// Bytes of an event before its payload, and of a sealed datagram around it.
-const AROUND: usize = 8 + 16 + 16;
-
-/// Somebody goes or comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// Says that it leaves.
-    Leaves,
-    /// Is switched off without a word.
-    Vanishes,
-    /// Is switched on, and knows nothing.
-    Comes,
-}
-
-/// What to play.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// 2 to 8.
-    pub players: u8,
-    /// Between any two, s; the network may add to it.
-    pub round_trip_s: f64,
-    /// What else the network does.
-    pub network: Network,
-    /// The ball is bounded by the round trip.
-    pub bounder: bool,
-    /// The hands are damped by the round trip.
-    pub motion_bounder: bool,
-    /// Simulated time, s.
-    pub seconds: f64,
-    /// Of everything random.
-    pub seed: u64,
-    /// Who goes and comes, when (s), by number.
-    pub changes: Vec<(f64, u8, Change)>,
-    /// Keep what happened every so many ticks, for pictures; 0 keeps nothing.
-    pub record_every: u64,
-}
-
-/// One moment of a game.
-#[derive(Clone, Debug)]
-pub struct Moment {
-    /// True time, s.
-    pub time_s: f64,
-    /// Where each player thinks that the ball is.
-    pub balls: Vec<Option<Ball>>,
-    /// Where each player is.
-    pub hands: Vec<[f64; 2]>,
-    /// Who may hit, by its own account.
-    pub active: Option<usize>,
-    /// Which rally, and hit, by the newest that anybody knows.
-    pub turn: (u16, u16),
-}
-
-/// A game that was played.
-#[derive(Clone, Debug)]
-pub struct Game {
-    /// What it came to.
-    pub report: Report,
-    /// What happened, if it was recorded.
-    pub moments: Vec<Moment>,
-}
 
 struct Peer {
     clock: Clock,
@@ -138,7 +78,7 @@ impl<'a> World<'a> {
         let network =
             Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
         let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut dice);
-        let config = ServerConfig { players: options.players, rallies: u16::MAX, bounder: options.bounder };
+        let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
         Self {
             options,
             court,
@@ -154,6 +94,12 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The game is over, and everybody who is there knows.
+    fn is_over(&self) -> bool {
+        let seats = self.seats.iter().zip(&self.peers[1..]).filter(|(_, peer)| peer.on);
+        seats.map(|(seat, _)| seat.player.game()).chain([self.server.game()]).all(|game| game.phase == Phase::Over)
+    }
+
     fn clock(&self, peer: usize, true_us: u64) -> u64 {
         self.peers[peer].clock.at(true_us)
     }
@@ -165,7 +111,7 @@ impl<'a> World<'a> {
             Some(seat) => {
                 let Seat { out, bytes, .. } = &mut self.seats[seat];
                 out.events(Message::event)
-                    .inspect(|(_, event)| *bytes += (AROUND + event.payload().len()) as u64)
+                    .inspect(|(_, event)| *bytes += (SEAL_LEN + event.emitted_len()) as u64)
                     .collect()
             }
         };
@@ -307,6 +253,7 @@ pub fn play(options: &Options) -> Game {
     let ticks = (options.seconds / TICK_S).round() as u64;
     let mut moments = Vec::new();
     let mut present = vec![true; usize::from(options.players)];
+    let mut played_s = options.seconds;
     for tick in 1..=ticks {
         let now_us = (tick as f64 * TICK_S * 1e6).round() as u64;
         world.deliver(now_us);
@@ -328,14 +275,20 @@ pub fn play(options: &Options) -> Game {
         if options.record_every > 0 && tick % options.record_every == 0 {
             moments.push(world.moment(now_us));
         }
+        if world.is_over() {
+            played_s = tick as f64 * TICK_S;
+            break;
+        }
     }
+    let over = world.is_over();
     // The next rally begins when all know the last: only one result can be on its way.
-    world.referee.ends(&present, 1);
+    world.referee.ends(&present, usize::from(!over));
     let mut report = world.referee.report;
+    report.over = over;
     report.round_trip_ms = f64::from(world.server.game().round_trip_us) * 1e-3;
     report.score.truncate(usize::from(options.players));
     let bytes: u64 = world.seats.iter().map(|seat| seat.bytes).sum();
-    report.bytes_per_s = bytes as f64 / options.seconds / f64::from(options.players);
+    report.bytes_per_s = bytes as f64 / played_s / f64::from(options.players);
     report.state_hash = hash(&world.seats);
     Game { report, moments }
 }
