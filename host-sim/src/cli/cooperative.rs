@@ -18,7 +18,7 @@ use crate::report::text::{TextTable, significant};
 use crate::scene::SceneFile;
 
 /// One-way delays of the sweep, ms.
-const DELAYS_MS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 150.0, 200.0];
+const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 /// Forces of the cooperation paper's §5.2, which a scene may change as anything else.
 const FORCES: [&str; 3] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
@@ -299,11 +299,22 @@ fn sweep(rows: &[Row]) -> Figure {
     let panel = |y_label: &str, value| Panel {
         x_label: "One-way delay (ms)".to_owned(),
         y_label: y_label.to_owned(),
+        log_x: true,
+        log_y: true,
         series: both(value),
         ..Panel::default()
     };
+    let contact = match rows.first().map(|row| row.collision) {
+        Some(Collision::Server) => "server",
+        _ => "clients",
+    };
+    let engine = match rows.first().map(|row| row.engine) {
+        Some(Engine::Client) => "at the first client",
+        Some(Engine::Moves) => "that moves to the first client and back",
+        _ => "at the server",
+    };
     Figure {
-        title: "One dynamics engine at the server, contact at the clients".to_owned(),
+        title: format!("One dynamics engine {engine}, contact at the {contact}"),
         caption: "Only runs that are stable: without the bounder a line ends where the environment breaks.".to_owned(),
         columns: 2,
         panels: vec![

@@ -6,11 +6,12 @@ use std::collections::VecDeque;
 
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
-    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, PlayerConfig, SERVER, Server, ServerConfig,
+    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, SERVER, Server, ServerConfig,
 };
 use haptic_protocol::wire::{PeerId, SEAL_LEN};
 
-use super::bot::{Action, BALL_KG, Bot, MOTION, SCALE};
+use super::bot::SCALE;
+use super::contestant::{Contestant, TICK_S};
 use super::referee::Referee;
 use super::{Change, Game, Moment, Options};
 use crate::dice::Dice;
@@ -18,27 +19,21 @@ use crate::network::in_flight::InFlight;
 use crate::network::mesh::{Clock, Letter, Mesh};
 use crate::scene::Network;
 
-/// Control period, s.
-pub const TICK_S: f64 = 0.001;
-
 struct Peer {
     clock: Clock,
     on: bool,
 }
 
 struct Seat {
-    player: Player,
-    bot: Bot,
+    contestant: Contestant,
     out: Outbox<Message, 64>,
     bytes: u64,
     /// Where the hand was in each tick of the last round trip.
     trail: VecDeque<[f64; 2]>,
-    was_active: bool,
 }
 
 struct World<'a> {
     options: &'a Options,
-    court: Court,
     peers: Vec<Peer>,
     server: Server,
     server_out: Outbox<Message, 64>,
@@ -50,22 +45,14 @@ struct World<'a> {
     rallies: u16,
 }
 
-fn seat(court: Court, number: usize, dice: &mut Dice) -> Seat {
-    let config =
-        PlayerConfig { number: PeerId(number as u8), court, ball_kg: BALL_KG, life: dice.below(1 << 16) as u16 };
-    Seat {
-        player: Player::new(config),
-        bot: Bot::new(court, dice.below(u64::MAX)),
-        out: Outbox::new(),
-        bytes: 0,
-        trail: VecDeque::new(),
-        was_active: false,
-    }
+fn seat(number: usize, dice: &mut Dice) -> Seat {
+    let (life, seed) = (dice.below(1 << 16) as u16, dice.below(u64::MAX));
+    let contestant = Contestant::new(PeerId(number as u8), life, seed);
+    Seat { contestant, out: Outbox::new(), bytes: 0, trail: VecDeque::new() }
 }
 
 impl<'a> World<'a> {
     fn new(options: &'a Options) -> Self {
-        let court = Court::SINGLES;
         let mut dice = Dice::new(options.seed);
         let count = usize::from(options.players) + 1;
         let peers = (0..count)
@@ -81,15 +68,14 @@ impl<'a> World<'a> {
         let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
         Self {
             options,
-            court,
             peers,
             server: Server::new(config),
             server_out: Outbox::new(),
-            seats: (1..count).map(|number| seat(court, number, &mut dice)).collect(),
+            seats: (1..count).map(|number| seat(number, &mut dice)).collect(),
             mesh,
             flying: InFlight::default(),
             dice,
-            referee: Referee::new(court, options.players),
+            referee: Referee::new(Court::SINGLES, options.players),
             rallies: 0,
         }
     }
@@ -97,7 +83,10 @@ impl<'a> World<'a> {
     /// The game is over, and everybody who is there knows.
     fn is_over(&self) -> bool {
         let seats = self.seats.iter().zip(&self.peers[1..]).filter(|(_, peer)| peer.on);
-        seats.map(|(seat, _)| seat.player.game()).chain([self.server.game()]).all(|game| game.phase == Phase::Over)
+        seats
+            .map(|(seat, _)| seat.contestant.player.game())
+            .chain([self.server.game()])
+            .all(|game| game.phase == Phase::Over)
     }
 
     fn clock(&self, peer: usize, true_us: u64) -> u64 {
@@ -137,8 +126,8 @@ impl<'a> World<'a> {
                 self.server.receive(clock, from, &message, &mut self.server_out);
                 self.judge();
             } else {
-                let Seat { player, out, .. } = &mut self.seats[to - 1];
-                player.receive(clock, from, &message, out);
+                let Seat { contestant, out, .. } = &mut self.seats[to - 1];
+                contestant.player.receive(clock, from, &message, out);
                 self.notices(due, to);
             }
             self.send(due, to);
@@ -155,42 +144,27 @@ impl<'a> World<'a> {
     }
 
     fn notices(&mut self, now_us: u64, at: usize) {
-        let clock_s = self.clock(at, now_us) as f64 * 1e-6;
-        let Seat { player, bot, was_active, .. } = &mut self.seats[at - 1];
-        while let Some(notice) = player.take_notice() {
-            match notice {
-                Notice::Begins { .. } => *was_active = false,
-                Notice::Hit { turn, corrected_m: [x, y] } => {
-                    let corrected = f64::from(x).hypot(f64::from(y));
-                    let report = &mut self.referee.report;
-                    report.largest_correction_m = report.largest_correction_m.max(corrected);
-                    if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
-                        self.referee.next_knows(now_us as f64 * 1e-6, turn);
-                        *was_active = false;
-                    }
+        let clock = self.clock(at, now_us);
+        let referee = &mut self.referee;
+        self.seats[at - 1].contestant.hears(clock, |player, notice| match notice {
+            Notice::Begins { .. } => {}
+            Notice::Hit { turn, corrected_m: [x, y] } => {
+                let corrected = f64::from(x).hypot(f64::from(y));
+                referee.report.largest_correction_m = referee.report.largest_correction_m.max(corrected);
+                if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
+                    referee.next_knows(now_us as f64 * 1e-6, turn);
                 }
-                Notice::Ends { verdict, score, seen } => self.referee.told(at as u8, verdict, score, seen),
             }
-        }
-        match (player.is_active(), *was_active) {
-            (true, false) => bot.sees_its_turn(clock_s),
-            (false, true) => bot.rests(),
-            _ => {}
-        }
-        *was_active = player.is_active();
+            Notice::Ends { verdict, score, seen } => referee.told(at as u8, verdict, score, seen),
+        });
     }
 
     /// A tick of a player's body and role.
     fn play(&mut self, now_us: u64, at: usize) {
         let clock = self.clock(at, now_us);
-        let Seat { player, bot, out, trail, .. } = &mut self.seats[at - 1];
-        let damping = if self.options.motion_bounder { MOTION.damping_n_s_per_m(player.round_trip_us()) } else { 0.0 };
-        let action = bot.tick(clock as f64 * 1e-6, TICK_S, player.ball(clock), f64::from(damping));
-        player.place(bot.racket());
-        if let Action::Swings(racket) = action
-            && let Some(strike) = player.hit(clock, &racket, out)
-        {
-            let ball = player.ball(clock).unwrap_or_default();
+        let Seat { contestant, out, trail, .. } = &mut self.seats[at - 1];
+        if let Some(strike) = contestant.tick(clock, self.options.motion_bounder, out) {
+            let ball = contestant.player.ball(clock).unwrap_or_default();
             let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
             let report = &mut self.referee.report;
             report.largest_pulse_n = report.largest_pulse_n.max(SCALE * x.hypot(y));
@@ -198,8 +172,7 @@ impl<'a> World<'a> {
                 self.referee.hit(now_us as f64 * 1e-6, at as u8, strike.turn, ball, strike.bounded);
             }
         }
-        player.poll(clock, out);
-        let [x, y] = bot.position();
+        let [x, y] = contestant.bot.position();
         let long = (self.options.round_trip_s / TICK_S).round().max(1.0) as usize;
         trail.push_back([x, y]);
         if trail.len() > long {
@@ -211,7 +184,7 @@ impl<'a> World<'a> {
         for (other, seat) in self.seats.iter().enumerate() {
             if other + 1 != at
                 && self.peers[other + 1].on
-                && let Some(heard) = seat.player.racket_of(PeerId(at as u8))
+                && let Some(heard) = seat.contestant.player.racket_of(PeerId(at as u8))
             {
                 let error = away(heard.position.map(f64::from));
                 self.referee.report.hand_error_m = self.referee.report.hand_error_m.max(error);
@@ -223,11 +196,11 @@ impl<'a> World<'a> {
 
     fn change(&mut self, at: usize, change: Change) {
         match change {
-            Change::Leaves => self.seats[at - 1].player.leave(),
+            Change::Leaves => self.seats[at - 1].contestant.player.leave(),
             Change::Vanishes => self.peers[at].on = false,
             Change::Comes => {
                 self.peers[at].on = true;
-                self.seats[at - 1] = seat(self.court, at, &mut self.dice);
+                self.seats[at - 1] = seat(at, &mut self.dice);
                 self.referee.came_back(at as u8);
             }
         }
@@ -236,12 +209,12 @@ impl<'a> World<'a> {
     fn moment(&self, now_us: u64) -> Moment {
         let on = |at: &usize| self.peers[*at + 1].on;
         let seats = || self.seats.iter().enumerate();
-        let turn = self.seats.iter().map(|seat| seat.player.turn()).max().unwrap_or_default();
+        let turn = self.seats.iter().map(|seat| seat.contestant.player.turn()).max().unwrap_or_default();
         Moment {
             time_s: now_us as f64 * 1e-6,
-            balls: seats().map(|(at, seat)| seat.player.ball(self.clock(at + 1, now_us))).collect(),
-            hands: self.seats.iter().map(|seat| seat.bot.position()).collect(),
-            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].player.is_active()),
+            balls: seats().map(|(at, seat)| seat.contestant.player.ball(self.clock(at + 1, now_us))).collect(),
+            hands: self.seats.iter().map(|seat| seat.contestant.bot.position()).collect(),
+            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].contestant.player.is_active()),
             turn: (turn.rally, turn.stroke),
         }
     }
@@ -296,7 +269,7 @@ pub fn play(options: &Options) -> Game {
 /// FNV-1a of what the players know: equal seeds, equal games.
 fn hash(seats: &[Seat]) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.player).into_bytes()) {
+    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.contestant.player).into_bytes()) {
         hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
     format!("{hash:016x}")
