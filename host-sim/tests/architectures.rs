@@ -4,8 +4,8 @@
 //! linear hand lags behind its reach is, as an integral over time, the distance times b/k: the damping of the device over the
 //! stiffness of its arm (the derivative of its transfer function at 0), and a minimum-jerk reach is half-way for half of its time.
 
+use host_sim::architectures::hand::REST_S;
 use host_sim::architectures::together::unbounded_radius;
-use host_sim::architectures::turns::REST_S;
 use host_sim::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};
 
 /// Damping of the device, N·s/m, and stiffness of the contact, N/m: the scene's defaults.

@@ -1,25 +1,21 @@
 //! Account of a run: what is measured, tick by tick, in every architecture.
 
-use haptic_protocol::wire::{Ack, Event, Header, Presence, Sighting, TAG_LEN};
+use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
 
 use super::{Architecture, Row, TASK};
 use crate::analysis::verdict::ROUNDING;
 use crate::experiment::run::Growth;
 
-/// Bytes around a sealed message.
-pub(super) const SEAL: usize = Header::LEN + TAG_LEN;
-
 /// Bytes of a sealed event of this length and of its acknowledgement.
 pub(super) fn event_bytes(event: &Event) -> usize {
-    let mut out = [0; Event::MAX_LEN];
-    SEAL + event.emit(&mut out).unwrap_or(Event::MAX_LEN) + SEAL + Ack::LEN
+    SEAL_LEN + event.emitted_len() + SEAL_LEN + Ack::LEN
 }
 
 /// Bytes a second of telling where a hand is, each 50 ms as in the architectures paper.
 pub(super) fn presence_bytes_per_s() -> f64 {
     let mut out = [0; Presence::MAX_LEN];
     let len = Presence::new(0, [Sighting::default()]).emit(&mut out).unwrap_or(Presence::MAX_LEN);
-    20.0 * (SEAL + len) as f64
+    20.0 * (SEAL_LEN + len) as f64
 }
 
 /// What else there is to know at the end of a run.

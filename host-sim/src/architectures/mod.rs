@@ -22,11 +22,12 @@
 //! | module | holds |
 //! |---|---|
 //! | [`together`] | both users at the same time |
-//! | [`turns`] | one user at a time |
+//! | [`turns`], [`hand`] | one user at a time: roles and the line between them; the users |
 //! | `account` | what is measured in either |
 //! | [`picture`] | the figure |
 
 mod account;
+pub mod hand;
 pub mod picture;
 pub mod together;
 pub mod turns;
@@ -73,17 +74,26 @@ pub const TASK: Task = Task {
 /// An architecture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs)]
 pub enum Architecture {
+    /// A copy each.
     Static,
+    /// One at a time, by a lock at a server.
     CollaborativeLock,
+    /// One at a time, by a token that goes round.
     CollaborativeRing,
+    /// One dynamics engine at a server.
     CooperativeServer,
+    /// The same, with the scene's contact whatever the round trip.
     CooperativeServerUnbounded,
+    /// The dynamics engine at user 1, with the bounder.
     CooperativeClient,
+    /// Two copies, coordinated by positions and velocities.
     DistributedPower,
+    /// Two copies, coordinated by waves.
     DistributedWave,
+    /// Two copies, by waves with the paper's filter.
     DistributedPassiveWave,
+    /// Two copies, by waves of which the mean is sent.
     DistributedPassiveMean,
 }
 

@@ -37,9 +37,9 @@ pub fn figure(rows: &[Row]) -> Figure {
     Figure {
         title: "Two people carry and place a body, in every architecture".to_owned(),
         caption: "Dotted: own copies, lock, token ring. Dashed: one dynamics engine. Solid: copies held together by a law. \
-                  Lines end where an architecture is unstable; a discrepancy of 0, as with one engine at the server, has \
-                  no place on its axis. Bytes are those that one user sends, sealed. Lock and ring are apart only while \
-                  one carries, and only who carries feels the body: their discrepancy says how long that is."
+                  Lines end where an architecture is unstable, as the engine without bounder is everywhere; a discrepancy of \
+                  0, as with one engine at the server, has no place on its axis. Lock and ring are apart only while one \
+                  carries, and only who carries feels the body. Bytes are those that one user sends, sealed."
             .to_owned(),
         columns: 2,
         panels: vec![

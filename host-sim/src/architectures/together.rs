@@ -1,8 +1,8 @@
 //! Both users at the same time: each its own copy, one dynamics engine, or copies that a law holds together.
 
-use haptic_protocol::wire::Flow;
+use haptic_protocol::wire::{Flow, SEAL_LEN};
 
-use super::account::{Account, End, SEAL, presence_bytes_per_s};
+use super::account::{Account, End, presence_bytes_per_s};
 use super::{Architecture, ArchitectureError, Row, TASK, scene};
 use crate::analysis::verdict;
 use crate::cooperative::world::World;
@@ -40,7 +40,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
         2.0 * presence_bytes_per_s() * TASK.duration_s
     } else {
         let packets: u64 = pair.sides.iter().map(|side| side.incoming.counts().sent).sum();
-        (packets * (SEAL + Flow::LEN) as u64) as f64
+        (packets * (SEAL_LEN + Flow::LEN) as u64) as f64
     };
     // A server of a static world tells everybody where the others are.
     let server = if comm == "none" { bytes } else { 0.0 };

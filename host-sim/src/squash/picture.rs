@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use haptic_protocol::roles::squash::Court;
 
-use super::world::{Game, Moment, Options};
+use super::{Game, Moment, Options};
 use crate::report::ReportError;
 use crate::report::plot::{Dash, Figure, Panel, Series, ShareY, draw};
 
