@@ -219,6 +219,18 @@ fn stability_of_one_device() {
 }
 
 #[test]
+fn objects_that_cannot_be_stroked() {
+    let world = file("shapes.toml", "[[strip]]\nid = 3\n[[block]]\nid = 4\n");
+    let shape = |arguments: &[&str], names: &[&str]| refused(&[&["shape", "--json"], arguments].concat(), names);
+    shape(&["--scene", &world, "--object", "3"], &["a strip has no outline", "a wall, a body or a block"]);
+    shape(&["--scene", &world, "--object", "5"], &["--object 5", "shapes.toml", "3, 4"]);
+    shape(&["--scene", &world, "--object", "4", "--below-m", "0.06"], &["below_m = 0.06 is too much"]);
+    shape(&["--scene", &world], &["--object"]);
+    shape(&["--mass-kg", "-1"], &["--mass-kg -1", "0.01 to 1000 kg"]);
+    shape(&["--speed-m-per-s", "nan"], &["--speed-m-per-s NaN", "0.001 to 1 m/s"]);
+}
+
+#[test]
 fn calibrations_that_cannot_begin() {
     let out = folder().join("calibrated.toml").display().to_string();
     let calibrate = |rest: &[&str], names: &[&str]| refused(&[&["calibrate"], rest].concat(), names);

@@ -132,7 +132,7 @@ fn the_engine_moves_without_a_jump() {
         let mut forces = [0.0; 3];
         // The largest change of a force in the second before a transfer, and in the one from it on.
         let mut jumps = [0.0_f64; 4];
-        let mut nobody = 0;
+        let (mut nobody, mut object) = (0, world.object());
         for tick in 0..10_000 {
             match tick {
                 4_000 => world.ask(),
@@ -140,8 +140,10 @@ fn the_engine_moves_without_a_jump() {
                 _ => {}
             }
             world.step();
-            let holders = world.holders();
+            let (holders, before) = (world.holders(), object.position);
             assert!(holders.len() <= 1, "two engines at tick {tick}");
+            object = world.object();
+            assert!((object.position - before).abs() < 1e-4, "{one_way_ms} ms: the object jumps at tick {tick}");
             nobody += u32::from(holders.is_empty());
             let there = tick > 4_000 + 5 * one_way_ms as u32 + 5 && tick < 7_000;
             assert!(!there || holders == [1], "{holders:?} at tick {tick}");

@@ -1,21 +1,80 @@
 //! `cargo xtask board`: the release image on two virtual boards, from the command line.
 //!
-//! Builds the image and the bench (tests/board, a workspace of its own), then hands the arguments on to the bench. Where
+//! Looks at the command line, builds the image and the bench (tests/board, a workspace of its own), then hands the arguments on. Where
 //! things are built: the image as cargo would, the bench in `tests/board/target`, or in `board/` below `CARGO_TARGET_DIR`.
 
-use std::env;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::{env, fs};
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// Builds and runs; `arguments` are the bench's, and so is exit status 2 where they are wrong.
-pub(crate) fn board(arguments: &[&str]) -> Result<ExitCode, Failure> {
+/// Longest run, s.
+const MOST_SECONDS: f64 = 3600.0;
+
+/// A command line that can be one; what stands in the scene and its overrides the bench looks at.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Plan<'a>(&'a [&'a str]);
+
+impl<'a> Plan<'a> {
+    /// Reads the command line; what is wrong with it is one line, before anything is built.
+    pub(crate) fn parse(arguments: &'a [&'a str]) -> Result<Self, Failure> {
+        let mut words = arguments.iter();
+        while let Some(word) = words.next() {
+            let (option, attached) =
+                word.split_once('=').map_or((*word, None), |(option, value)| (option, Some(value)));
+            let wrong = match option {
+                "--json" if attached.is_none() => continue,
+                "--scene" | "--set" | "--seconds" | "--out" => {
+                    let Some(value) = attached.or_else(|| words.next().copied()) else {
+                        return Err(Failure::new(format!(
+                            "{option} needs a value; `cargo xtask board --help` says which"
+                        )));
+                    };
+                    wrong(option, value)
+                }
+                _ => Some(format!("there is no option {word}; `cargo xtask board --help` lists them")),
+            };
+            if let Some(wrong) = wrong {
+                return Err(Failure::new(wrong));
+            }
+        }
+        Ok(Self(arguments))
+    }
+}
+
+/// What is wrong with the value of an option.
+fn wrong(option: &str, value: &str) -> Option<String> {
+    let allowed = match option {
+        "--seconds" if value.parse().is_ok_and(|seconds| (1.0..=MOST_SECONDS).contains(&seconds)) => return None,
+        "--seconds" => format!("it must be a number from 1 to {MOST_SECONDS}"),
+        "--set" if value.split_once('=').is_some_and(|(key, _)| key.contains('.')) => return None,
+        "--set" => "it must be TABLE.KEY=VALUE".to_owned(),
+        "--scene" if Path::new(value).is_file() || built_in().any(|name| name == value) => return None,
+        "--scene" => format!("it must be a file or one of {}", built_in().collect::<Vec<_>>().join(", ")),
+        _ => return None,
+    };
+    Some(format!("{option} \"{value}\" is not allowed: {allowed}"))
+}
+
+/// The scenes that host-sim has built in, by name: those of the folder.
+fn built_in() -> impl Iterator<Item = String> {
+    let files = fs::read_dir(run::root().join("scenes")).into_iter().flatten().flatten();
+    let mut names: Vec<String> =
+        files.filter_map(|file| file.file_name().to_str()?.strip_suffix(".toml").map(str::to_owned)).collect();
+    names.sort();
+    names.into_iter()
+}
+
+/// Builds and runs; exit status 2 where the bench refuses the scene.
+pub(crate) fn board(plan: &Plan<'_>) -> Result<ExitCode, Failure> {
     let ready = step("set-up", setup::setup)?;
     let image = step("image", || image(&ready))?;
     let mut bench = bench(&["run", "--bin", "board"], &image);
-    bench.arg("--").args(arguments);
+    // Files are named as seen from where the command was given.
+    let here = env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
+    bench.arg("--").args(plan.0).current_dir(here);
     eprintln!("    {}", run::spelled(&bench));
     let status = bench.status().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
     match status.code() {
@@ -46,10 +105,11 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
 }
 
 /// Cargo on the bench, with the image that it is to run.
-pub(crate) fn bench(arguments: &[&str], image: &std::path::Path) -> Command {
+pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
     let mut bench = cargo(arguments);
     // The emulator asks for a newer compiler than it needs (notes/virtual-board.md).
-    bench.args(["--release", "--locked", "--ignore-rust-version", "--manifest-path", "tests/board/Cargo.toml"]);
+    bench.args(["--release", "--locked", "--ignore-rust-version", "--manifest-path"]);
+    bench.arg(run::root().join("tests/board/Cargo.toml"));
     bench.env("HAPTIC_FIRMWARE", image);
     if let Some(shared) = env::var_os("CARGO_TARGET_DIR") {
         bench.env("CARGO_TARGET_DIR", run::root().join(shared).join("board"));
@@ -60,4 +120,41 @@ pub(crate) fn bench(arguments: &[&str], image: &std::path::Path) -> Command {
 /// Where cargo builds the workspace.
 fn target() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| run::root().join("target"), |folder| run::root().join(folder))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(arguments: &[&str]) -> String {
+        Plan::parse(arguments).expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn a_wrong_command_line_is_one_line_that_says_what_is_allowed() {
+        for (arguments, says) in [
+            (&["--scenes", "x"][..], "there is no option --scenes;"),
+            (&["--json=1"], "there is no option --json=1;"),
+            (&["--json", "fast"], "there is no option fast;"),
+            (&["--seconds"], "--seconds needs a value;"),
+            (&["--seconds", "0.5"], "--seconds \"0.5\" is not allowed: it must be a number from 1 to 3600"),
+            (&["--seconds=nan"], "--seconds \"nan\" is not allowed: it must be a number from 1 to 3600"),
+            (&["--set", "mass=1"], "--set \"mass=1\" is not allowed: it must be TABLE.KEY=VALUE"),
+            (&["--scene", "impulse"], "--scene \"impulse\" is not allowed: it must be a file or one of impulsive, "),
+        ] {
+            let refusal = refusal(arguments);
+            assert!(refusal.starts_with(says) && !refusal.contains('\n'), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn files_and_every_built_in_name_pass() {
+        let file = run::root().join("scenes/impulsive.toml");
+        let names: Vec<String> = built_in().chain([file.display().to_string()]).collect();
+        assert!(names.len() > 12, "{names:?}");
+        for name in &names {
+            let arguments = ["--scene", name, "--set=user.1.push_n=1", "--seconds", "1e3", "--json", "--out", "x"];
+            assert_eq!(Plan::parse(&arguments).unwrap(), Plan(&arguments));
+        }
+    }
 }

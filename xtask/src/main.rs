@@ -187,9 +187,15 @@ fn main() -> ExitCode {
         ["bench", "--help" | "-h"] => print(BENCH_HELP),
         ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
         ["board", "--help" | "-h"] => print(BOARD_HELP),
-        ["board", arguments @ ..] => match board::board(arguments) {
-            Ok(status) => return status,
-            Err(failure) => Err(failure),
+        ["board", arguments @ ..] => match board::Plan::parse(arguments) {
+            Ok(plan) => match board::board(&plan) {
+                Ok(status) => return status,
+                Err(failure) => Err(failure),
+            },
+            Err(failure) => {
+                eprintln!("error: {failure}");
+                return ExitCode::from(2);
+            }
         },
         ["count", "--help" | "-h"] => print(COUNT_HELP),
         ["count"] => count::count(false),

@@ -221,6 +221,21 @@ fn every_number_type_feels_the_same() {
 }
 
 proptest! {
+    /// Any bits may come in: no panic, and no force on who is nowhere.
+    #[test]
+    fn any_bits_may_come_in(bits in prop::array::uniform4(any::<u32>()), far: bool) {
+        let [x, y, u, v] = bits.map(|bits| if far { f32::from_bits(bits) } else { bits as f32 * 1e-11 - 0.02 });
+        let hand = [(x, u), (y, v)].map(|(position, velocity)| Motion { position, velocity });
+        let felt = Shape::Polygon(edges::<f32, 6>(ELL)).press(&contact(2.0), hand, [Motion::REST; 2]);
+        prop_assert!((x.is_finite() && y.is_finite()) || felt == Default::default());
+        let hand = hand.map(|axis| Motion {
+            position: Fixed::from_f64(f64::from(axis.position)),
+            velocity: Fixed::from_f64(f64::from(axis.velocity)),
+        });
+        let felt = Shape::Polygon(edges::<Fixed, 6>(ELL)).press(&contact(2.0), hand, [Motion::REST; 2]);
+        prop_assert!(felt.depth.to_f64() < 0.03);
+    }
+
     /// Against a walk along the outline in small steps, and a count of turns around the point.
     #[test]
     fn depth_is_the_distance_to_the_outline(

@@ -28,6 +28,7 @@ mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod shape;
 mod squash;
 mod stability;
 mod tune;
@@ -100,6 +101,8 @@ enum Command {
     Crowd(crowd::Crowd),
     /// Every key of a world file, or what a world holds.
     World(world::World),
+    /// A hand strokes along an object of a world and pushes it about: force, depth at corners, energy.
+    Shape(shape::ShapeArgs),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
     /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
@@ -114,7 +117,7 @@ enum Command {
 
 /// Which scene, and what to change in it.
 #[derive(Clone, Debug, Args)]
-pub(super) struct SceneArgs {
+pub struct SceneArgs {
     /// Scene file (TOML) or the name of a built-in one; without it, the cooperation paper's defaults.
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
@@ -139,7 +142,7 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub(super) fn load_or(&self, name: &str) -> Result<SceneFile, SceneError> {
+    pub fn load_or(&self, name: &str) -> Result<SceneFile, SceneError> {
         if self.scene.is_some() { self.load() } else { self.changed(name) }
     }
 
@@ -166,11 +169,16 @@ impl SceneArgs {
 
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
+        self.name_or("scene")
+    }
+
+    /// As [`Self::name`]; without a scene, `name`.
+    pub fn name_or(&self, name: &str) -> String {
         if let Some(name) = self.built_in() {
             return name.to_owned();
         }
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
-        stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+        stem.map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
 }
 
@@ -212,6 +220,7 @@ pub fn main() -> ExitCode {
         Command::Visit(command) => command.run(),
         Command::Crowd(command) => command.run(),
         Command::World(command) => command.run(),
+        Command::Shape(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),

@@ -13,7 +13,7 @@
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
 //! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
 //! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
-//! the last wave fades as in any silence, and the counters of two lives never meet.
+//! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 

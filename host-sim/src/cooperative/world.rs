@@ -49,6 +49,8 @@ pub struct World {
     seats: Vec<Seat>,
     server: role::Server,
     engine: DynamicsEngine,
+    /// The object as it was last moved, by whom ever.
+    moved: Motion<f64>,
     contacts: [Contact<f64>; 2],
     bounder: Option<Bounder<f64>>,
     collision: Collision,
@@ -128,6 +130,7 @@ impl World {
             seats: seats.collect(),
             server: role::Server::new(lease),
             contacts: [0, 1].map(|side: usize| Contact::build(&settings[side])),
+            moved: engine.object,
             engine,
             bounder: setup.bounder.then_some(bounder),
             collision: setup.collision,
@@ -168,9 +171,7 @@ impl World {
 
     /// The object where it is moved, or was last.
     pub fn object(&self) -> Motion<f64> {
-        let now = self.now_us();
-        let here = self.seats.iter().find(|seat| seat.role.engine(now).is_some());
-        here.map_or(self.engine.object, |seat| seat.engine.object)
+        self.moved
     }
 
     /// The first client asks for the engine.
@@ -360,12 +361,14 @@ impl World {
         }
         if self.server.has_engine() {
             self.engine.step();
+            self.moved = self.engine.object;
         }
         for (index, seat) in self.seats.iter_mut().enumerate() {
             if seat.role.engine(now).is_some() {
                 seat.engine.users[index] =
                     Pushed { force_n: seat.force_n, drag_n_s_per_m: seat.client.bound.drag, sent_us: 0, came_us: 0 };
                 seat.engine.step();
+                self.moved = seat.engine.object;
             }
         }
     }

@@ -191,11 +191,9 @@ impl<A: Copy> Hub<A> {
     /// One control period: exchanges if that is due, says what is to be said.
     pub fn beat(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
         for (line, at) in self.lines.iter_mut().zip(0..) {
-            // A line that nobody proved to be on is not called: its peer calls.
-            while let Some((address, len)) = line.address.zip(line.link.poll(now_us, &mut self.out)) {
-                if line.link.stage() == Stage::Calling {
-                    line.address = None;
-                } else {
+            while let Some(len) = line.link.poll(now_us, &mut self.out) {
+                // A line that nobody has proved to be on is not called: its peer calls.
+                if let Some(address) = line.address.filter(|_| line.link.stage() != Stage::Calling) {
                     send(address, &self.out[..len]);
                 }
             }

@@ -149,7 +149,8 @@ fn waiting(hub: &Hub<SocketAddr>, waited_s: f64, options: &Options) -> Result<()
         return Ok(());
     }
     let absent = (1..).zip(hub.lines()).filter(|(_, (end, _))| !end.is_joined());
-    let absent: Vec<String> = absent.map(|(line, _): (u32, _)| line.to_string()).collect();
+    let absent: Vec<String> =
+        absent.map(|(line, _): (u32, _)| format!("{line} (peer number {})", number_on(line))).collect();
     Err(format!(
         "only {} of {} peers came within {} s; nobody on line {} at {}, or nobody who holds its key",
         options.users - absent.len(),

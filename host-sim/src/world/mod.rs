@@ -21,7 +21,10 @@
 //! key, value and what is allowed.
 
 mod file;
+pub mod picture;
 pub mod render;
+pub mod solid;
+pub mod stroke;
 
 pub use file::{OWN_KEYS, WorldError, load, parse};
 

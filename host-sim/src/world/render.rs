@@ -17,12 +17,13 @@ use haptic_core::list::Model as _;
 use haptic_core::motion::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
-use haptic_core::render::shape::{self, Edge, Pressed};
-use haptic_core::render::{Contact, Side};
+use haptic_core::render::Contact;
+use haptic_core::render::shape::Pressed;
 use haptic_core::settings::Settings;
-use haptic_protocol::database::{Object, Shape, Strip};
+use haptic_protocol::database::{Object, Strip};
 
 use super::CONTROL_PERIOD_S;
+use super::solid::{Solid, contact, solid};
 
 type Vector = [f64; 2];
 
@@ -36,16 +37,16 @@ fn minus(a: Vector, b: Vector) -> Vector {
 
 /// A line with a free side on its left.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
-    from: Vector,
-    along: Vector,
+pub(super) struct Frame {
+    pub(super) from: Vector,
+    pub(super) along: Vector,
     /// To the free side.
-    out: Vector,
-    length: f64,
+    pub(super) out: Vector,
+    pub(super) length: f64,
 }
 
 impl Frame {
-    fn new(from: [f32; 2], to: [f32; 2]) -> Self {
+    pub(super) fn new(from: [f32; 2], to: [f32; 2]) -> Self {
         let from = from.map(f64::from);
         let way = minus(to.map(f64::from), from);
         let length = libm::sqrt(dot(way, way));
@@ -143,58 +144,10 @@ impl Chain {
     }
 }
 
-/// What the outline of an object that does not move encloses.
-pub type Solid = shape::Shape<f64, [Edge<f64>; 4]>;
-
-/// The solid of an object; a strip has none.
-pub fn solid(shape: &Shape) -> Option<Solid> {
-    if let Form::Solid(solid) = Form::new(shape) { Some(solid) } else { None }
-}
-
-/// The contact of an object.
-pub fn contact(shape: &Shape) -> Contact<f64> {
-    let (stiffness, damping) = match shape {
-        Shape::Wall(wall) => (wall.stiffness_n_per_m, wall.damping_n_s_per_m),
-        Shape::Body(body) => (body.stiffness_n_per_m, body.damping_n_s_per_m),
-        Shape::Strip(strip) => (strip.stiffness_n_per_m, strip.damping_n_s_per_m),
-        Shape::Block(block) => (block.stiffness_n_per_m, block.damping_n_s_per_m),
-    };
-    let mut settings = Settings::default();
-    settings.contact.one_sided = true;
-    settings.contact.side = Side::Left;
-    settings.contact.stiffness_n_per_m = f64::from(stiffness);
-    settings.contact.damping_n_s_per_m = f64::from(damping);
-    Contact::build(&settings)
-}
-
 #[derive(Clone, Debug)]
 enum Form {
     Solid(Solid),
     Strip(Chain),
-}
-
-impl Form {
-    fn new(shape: &Shape) -> Self {
-        match shape {
-            Shape::Wall(wall) => {
-                let Frame { from, along, out, length } =
-                    Frame::new([wall.from_x_m, wall.from_y_m], [wall.to_x_m, wall.to_y_m]);
-                let at = |x: f64, y: f64| [0, 1].map(|axis| from[axis] + x * along[axis] + y * out[axis]);
-                let behind = -f64::from(wall.thickness_m);
-                let corners = [at(0.0, 0.0), at(length, 0.0), at(length, behind), at(0.0, behind)];
-                Self::Solid(Solid::Polygon(shape::edges(corners)))
-            }
-            Shape::Body(body) => {
-                let (centre, radius) = ([body.x_m, body.y_m].map(f64::from), f64::from(body.radius_m));
-                Self::Solid(Solid::Disc { centre, radius })
-            }
-            Shape::Block(block) => {
-                let corners = block.corners().map(|corner| corner.map(f64::from));
-                Self::Solid(Solid::Polygon(shape::edges(corners)))
-            }
-            Shape::Strip(strip) => Self::Strip(Chain::new(strip)),
-        }
-    }
 }
 
 /// What the hand feels from one object.
@@ -218,7 +171,10 @@ struct Felt {
 impl Felt {
     /// An object that appears while the hand is at `hand`.
     fn new(object: Object, hand: Option<Vector>) -> Self {
-        let mut form = Form::new(&object.shape);
+        let mut form = match solid(&object.shape) {
+            Ok(solid) => Form::Solid(solid),
+            Err(strip) => Form::Strip(Chain::new(strip)),
+        };
         let around = match (&mut form, hand) {
             (Form::Solid(solid), Some(hand)) => solid.depth(hand).is_some(),
             (Form::Strip(chain), Some(hand)) => {

@@ -121,7 +121,10 @@ fn what_is_wrong_is_said_in_one_line() {
         (&["--users", "2", "--set", "coordination.comm=power"], "coordination.comm"),
         (&["--users", "2", "--set", "coordination.ledger=false"], "coordination.drift_correction"),
         (&["--users", "2", "--scene", "paper-5.2-passive-wave-16ms"], "coordination.ledger = false"),
-        (&["--users", "3", "--patience-s", "0.1"], "only 0 of 3 peers came within 0.1 s; nobody on line 1, 2, 3"),
+        (
+            &["--users", "3", "--patience-s", "0.1"],
+            "0 of 3 peers came within 0.1 s; nobody on line 1 (peer number 1), 2 (peer number 2), 3 (peer number 1)",
+        ),
     ] {
         let output = host_sim(&[&hub[..], arguments].concat()).output().expect("host-sim runs");
         let error = String::from_utf8_lossy(&output.stderr);

@@ -7,23 +7,21 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
+use host_sim::cli::SceneArgs;
 use host_sim::experiment::{Outcome, figures};
 use host_sim::report::files;
 use host_sim::report::text::TextTable;
-use host_sim::scene::SceneFile;
-use host_sim::scenes;
 use serde_json::json;
+
+/// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.
+const USUAL: &str = "paper-5.2-passive-wave-16ms";
 
 /// Two virtual NUCLEO-H743ZI2 run the unmodified release image, on one wire, closed around host-sim's devices.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask board")]
 struct Arguments {
-    /// Scene file (TOML) or the name of a built-in one; without it, the cooperation paper's §5.2, passive wave.
-    #[arg(long, value_name = "FILE")]
-    scene: Option<PathBuf>,
-    /// Override one key of the scene; may be repeated.
-    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Virtual time, s.
     #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
@@ -45,34 +43,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// The scene and its short name.
-fn load(arguments: &Arguments) -> Result<(SceneFile, String), Box<dyn std::error::Error>> {
-    let named = arguments.scene.as_ref().filter(|path| !path.exists()).and_then(|path| path.to_str());
-    let name =
-        arguments.scene.as_ref().and_then(|path| path.file_stem()?.to_str()).unwrap_or("paper-5.2-passive-wave-16ms");
-    let scene = match (&arguments.scene, named.is_some_and(|name| scenes::ALL.iter().any(|(known, _)| *known == name)))
-    {
-        (Some(path), false) => SceneFile::load(Some(path), &arguments.set)?,
-        _ => {
-            let mut scene = scenes::load(named.unwrap_or(name))?;
-            for text in &arguments.set {
-                scene.apply_override(text)?;
-            }
-            scene.check("--set")?;
-            scene
-        }
-    };
-    let name = if named.is_some() { named.unwrap_or(name) } else { name };
-    Ok((scene, name.to_owned()))
-}
-
 fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     if !(arguments.seconds >= 1.0 && arguments.seconds <= 3600.0) {
         return Err(
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()
         );
     }
-    let (scene, name) = load(arguments)?;
+    let (scene, name) = (arguments.scene.load_or(USUAL)?, arguments.scene.name_or(USUAL));
     let firmware = Arc::new(Firmware::release());
     let trial = trial::run(&firmware, &scene, arguments.seconds)?;
     let folder = match (&arguments.out, arguments.json) {
