@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::lines::Lines;
-use haptic_protocol::link::{Config, Link};
+use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
 use host_sim::live::key_file;
@@ -23,10 +23,12 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each.
+/// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each. Told to stream
+/// every tick, it sends ticks, until it is told not to, or its operator was silent for as long as a board bears it. `away` pulls its cable.
 struct Board {
     address: SocketAddr,
     stop: Arc<AtomicBool>,
+    away: Arc<AtomicBool>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
@@ -35,8 +37,8 @@ impl Board {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
         let address = socket.local_addr().unwrap();
-        let stop = Arc::new(AtomicBool::new(false));
-        let over = stop.clone();
+        let [stop, away] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+        let (over, out_of_reach) = (stop.clone(), away.clone());
         let thread = std::thread::spawn(move || {
             let mut parameters = Parameters::new();
             parameters.add(Table::new("operator").number("version", version)).unwrap();
@@ -44,27 +46,44 @@ impl Board {
             let config = Config { key, ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
             let (mut link, mut lines) = (Link::new(config).unwrap(), Lines::default());
             let (start, mut came, mut out, mut to) = (Instant::now(), [0; 2048], [0; MAX_DATAGRAM], None);
+            let mut streams = false;
             while !over.load(Ordering::Relaxed) {
                 let now = start.elapsed().as_micros() as u64;
+                let away = out_of_reach.load(Ordering::Relaxed);
+                let send = |bytes: &[u8], to: SocketAddr| away || socket.send_to(bytes, to).is_ok();
                 if let Ok((length, from)) = socket.recv_from(&mut came)
+                    && !away
                     && link.receive(now, &mut came[..length]).is_ok()
                 {
                     to = Some(from);
                 }
+                while let Some(notice) = link.take_notice() {
+                    if matches!(notice, Notice::NewPeer { .. } | Notice::Lost) {
+                        streams = false;
+                        lines.forget();
+                    }
+                }
                 let Some(to) = to else { continue };
+                let mut sample = streams.then(|| {
+                    let mut record = [0; 88];
+                    record[..4].copy_from_slice(&((now / 1000) as u32).to_le_bytes());
+                    Sample::new(7, &record).unwrap()
+                });
                 if let Some(line) = lines.hear(&mut link) {
                     lines.say(&if line == "no" { "error never".to_owned() } else { format!("ok {line}") });
-                    let sample = Sample::new(7, line.as_bytes()).unwrap();
-                    let length = link.send_sample(now, &sample, &mut out).unwrap();
-                    socket.send_to(&out[..length], to).unwrap();
+                    sample = Some(Sample::new(7, line.as_bytes()).unwrap());
+                    streams = line == "stream 1";
+                }
+                if let Some(length) = sample.and_then(|sample| link.send_sample(now, &sample, &mut out)) {
+                    assert!(send(&out[..length], to));
                 }
                 lines.push(&mut link);
                 while let Some(length) = link.poll(now, &mut out) {
-                    socket.send_to(&out[..length], to).unwrap();
+                    assert!(send(&out[..length], to));
                 }
             }
         });
-        Self { address, stop, thread: Some(thread) }
+        Self { address, stop, away, thread: Some(thread) }
     }
 }
 
@@ -116,6 +135,56 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let (status, said, why) = run(&wrong, &["disarm"]);
     assert_eq!((status, said.as_str()), (Some(2), ""));
     assert!(why.contains("nobody who holds the key of") && why.lines().count() == 1, "{why}");
+}
+
+/// Why: a cable that was out for a quarter of a second ended a recording in silence, and one that was out at its end took
+/// all of it away.
+#[test]
+fn a_recording_outlives_the_cable() {
+    let folder = folder("operator-cable");
+    let (key, file) = (folder.join("a.key"), folder.join("ticks.csv"));
+    key_file::generate(&key).unwrap();
+    let board = Board::start(key_file::read(&key).unwrap(), 1.0);
+    let record = |seconds: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", seconds]);
+        command.arg("--key-file").arg(&key).arg("--record").arg(&file);
+        command.stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let said = |child: Child| {
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let times = || -> Vec<f64> {
+        let text = std::fs::read_to_string(&file).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let out = |out: bool, ms: u64| {
+        board.away.store(out, Ordering::Relaxed);
+        std::thread::sleep(Duration::from_millis(ms));
+    };
+
+    let child = record("4");
+    out(false, 1500);
+    out(true, 800);
+    out(false, 0);
+    let (status, why) = said(child);
+    assert_eq!((status, why.lines().count()), (Some(0), 1), "{why}");
+    assert!(why.contains(" ticks written to ") && why.contains("; none came from "), "{why}");
+    let times = times();
+    let gap = times.windows(2).map(|two| two[1] - two[0]).fold(0.0, f64::max);
+    assert!(gap > 0.7, "{gap} s without a tick");
+    let after = times.last().unwrap() - times.windows(2).find(|two| two[1] - two[0] == gap).unwrap()[1];
+    assert!(after > 0.0, "ticks come again after the gap");
+
+    std::fs::remove_file(&file).unwrap();
+    let child = record("2");
+    out(false, 1500);
+    out(true, 0);
+    let (status, why) = said(child);
+    assert_eq!((status, why.lines().count()), (Some(2), 2), "{why}");
+    assert!(why.contains(" ticks written to ") && why.contains("no answer from "), "{why}");
+    assert!(file.exists());
 }
 
 #[test]

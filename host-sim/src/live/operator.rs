@@ -176,6 +176,32 @@ impl Operator {
         Err(format!("no answer from {} to {line:?}", self.board))
     }
 
+    /// Has every `every`-th tick sent for so long, and gives what came. A board that was away, or has started anew, has forgotten
+    /// it: it is told again as soon as it is back.
+    ///
+    /// # Errors
+    /// A board that refuses or does not answer at the beginning: in one line.
+    pub fn record(&mut self, every: u32, time: Duration) -> Result<Vec<Sample>, String> {
+        let line = format!("stream {every}");
+        let answer = self.ask(&line)?;
+        if !answer.starts_with("ok") {
+            return Err(format!("board {}: {line}: {answer}", self.number));
+        }
+        let (start, mut told, mut answered) = (Instant::now(), true, true);
+        // An answer that is still on its way would be taken for the next line's.
+        while start.elapsed() < time || told && !answered && start.elapsed() < time + PATIENCE {
+            self.turn();
+            if !self.session.is_there() {
+                told = false;
+            } else if !told {
+                told = self.session.say(&line);
+                answered = false;
+            }
+            answered |= self.session.answer().is_some();
+        }
+        Ok(self.session.take_samples())
+    }
+
     /// Listens for so long, and gives the samples that came since the last time.
     pub fn samples(&mut self, time: Duration) -> Vec<Sample> {
         let until = Instant::now() + time;

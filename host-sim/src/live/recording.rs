@@ -64,3 +64,37 @@ pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) ->
     }
     Ok(table)
 }
+
+/// When the longest gap in a recording began and how long it was, s; `None` where the ticks come evenly. One or two that the
+/// network lost are none.
+pub fn longest_gap(table: &Table) -> Option<(f64, f64)> {
+    let times = table.column("time_s").unwrap_or_default();
+    let gaps = || times.windows(2).map(|two| (two[0], two[1] - two[0]));
+    let usual = gaps().map(|(_, gap)| gap).min_by(f64::total_cmp)?;
+    gaps().max_by(|(_, one), (_, other)| one.total_cmp(other)).filter(|(_, gap)| *gap > 3.5 * usual)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recorded(ticks: &[u32]) -> Table {
+        let records: Vec<[u8; 88]> = (ticks.iter())
+            .map(|tick| {
+                let mut record = [0; 88];
+                record[..4].copy_from_slice(&tick.to_le_bytes());
+                record
+            })
+            .collect();
+        table(records.iter().map(|record| &record[..]), 0.001).unwrap()
+    }
+
+    #[test]
+    fn a_gap_is_found_where_it_is() {
+        assert_eq!(longest_gap(&recorded(&[])), None);
+        assert_eq!(longest_gap(&recorded(&[7])), None);
+        assert_eq!(longest_gap(&recorded(&[4, 8, 12, 24, 28])), None);
+        let (from_s, gap_s) = longest_gap(&recorded(&[100, 104, 108, 708, 712, 732, 736])).unwrap();
+        assert!((from_s - 0.008).abs() < 1e-12 && (gap_s - 0.6).abs() < 1e-12, "{from_s} {gap_s}");
+    }
+}

@@ -16,6 +16,7 @@
 //! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
 //! | [`node`] | one board on a thread of its own, stepped from outside |
 //! | [`power`] | power that goes while settings are saved |
+//! | [`docs`] | tables of docs/hardware.md that tests write |
 //! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
 //! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
@@ -28,6 +29,7 @@
 pub mod bench;
 pub mod budget;
 pub mod cost;
+pub mod docs;
 pub mod image;
 pub mod log;
 pub mod node;

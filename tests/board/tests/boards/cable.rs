@@ -1,9 +1,10 @@
-//! The cable out in the middle: silence first fades the coordination, then ends it; no hand feels a step; back in, it comes
+//! The cable out in the middle of a recording: silence first fades the coordination, then ends it; no hand feels a step; back in, it comes
 //! up again. Both boards stay armed all along, and render alone.
 
 use std::sync::Arc;
 
 use board_bench::bench::{Bench, for_boards};
+use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
@@ -39,12 +40,22 @@ fn pulled_and_put_back() {
     bench.run_for_ms(2500);
     assert!(bench.ask(2, "status").contains("link running"));
 
-    // And the log says what happened, in that order.
-    let log = bench.log(&firmware, 2);
-    let mut said = log.iter();
-    for line in ["peer: fading, no flow", "peer: disengaged", "peer: lost", "peer: joined", "peer: engaged"] {
-        assert!(said.any(|said| said.starts_with(line)), "{line:?} is not in its place in {log:#?}");
+    // And the logs of both say what happened, in that order.
+    for number in 1..=2 {
+        let log = bench.log(&firmware, number);
+        let mut said = log.iter();
+        for line in ["peer: fading, no flow", "peer: disengaged", "peer: lost", "peer: joined", "peer: engaged"] {
+            assert!(said.any(|said| said.starts_with(line)), "{line:?} is not in its place in {number}: {log:#?}");
+        }
     }
+    // Board 1 was out of its operator's reach: it says so, and sends ticks again once it is told to.
+    let log = bench.log(&firmware, 1);
+    assert!(log.iter().any(|said| said == "operator: gone"), "{log:#?}");
+    bench.meet(1);
+    let told = bench.pc.records[0].len();
+    assert!(bench.ask(1, "stream 1").starts_with("ok"));
+    bench.run_for_ms(100);
+    assert!(bench.pc.records[0].len() > told + 50, "board 1 sends ticks again");
 
     let records = bench.armed_ticks(2);
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
@@ -78,25 +89,44 @@ fn pulled_and_put_back() {
     assert!(away.iter().all(|record| record.coordination_n() == 0.0), "no coordination while alone");
     let (before, fading, rising) = (&records[1000..pulled], &records[pulled..gone], &records[back..]);
     let steps = [before, fading, away, rising].map(|records| largest_step(records, Record::contact_n));
-    let pull = [before, fading, rising].map(|records| largest_step(records, Record::coordination_n));
-    println!(
-        "held {held:.3} N; let go after {} ms, engaged again {} ms after the cable was back; largest step of the hand's force \
-         in a tick: before {:.4} N, fading {:.4} N, alone {:.4} N, again {:.4} N; of coordination {pull:.3?} N",
-        gone - pulled,
-        back - put_back,
-        steps[0],
-        steps[1],
-        steps[2],
-        steps[3]
-    );
+    let (first, gains) = (&records[back], &scene.peer.coordination);
+    let newton = |step: f32| format!("{step:.3} N");
+    let rows = [
+        ["before".to_owned(), "coordinated".to_owned(), newton(held.abs()), String::new(), newton(steps[0])],
+        [
+            "cable out".to_owned(),
+            "the coordination fades".to_owned(),
+            "falls to 0".to_owned(),
+            "`peer: fading`".to_owned(),
+            newton(steps[1]),
+        ],
+        [
+            format!("{} ms later", gone - pulled),
+            "it renders alone, armed".to_owned(),
+            "0".to_owned(),
+            "`peer: disengaged`, `peer: lost`".to_owned(),
+            newton(steps[2]),
+        ],
+        [
+            format!("{} ms after the cable is back", back - put_back),
+            "coordinated anew, from where the object is".to_owned(),
+            format!(
+                "begins with {:.3} N, damping at {:.3} m/s",
+                first.coordination_n().abs(),
+                first.object_m_per_s().abs()
+            ),
+            "`peer: joined`, `peer: engaged`".to_owned(),
+            newton(steps[3]),
+        ],
+    ];
+    let rows = rows.map(|row| format!("| {} |", row.join(" | ")));
+    println!("{}", rows.join("\n"));
     assert!(held.abs() > 0.5, "there was something to let go of: {held} N");
     // Well within the slew limit, 20 N a tick, and no more than the user's own push makes of it.
     let allowed = (0.001 * scene.peer.safety.max_slew_n_per_s) as f32;
     assert!(steps.iter().all(|step| *step < 0.02 * allowed), "{steps:?} N a tick");
     // It starts anew where the copy is, at rest: all that acts at first is the damping of a copy that moves.
-    let (first, gains) = (&records[back], &scene.peer.coordination);
     let damping = (gains.damping_n_s_per_m + gains.wave_impedance_n_s_per_m) as f32 * first.object_m_per_s().abs();
-    println!("begins again with {:.3} N at {:.3} m/s", first.coordination_n(), first.object_m_per_s());
     assert!(first.coordination_n().abs() <= damping, "{} N", first.coordination_n());
 
     for number in 1..=2 {
@@ -106,6 +136,8 @@ fn pulled_and_put_back() {
         let equal = twin::replay(&scene.peers()[number - 1], whole);
         assert_eq!(equal, Equal { ticks: whole.len() as u64, first_difference: None });
     }
+    let head = "| when | board 2 | coordination force | its log | largest step of the hand's force in a tick |";
+    docs::table("cable", head, &rows);
     for report in bench.finish() {
         assert_eq!(report.resets, Vec::<String>::new());
         reviewed::check(&report);

@@ -2,10 +2,10 @@
 //! them back. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::{Cell, RefCell};
-use std::path::Path;
 use std::sync::Arc;
 
 use board_bench::bench::{Bench, for_boards};
+use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
@@ -237,26 +237,5 @@ fn outputs_go_off_and_stay_off() {
         "| power cut after each of the {words} words of a save | were off | settings old or new, whole | - |"
     ));
 
-    table(&campaign.rows);
-}
-
-/// The table of docs/hardware.md.
-fn table(rows: &[String]) {
-    const BEGIN: &str = "<!-- faults: written by tests/board/tests/faults.rs -->\n";
-    const END: &str = "<!-- end of faults -->";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/hardware.md");
-    let text = std::fs::read_to_string(&path).expect("docs/hardware.md is there");
-    let (before, rest) = text.split_once(BEGIN).expect("docs/hardware.md has the mark of the table");
-    let (_, after) = rest.split_once(END).expect("docs/hardware.md has the end of the table");
-    let head = "| fault | outputs off after | status says | arming is refused with |\n|---|---|---|---|\n";
-    let new = format!("{before}{BEGIN}{head}{}\n{END}{after}", rows.join("\n"));
-    if std::env::var_os("HAPTIC_BLESS").is_some() {
-        std::fs::write(&path, new).expect("docs/hardware.md can be written");
-    } else {
-        assert!(
-            text == new,
-            "the table of docs/hardware.md is not this one; HAPTIC_BLESS=1 writes it:\n{}",
-            rows.join("\n")
-        );
-    }
+    docs::table("faults", "| fault | outputs off after | status says | arming is refused with |", &campaign.rows);
 }

@@ -1,4 +1,4 @@
-//! Settings in flash: saved only while disarmed, there at the next start. What a power cut leaves, tests/faults.rs tries.
+//! Settings in flash: saved only while disarmed, there at the next start. What a power cut leaves, faults.rs tries.
 
 use std::sync::Arc;
 

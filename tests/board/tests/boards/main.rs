@@ -1,0 +1,26 @@
+//! What the release image does on virtual boards. One program, so that two tests run at a time: one alone leaves a third of two
+//! cores idle, because two boards wait for each other every millisecond.
+//!
+//! | file | asks |
+//! |---|---|
+//! | [`one_board`] | does it start with its outputs off, answer, arm, stop? |
+//! | [`keys`] | does it talk only to who holds the key? |
+//! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
+//! | [`same_bits`], [`papers_comms`] | do two boards compute what host-sim computes? |
+//! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
+//! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
+//! | [`faults`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`budgets`], [`static_stack`] | do flash, memory, stack and instructions keep to their budgets? |
+
+mod bad_wire;
+mod budgets;
+mod cable;
+mod calibrate;
+mod faults;
+mod keys;
+mod one_board;
+mod papers_comms;
+mod partner;
+mod same_bits;
+mod static_stack;
+mod store;
