@@ -170,6 +170,7 @@ fn negative_numbers() {
     negative(&["squash --players -1"], &["--players", "2..=8"]);
     negative(&["squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
     negative(&["squash --seed -1"], &["--seed"]);
+    negative(&["squash --rallies -1"], &["--rallies", "1..=32767"]);
     let relay = "relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0";
     negative(&[relay, "--duration-s -1"], &["--duration-s -1"]);
     negative(&["trace --duration-s -1 /no/such/trace.csv"], &["--duration-s -1"]);

@@ -5,6 +5,7 @@ mod live;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use haptic_protocol::roles::squash::RALLIES;
 use serde::Serialize;
 
 use super::stability::{folder, tell};
@@ -64,7 +65,7 @@ pub(super) struct Squash {
     #[command(flatten)]
     rules: Rules,
     /// Rallies after which the game is over; without it, the time is.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=i64::from(RALLIES)))]
     rallies: Option<u16>,
     /// Of everything random.
     #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
@@ -140,7 +141,7 @@ impl Squash {
             bounder,
             motion_bounder,
             seconds,
-            rallies: self.rallies.unwrap_or(u16::MAX),
+            rallies: self.rallies.unwrap_or(RALLIES),
             seed: self.seed,
             changes: Vec::new(),
             record_every: 0,

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
 use haptic_protocol::roles::Outbox;
-use haptic_protocol::roles::squash::{Ending, Message, Notice, PLAYERS, SERVER, Server, ServerConfig, Verdict};
+use haptic_protocol::roles::squash::{
+    Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict,
+};
 use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
@@ -104,7 +106,7 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
     let seed = u64::from_le_bytes(random);
     let mut part = if options.number == SERVER.0 {
         let players = (count - 1) as u8;
-        Part::Server(Box::new(Server::new(ServerConfig { players, rallies: u16::MAX, bounder: options.bounder })))
+        Part::Server(Box::new(Server::new(ServerConfig { players, rallies: RALLIES, bounder: options.bounder })))
     } else {
         Part::Player(Box::new(Contestant::new(PeerId(options.number), seed as u16, seed)))
     };
