@@ -131,7 +131,7 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub(super) fn load(&self) -> Result<SceneFile, SceneError> {
+    pub fn load(&self) -> Result<SceneFile, SceneError> {
         match self.built_in() {
             Some(name) => self.changed(name),
             None => SceneFile::load(self.scene.as_deref(), &self.set),
@@ -168,7 +168,7 @@ impl SceneArgs {
     }
 
     /// Short name of the scene, for file names and headings.
-    pub(super) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         self.name_or("scene")
     }
 
