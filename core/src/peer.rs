@@ -309,7 +309,7 @@ pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors
     let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
     state.observed =
         Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
-    if !(next.is_finite() && coupled.force.is_finite() && coupled.power_out.is_finite()) {
+    if !(next.is_finite() && coupled.is_finite()) {
         state.trip(Fault::Diverged);
         return Actuators::default();
     }

@@ -102,10 +102,14 @@ impl<S: Scalar> Probe<S> {
         // Float-to-integer casts saturate.
         let quarter = (request.duration_s / (4.0 * period_s)) as u32;
         let along = if settings.motor.reversed { -1 } else { 1 };
+        // The nearest code that is no more than the largest duty.
+        let full_scale = f64::from(Duty::FULL_SCALE);
+        let most_code = (most * full_scale) as i32;
+        let code = (request.duty * full_scale).round_to_i32().clamp(-most_code, most_code);
         Ok(Self {
             joint: request.joint as usize - 1,
             shape: request.shape,
-            code: S::from_f64(request.duty * f64::from(Duty::FULL_SCALE) * f64::from(along)),
+            code: S::from_i32(along * code),
             along,
             ticks: 4 * quarter.max(1),
             radians_per_tick: S::from_f64(core::f64::consts::TAU * request.frequency_hz * period_s),

@@ -215,6 +215,19 @@ fn every_limit_turns_the_motor_off() {
     assert_eq!((run.outcome.end, run.mode), (End::Stopped, Mode::Faulted(Fault::EncoderJump)));
 }
 
+/// A duty is rounded to a code, but not beyond the limit.
+#[test]
+fn the_largest_duty_is_not_exceeded_by_rounding() {
+    let mut settings = Settings::default();
+    for number in 0..500 {
+        let most = 0.01 + 1e-5 * f64::from(number);
+        settings.probe.max_duty = most;
+        let pulse = probe(&settings, Shape::Pulse, -most, 0.004);
+        let largest = f64::from(run(&settings, pulse, &mut Device::new(1.0, 1.0), |_, _| ()).largest_duty);
+        assert!(largest <= most * 32767.0 && largest > most * 32767.0 - 1.0, "{largest} of {most}");
+    }
+}
+
 #[test]
 fn what_is_outside_the_limits_is_refused_by_name() {
     let settings = Settings::default();

@@ -72,18 +72,23 @@ impl User {
         force
     }
 
-    /// Where the arm wants the device (m) and how fast it wants it there (m/s), toward the other peer.
-    ///
-    /// Minimum jerk: x(s) = d·(10s³ − 15s⁴ + 6s⁵), s = t/T (Flash & Hogan 1985), with a sinusoidal tremor on top.
+    /// Where the arm wants the device (m) and how fast it wants it there (m/s), toward the other peer: a reach of minimum
+    /// jerk with a sinusoidal tremor on top.
     pub fn wanted(&self, time_s: f64) -> (f64, f64) {
         let user = &self.settings.user;
-        let s = (time_s / user.reach_s).min(1.0);
-        let position = user.reach_m * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-        let velocity = user.reach_m / user.reach_s * 30.0 * s * s * (1.0 - s) * (1.0 - s);
+        let (position, velocity) = minimum_jerk(user.reach_m, user.reach_s, time_s);
         let angular = core::f64::consts::TAU * user.tremor_hz;
         let (sine, cosine) = libm::sincos(angular * time_s);
         (position + user.tremor_m * sine, velocity + user.tremor_m * angular * cosine)
     }
+}
+
+/// Position (m) and velocity (m/s) after `time_s` of a reach over `distance_m` that takes `duration_s`, of minimum jerk:
+/// x = d·(10s³ − 15s⁴ + 6s⁵), s = t/T up to 1 (Flash & Hogan 1985).
+pub fn minimum_jerk(distance_m: f64, duration_s: f64, time_s: f64) -> (f64, f64) {
+    let s = (time_s / duration_s).min(1.0);
+    let position = distance_m * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+    (position, distance_m / duration_s * 30.0 * s * s * (1.0 - s) * (1.0 - s))
 }
 
 /// A force recorded over time, interpolated linearly, constant before its first and after its last sample.

@@ -145,7 +145,10 @@ fn live_peers_floods_and_restarts() {
         refused(&visit, &["nobody answered from 127.0.0.1:9", "the key"]);
         let addresses = "127.0.0.1:0,127.0.0.1:9,127.0.0.1:10";
         let squash = ["squash", "live", "--number", "0", "--addresses", addresses, "--seconds", "0.05", "--key-file"];
-        refused(&[&squash[..], &[&key]].concat(), &["nobody answered from 127.0.0.1:9, 127.0.0.1:10"]);
+        refused(
+            &[&squash[..], &[&key]].concat(),
+            &["nobody answered within 0.05 s: player 1 at 127.0.0.1:9 was silent, player 2 at 127.0.0.1:10 was silent"],
+        );
     }
 }
 
@@ -213,6 +216,18 @@ fn stability_of_one_device() {
     rendering(&["--device-damping-n-s-per-m", "0"], &["damping"]);
     rendering(&["--sampling-period-s", "0.0001"], &["delay-s", "0.02 s"]);
     refused(&["stability", "tune", "--json", "--margin", "-0.1"], &["--margin = -0.1", "0 to 10"]);
+}
+
+#[test]
+fn objects_that_cannot_be_stroked() {
+    let world = file("shapes.toml", "[[strip]]\nid = 3\n[[block]]\nid = 4\n");
+    let shape = |arguments: &[&str], names: &[&str]| refused(&[&["shape", "--json"], arguments].concat(), names);
+    shape(&["--scene", &world, "--object", "3"], &["a strip has no outline", "a wall, a body or a block"]);
+    shape(&["--scene", &world, "--object", "5"], &["--object 5", "shapes.toml", "3, 4"]);
+    shape(&["--scene", &world, "--object", "4", "--below-m", "0.06"], &["below_m = 0.06 is too much"]);
+    shape(&["--scene", &world], &["--object"]);
+    shape(&["--mass-kg", "-1"], &["--mass-kg -1", "0.01 to 1000 kg"]);
+    shape(&["--speed-m-per-s", "nan"], &["--speed-m-per-s NaN", "0.001 to 1 m/s"]);
 }
 
 #[test]

@@ -181,3 +181,20 @@ fn wave_peers_around_a_node() {
     assert_eq!(rows[0]["stable"], true);
     close(&rows[0]["node_out_over_in"], 1.0, 1e-12);
 }
+
+/// A stroke around an object: three corners that point out, one that points in, and the work accounted for.
+#[test]
+fn a_stroke_around_an_object() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("shape");
+    let document = json(&["shape", "--json", "--out", folder.to_str().expect("a name")]);
+    let parts = document["parts"].as_array().expect("a list of sides");
+    let held = parts.iter().filter(|part| part["leaves_at_m"].is_number()).count();
+    assert_eq!((parts.len(), held), (4, 3));
+    let [open, work] =
+        [&document["remainder_j"], &document["energy"]["work_j"]].map(|energy| energy.as_f64().expect("J"));
+    assert!(work > 0.1 && open.abs() < 1e-3 * work, "{document}");
+    for file in document["files"].as_array().expect("a list of files") {
+        let size = std::fs::metadata(file.as_str().expect("a path")).expect("the file is there").len();
+        assert!(size > 5000, "{file}");
+    }
+}

@@ -132,7 +132,7 @@ fn the_engine_moves_without_a_jump() {
         let mut forces = [0.0; 3];
         // The largest change of a force in the second before a transfer, and in the one from it on.
         let mut jumps = [0.0_f64; 4];
-        let mut nobody = 0;
+        let (mut nobody, mut object) = (0, world.object());
         for tick in 0..10_000 {
             match tick {
                 4_000 => world.ask(),
@@ -140,8 +140,10 @@ fn the_engine_moves_without_a_jump() {
                 _ => {}
             }
             world.step();
-            let holders = world.holders();
+            let (holders, before) = (world.holders(), object.position);
             assert!(holders.len() <= 1, "two engines at tick {tick}");
+            object = world.object();
+            assert!((object.position - before).abs() < 1e-4, "{one_way_ms} ms: the object jumps at tick {tick}");
             nobody += u32::from(holders.is_empty());
             let there = tick > 4_000 + 5 * one_way_ms as u32 + 5 && tick < 7_000;
             assert!(!there || holders == [1], "{holders:?} at tick {tick}");
@@ -220,8 +222,13 @@ fn many_wave_peers_share_one_object() {
             assert!((outcome.node_out_over_in - 1.0).abs() < 1e-12, "{outcome:?}");
         }
     }
-    let lossy = waves(&["network.loss=0.1"]);
-    assert!(Waves::new(&lossy, 3).unwrap_err().to_string().contains("constant delay"));
+    let bad =
+        ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.02", "object.integrator=semi-implicit"];
+    assert!(Waves::new(&waves(&bad), 3).unwrap_err().to_string().contains("constant delay"));
+    let paid = waves(&[&bad[..], &["coordination.ledger=true", "coordination.drift_correction=true"]].concat());
+    let outcome = Waves::new(&paid, 3).expect("a node").run(20.0);
+    assert!(outcome.stable && outcome.node_out_over_put_in <= 1.0, "{outcome:?}");
+    assert!(outcome.true_discrepancy_mm < 20.0 && outcome.node_out_over_put_in > 0.5, "{outcome:?}");
     let power = waves(&["coordination.comm=power"]);
     assert!(Waves::new(&power, 3).unwrap_err().to_string().contains("coordination.comm"));
 }

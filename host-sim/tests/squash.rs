@@ -9,6 +9,8 @@ use host_sim::scene::Network;
 use host_sim::squash::bot::MOTION;
 use host_sim::squash::sweep::ROUND_TRIPS_MS;
 use host_sim::squash::{Change, Options, Report, play};
+use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
@@ -20,6 +22,7 @@ fn options(players: u8, round_trip_ms: f64, seed: u64) -> Options {
         bounder: true,
         motion_bounder: false,
         seconds: 40.0,
+        rallies: u16::MAX,
         seed,
         changes: Vec::new(),
         record_every: 0,
@@ -120,6 +123,45 @@ fn the_motion_bounder_keeps_hands_within_their_reach() {
     }
 }
 
+/// Any network that loses, delays, doubles, reorders and breaks, any number of players: the ball stays in the court, all agree
+/// on every rally and the score, and the game ends. Delays do not jump: a jump is known a ping later, and the ball in the air
+/// then is played again, see above.
+#[test]
+fn whatever_the_network_the_ball_stays_in_the_court_all_agree_and_the_game_ends() {
+    let between = |least: f64, most: f64| (least..most).boxed();
+    let sometimes = |most: f64| prop_oneof![Just(0.0), 0.0..most].boxed();
+    let networks = (sometimes(0.3), between(1.0, 4.0), sometimes(0.2), sometimes(0.2), 1..=4_u32, sometimes(0.1));
+    let jitters = (prop_oneof![Just(Jitter::None), Just(Jitter::Uniform), Just(Jitter::Gamma)], between(0.0, 0.03));
+    let games = (2..=8_u8, prop_oneof![0.0..400.0_f64, 0.0..60.0_f64], any::<bool>(), any::<u64>());
+    let config = ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+    let check = |(network, (jitter, jitter_s), (players, round_trip_ms, motion_bounder, seed))| {
+        let (loss, loss_burst_packets, duplicate, reorder, reorder_depth_packets, corrupt) = network;
+        let network = Network {
+            loss,
+            loss_burst_packets,
+            duplicate,
+            reorder,
+            reorder_depth_packets,
+            corrupt,
+            jitter,
+            jitter_s,
+            ..Network::default()
+        };
+        let options = options(players, round_trip_ms, seed);
+        let report = report(&Options { network, motion_bounder, seconds: 600.0, rallies: 8, ..options });
+        prop_assert!(report.over && report.rallies == 8, "{report:?}");
+        prop_assert!(report.agreed && report.broken == 0, "{report:?}");
+        prop_assert!(report.left_the_court == 0 && report.unseen == 0, "{report:?}");
+        // Each rally that is lost is a point, and nothing else is.
+        prop_assert_eq!(report.score.iter().map(|points| u32::from(*points)).sum::<u32>(), report.lost);
+        prop_assert_eq!(report.lost, 8);
+        prop_assert!(report.strokes >= report.rallies && report.farthest_before_news_m <= 2.0 * 9.75, "{:?}", report);
+        Ok(())
+    };
+    runner.run(&(networks, jitters, games), check).expect("a fair game");
+}
+
 #[test]
 fn the_same_seed_is_the_same_game() {
     let [one, two, other] = [1, 1, 2].map(|seed| report(&options(3, 80.0, seed)).state_hash);
@@ -137,6 +179,8 @@ fn the_command_line_plays_and_refuses() {
         ("squash --rtt-ms -1", "from 0 to 2000 ms"),
         ("squash --seconds NaN", "from 0.001 to 86400 s"),
         ("squash --set network.loss=2", "network.loss"),
+        ("squash --set network.asymmetry_s=0.01", "network.asymmetry_s is not allowed here"),
+        ("squash --rallies 0", "--rallies"),
         ("squash live --number 1 --addresses 127.0.0.1:1 --key-file /nowhere", "/nowhere"),
         ("collaborate --users 1", "2..=8"),
         ("collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),

@@ -66,7 +66,7 @@ pub struct Config {
 /// What a link has counted since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Sealed datagrams taken.
+    /// Sealed datagrams opened.
     pub taken: u32,
     /// Sealed datagrams of the other peer that never came.
     pub missing: u32,

@@ -38,7 +38,7 @@ pub struct Session {
     inward: Direction,
     window: Window,
     first: u64,
-    taken: u32,
+    taken: u64,
 }
 
 impl fmt::Debug for Session {
@@ -144,15 +144,32 @@ impl Session {
         Ok(message)
     }
 
-    /// Sealed datagrams taken so far.
+    /// Sealed datagrams taken so far; 2³² − 1 stands for more.
     pub fn taken(&self) -> u32 {
-        self.taken
+        u32::try_from(self.taken).unwrap_or(u32::MAX)
     }
 
     /// Sealed datagrams of the other end that have not come, so far.
     pub fn missing(&self) -> u32 {
         let Some(newest) = self.window.newest() else { return 0 };
         let sent = newest.saturating_sub(self.first).saturating_add(1);
-        u32::try_from(sent.saturating_sub(u64::from(self.taken))).unwrap_or(u32::MAX)
+        u32::try_from(sent.saturating_sub(self.taken)).unwrap_or(u32::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::PeerId;
+
+    #[test]
+    fn what_is_missing_is_known_after_years() {
+        let ends = Ends { local: PeerId(1), remote: PeerId(2) };
+        let offer = Offer { challenge: [3; 16], incarnation: 4 };
+        let mut session = Session::new(&Key::new([7; Key::LEN]), ends, offer, offer, &(0, [0; TABLES]));
+        // 198 days at 250 a second.
+        session.window.take((1 << 32) + 9).unwrap();
+        session.taken = (1 << 32) + 7;
+        assert_eq!((session.taken(), session.missing()), (u32::MAX, 3));
     }
 }

@@ -127,7 +127,7 @@ something new are merged into protocol/fuzz/corpus; a crash leaves its input in 
 Usage: cargo xtask fuzz [--seconds N] [--target NAME]
 
   --seconds  time for each target, 1 to 86400 s [default: 60]
-  --target   one of wire, replay, link, session [default: all]
+  --target   one of them, as protocol/fuzz/Cargo.toml names it [default: all]
 ";
 
 const LOG_HELP: &str = "\

@@ -80,12 +80,17 @@ impl<S: Scalar> Ladder<S> {
         false
     }
 
+    /// How far the coordination may act, from 0, disengaged, to exactly 1, engaged.
+    pub fn share(&self, at: &Engagement) -> S {
+        if at.level >= self.steps { S::ONE } else { S::from_f64(f64::from(at.level)) * self.step }
+    }
+
     /// The packet as far as the peer is engaged.
     pub fn faded(&self, at: &Engagement, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
         if at.level >= self.steps {
             return packet;
         }
-        let share = S::from_f64(f64::from(at.level)) * self.step;
+        let share = self.share(at);
         let toward = |local: S, remote: S| local + share * (remote - local);
         Packet {
             motion: Motion {

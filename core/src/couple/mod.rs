@@ -65,6 +65,15 @@ pub struct Coupled<S> {
     pub power_out: S,
 }
 
+impl<S: Scalar> Coupled<S> {
+    /// Force and powers finite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // One test for three: a sum is finite only if its terms are.
+        (self.force + self.power_in + self.power_out).is_finite()
+    }
+}
+
 /// What a law sends, which is also what it acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sends {

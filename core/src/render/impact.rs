@@ -13,10 +13,10 @@
 //! same instant are taken one after the other, first named first; what is conserved does not depend on the order.
 //!
 //! **Conserved** to rounding, whatever the masses: momentum (walls and bodies without inverse mass take what is missing);
-//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. Roundings have no drift, so that after n impacts
-//! in a row energy is right to 2·√n half units in the last place: in f64 to 3e-13 after a million, in f32 to 1e-5 after
-//! 7,000 and to 1.2e-4 after a million. **None is missed** at any speed: the path is solved, not sampled. Bodies that
-//! touch or overlap and still approach hit at once.
+//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. Roundings walk and do not drift: after n impacts in
+//! a row energy is off by about √n half units in the last place, by less than 2·√n in every run tried: 2.3e-13 after a
+//! million in f64, 1e-5 after 7,000 and 1.2e-4 after a million in f32. **None is missed** at any speed: the path is solved,
+//! not sampled. Bodies that touch or overlap and still approach hit at once.
 //!
 //! **Limits**: no contact that lasts (the paper's own limit): with e < 1 and a steady push, bounces shrink until a step
 //! would hold more than [`MOST`] of them. Then bodies stand for the rest of that step and keep their velocities: no body

@@ -6,7 +6,7 @@
 //! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of one tick |
 //! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
 //! | [`bounder`] | stiffness and damping that follow the measured round trip |
-//! | [`shape`] | a shape as several springs and dampers normal to its surface |
+//! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |
 
 pub mod bounder;
 pub mod contact;

@@ -156,6 +156,19 @@ fn an_object_that_leaves_the_numbers() {
     bench.assert_stopped(last, Fault::Diverged);
 }
 
+/// Force and velocity still fit f32, their product does not: the ledger would never recover.
+#[test]
+fn a_power_that_leaves_the_numbers() {
+    let mut settings = Settings::default();
+    settings.coordination.comm = LawName::Power;
+    let mut bench = Bench::armed(&settings);
+    let fast = Packet { motion: Motion { position: 0.0, velocity: 1e20 }, ..Packet::default() };
+    peer::exchange(&bench.scene, &mut bench.state, Some(fast));
+    let last = bench.at(0.0, 0.0);
+    bench.assert_stopped(last, Fault::Diverged);
+    assert_eq!(bench.state.ledger().received_j(), 0.0);
+}
+
 /// Faults have numbers that logs and telemetry rely on.
 #[test]
 fn fault_numbers_never_change() {

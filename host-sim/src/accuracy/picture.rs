@@ -50,7 +50,7 @@ fn panel(family: &Family, comparison: &Comparison, title: String) -> Panel {
     Panel {
         title,
         x_label: format!("Instructions per {}", short(family.instructions_per)),
-        y_label: format!("{}{unit}", comparison.error),
+        y_label: format!("{}{unit}", capitalised(&comparison.error)),
         x_range: range(points.iter().map(|point| place(point).0), LEAST_X),
         // Where there is a legend, the layout makes room for it.
         y_range: range(points.iter().map(|point| point.error), LEAST_Y).filter(|_| !in_series),
@@ -107,21 +107,32 @@ fn curves(points: &[Point]) -> Vec<Series> {
     series
 }
 
+/// A label begins with a capital letter.
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// What instructions are counted for, without the explanation.
 fn short(text: &str) -> &str {
     text.split(':').next().unwrap_or(text)
 }
 
-fn legend(processor: Processor) -> String {
-    format!("Dashed: Pareto front; orange dots: beaten. Instructions of {}.", processor.label())
+/// What the marks mean; the colours of curves are in their own legend.
+fn legend(curves: bool, processor: Processor) -> String {
+    let beaten = if curves { "" } else { "; orange dots: beaten" };
+    format!("Dashed: Pareto front{beaten}. Instructions of {}.", processor.label())
 }
 
 /// All comparisons of a family.
 pub fn family(family: &Family, processor: Processor) -> Figure {
     let panels = family.comparisons.iter().map(|comparison| panel(family, comparison, comparison.title.clone()));
+    let curves =
+        family.comparisons.iter().flat_map(|comparison| &comparison.points).all(|point| !point.series.is_empty());
+    let legend = legend(curves, processor);
     Figure {
         title: family.title.to_owned(),
-        caption: format!("{} {}. Against {}. {}", family.insight, family.motion, family.reference, legend(processor)),
+        caption: format!("{} {}. Against {}. {legend}", family.insight, family.motion, family.reference),
         columns: 2,
         panels: panels.collect(),
         ..Figure::default()
@@ -171,7 +182,7 @@ pub fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Fi
     panels.push(bars(costs, &MAIN_SCENES, "Cost per scene: what a tick must carry, f32", &[(0, "")]));
     Figure {
         title: "Speed against error: every numerical choice of a peer".to_owned(),
-        caption: legend(processor),
+        caption: legend(false, processor),
         columns: 2,
         panels,
         ..Figure::default()

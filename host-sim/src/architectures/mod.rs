@@ -15,23 +15,30 @@
 //! | cooperative, engine at server or client | one dynamics engine | pushes and states; with the bounder and without |
 //! | distributed power, wave, passive wave, passive mean | both, copies held together by a law | flow |
 //!
-//! **Measured**: coherency, the distance between the body as the two users feel it, at one instant; force felt; stability;
-//! bytes a second, headers and tags of the sealed datagrams included. Not counted: addresses, sessions being set up, and a
-//! world that is downloaded once.
+//! **Measured**: coherency, the distance between the body as the two users are shown it, at one instant; force and stiffness
+//! felt; stability, in the run and by the eigenvalues of one packet period; bytes a second, headers and tags of the sealed
+//! datagrams included. Not counted: addresses, sessions being set up, and a world that is downloaded once.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`together`] | both users at the same time |
+//! | [`turns`], [`hand`] | one user at a time: roles and the line between them; the users |
+//! | `account` | what is measured in either |
+//! | [`picture`] | the figure |
 
+mod account;
+pub mod hand;
 pub mod picture;
 pub mod together;
 pub mod turns;
 
 use haptic_core::settings::Refused;
 use haptic_protocol::roles::collaborative::OutOfRange;
-use haptic_protocol::wire::{Ack, Event, Header, Presence, Sighting, TAG_LEN};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::analysis::AnalysisError;
 use crate::cooperative::world::WorldError;
-use crate::experiment::run::Growth;
 use crate::scene::{SceneError, SceneFile};
 
 /// Delays from user to user, one way, ms.
@@ -67,17 +74,26 @@ pub const TASK: Task = Task {
 /// An architecture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs)]
 pub enum Architecture {
+    /// A copy each.
     Static,
+    /// One at a time, by a lock at a server.
     CollaborativeLock,
+    /// One at a time, by a token that goes round.
     CollaborativeRing,
+    /// One dynamics engine at a server.
     CooperativeServer,
+    /// The same, with the scene's contact whatever the round trip.
     CooperativeServerUnbounded,
+    /// The dynamics engine at user 1, with the bounder.
     CooperativeClient,
+    /// Two copies, coordinated by positions and velocities.
     DistributedPower,
+    /// Two copies, coordinated by waves.
     DistributedWave,
+    /// Two copies, by waves with the paper's filter.
     DistributedPassiveWave,
+    /// Two copies, by waves of which the mean is sent.
     DistributedPassiveMean,
 }
 
@@ -120,9 +136,15 @@ pub struct Row {
     pub architecture: Architecture,
     /// From user to user, one way, ms.
     pub delay_ms: f64,
-    /// Nobody stopped, nothing grew, no eigenvalue of two coupled peers lies outside the unit circle, every turn was taken.
+    /// Nobody stopped, nothing grew, no eigenvalue lies outside the unit circle, every turn was taken.
     pub stable: bool,
-    /// Mean distance between the body as the two feel it, mm.
+    /// Largest |eigenvalue| of one packet period, with the gains at the end of the run; where turns are taken, of one hand at
+    /// the body.
+    pub spectral_radius: f64,
+    /// Stiffness of either user's contact at the end, N/m: what a bounder has left of it.
+    pub contact_n_per_m: [f64; 2],
+    /// Mean distance between the body as the two are shown it, mm. Where turns are taken this is the way of a turn times its
+    /// share of the time: it says how long the task is.
     pub true_discrepancy_mm: f64,
     /// Largest, mm.
     pub peak_discrepancy_mm: f64,
@@ -138,83 +160,6 @@ pub struct Row {
     pub user_bytes_per_s: f64,
     /// Bytes that a server sends each second; 0 without one.
     pub server_bytes_per_s: f64,
-}
-
-/// Bytes around a sealed message.
-pub(crate) const SEAL: usize = Header::LEN + TAG_LEN;
-
-/// Bytes of a sealed event of this length and of its acknowledgement.
-pub(crate) fn event_bytes(event: &Event) -> usize {
-    let mut out = [0; Event::MAX_LEN];
-    SEAL + event.emit(&mut out).unwrap_or(Event::MAX_LEN) + SEAL + Ack::LEN
-}
-
-/// Bytes a second of telling where a hand is, each 50 ms as in the architectures paper.
-pub(crate) fn presence_bytes_per_s() -> f64 {
-    let mut out = [0; Presence::MAX_LEN];
-    let len = Presence::new(0, [Sighting::default()]).emit(&mut out).unwrap_or(Presence::MAX_LEN);
-    20.0 * (SEAL + len) as f64
-}
-
-/// Keeps account of a run.
-pub(crate) struct Account {
-    growth: Growth,
-    before: [f64; 2],
-    views: Vec<[f64; 2]>,
-    discrepancy: f64,
-    peak_m: f64,
-    felt: f64,
-    peak_n: f64,
-}
-
-impl Account {
-    pub(crate) fn new(ticks: u64) -> Self {
-        Self {
-            growth: Growth::new(ticks),
-            before: [0.0; 2],
-            views: Vec::with_capacity(ticks as usize),
-            discrepancy: 0.0,
-            peak_m: 0.0,
-            felt: 0.0,
-            peak_n: 0.0,
-        }
-    }
-
-    /// One tick: the body as both users feel it, m, and what they push it with, N.
-    pub(crate) fn see(&mut self, views: [f64; 2], forces: [f64; 2]) {
-        let change = forces.iter().zip(self.before).map(|(now, before)| (now - before).abs());
-        let change = change.fold(0.0, |a: f64, b| if b.is_finite() { a.max(b) } else { f64::INFINITY });
-        self.growth.see_change(self.views.len() as u64, change);
-        self.before = forces;
-        let apart = (views[0] - views[1]).abs();
-        self.discrepancy += apart;
-        self.peak_m = self.peak_m.max(apart);
-        self.felt += 0.5 * (forces[0].abs() + forces[1].abs());
-        self.peak_n = forces.iter().fold(self.peak_n, |peak, force| peak.max(force.abs()));
-        self.views.push(views);
-    }
-
-    /// What it comes to; `bytes` by both users and by the server, in all.
-    pub(crate) fn row(self, architecture: Architecture, delay_ms: f64, running: bool, bytes: [f64; 2]) -> Row {
-        let count = self.views.len().max(1) as f64;
-        let duration_s = TASK.duration_s;
-        let rests = self.views.last().copied().unwrap_or_default();
-        let moving = |view: &[f64; 2]| view.iter().zip(rests).any(|(at, rest)| (at - rest).abs() > 2e-3);
-        let placed = self.views.iter().rposition(moving).map_or(0, |at| at + 1);
-        Row {
-            architecture,
-            delay_ms,
-            stable: running && !self.growth.grew(),
-            true_discrepancy_mm: 1e3 * self.discrepancy / count,
-            peak_discrepancy_mm: 1e3 * self.peak_m,
-            felt_n: self.felt / count,
-            peak_n: self.peak_n,
-            rests_mm: rests.map(|at| 1e3 * at),
-            placed_s: placed as f64 / count * duration_s,
-            user_bytes_per_s: bytes[0] / duration_s / 2.0,
-            server_bytes_per_s: bytes[1] / duration_s,
-        }
-    }
 }
 
 /// What may go wrong.

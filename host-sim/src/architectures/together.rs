@@ -1,11 +1,12 @@
 //! Both users at the same time: each its own copy, one dynamics engine, or copies that a law holds together.
 
-use haptic_protocol::wire::Flow;
+use haptic_protocol::wire::{Flow, SEAL_LEN};
 
-use super::{Account, Architecture, ArchitectureError, Row, SEAL, TASK, presence_bytes_per_s, scene};
+use super::account::{Account, End, presence_bytes_per_s};
+use super::{Architecture, ArchitectureError, Row, TASK, scene};
 use crate::analysis::verdict;
 use crate::cooperative::world::World;
-use crate::cooperative::{Engine, Setup};
+use crate::cooperative::{Engine, Setup, lifted};
 use crate::harness::Pair;
 
 /// Two peers: static (no coordination law) or distributed.
@@ -39,13 +40,18 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
         2.0 * presence_bytes_per_s() * TASK.duration_s
     } else {
         let packets: u64 = pair.sides.iter().map(|side| side.incoming.counts().sent).sum();
-        (packets * (SEAL + Flow::LEN) as u64) as f64
+        (packets * (SEAL_LEN + Flow::LEN) as u64) as f64
     };
     // A server of a static world tells everybody where the others are.
     let server = if comm == "none" { bytes } else { 0.0 };
-    // A slow oscillation would not grow visibly within the task; eigenvalues tell.
-    let stable = pair.fault().is_none() && verdict(&scene)?.stable;
-    Ok(account.row(architecture, delay_ms, stable, [bytes, server]))
+    let end = End {
+        done: pair.fault().is_none(),
+        // A slow oscillation would not grow visibly within the task; eigenvalues tell.
+        spectral_radius: verdict(&scene)?.spectral_radius,
+        contact_n_per_m: [scene.peer.contact.stiffness_n_per_m; 2],
+        bytes: [bytes, server],
+    };
+    Ok(account.row(architecture, delay_ms, end))
 }
 
 /// One dynamics engine.
@@ -68,11 +74,31 @@ pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<R
             world.ask();
         }
         world.step();
-        let mut views = world.clients().map(|client| client.view().position);
-        let mut forces = world.forces();
-        let both = |values: &mut dyn Iterator<Item = f64>| [(); 2].map(|()| values.next().unwrap_or(0.0));
-        account.see(both(&mut views), both(&mut forces));
+        account.see(both(world.clients().map(|client| client.view().position)), both(world.forces()));
     }
-    let running = world.clients().all(|client| client.fault.is_none());
-    Ok(account.row(architecture, delay_ms, running, world.bytes().map(|bytes| bytes as f64)))
+    let end = End {
+        done: world.clients().all(|client| client.fault.is_none()),
+        spectral_radius: lifted::verdict(&setup.scene, &lifted::lines(&world, &setup.scene))?.spectral_radius,
+        contact_n_per_m: both(world.clients().map(|client| client.bound.stiffness)),
+        bytes: world.bytes().map(|bytes| bytes as f64),
+    };
+    Ok(account.row(architecture, delay_ms, end))
+}
+
+/// What there is of both users.
+fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
+    [(); 2].map(|()| values.next().unwrap_or(0.0))
+}
+
+/// The spectral radius of one packet period of the engine at the server, without delay and bounder, with a packet every so
+/// many ticks: how slow packets may be for the scene's contact.
+///
+/// # Errors
+/// What scene and analysis refuse.
+pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, ArchitectureError> {
+    let scene = scene(&[format!("timing.ticks_per_packet={ticks_per_packet}")])?;
+    let mut setup = Setup::new(scene);
+    setup.bounder = false;
+    let lines = lifted::lines(&World::new(&setup)?, &setup.scene);
+    Ok(lifted::verdict(&setup.scene, &lines)?.spectral_radius)
 }

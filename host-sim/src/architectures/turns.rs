@@ -1,29 +1,18 @@
 //! One user at a time: the lock and the token ring of the protocol, carried by a line that only delays.
 //!
-//! Who owns the body moves its copy; the other's copy is the last one that was released. Hands are a device and an arm on one
-//! spring ([`Linear`]): who waits keeps the hand, open, at the body as it sees it, and grips when it owns the body and has
-//! come within [`GRIP_M`]; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
+//! Who owns the body moves its copy; the other's copy is the last one that was released.
 
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
-use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
-use haptic_core::render::Contact;
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
 use haptic_protocol::wire::{Event, PeerId};
 
-use super::{Account, Architecture, ArchitectureError, Row, TASK, event_bytes, presence_bytes_per_s, scene};
+use super::account::{Account, End, event_bytes, presence_bytes_per_s};
+use super::hand::{Doing, Hand};
+use super::{Architecture, ArchitectureError, Row, TASK, scene};
+use crate::analysis::verdict;
 use crate::network::in_flight::InFlight;
 use crate::network::mesh::Letter;
-use crate::plant::Linear;
-use crate::scene::SceneFile;
-
-/// A hand this close to the body grips it, m.
-pub const GRIP_M: f64 = 1e-3;
-
-/// How long who carries rests before it lets go, s.
-pub const REST_S: f64 = 0.8;
 
 /// How long a right lasts that nobody renews, µs.
 const LEASE_US: u32 = 1_500_000;
@@ -40,102 +29,6 @@ fn value(position: f64) -> Value {
 
 fn position(value: &Value) -> f64 {
     value.first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes))
-}
-
-/// What a user has to do with the body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Doing {
-    /// Wants it.
-    Waits,
-    /// Carries it since this time (s), from here (m).
-    Carries(f64, f64),
-    /// Has let go.
-    Done,
-}
-
-/// A user with its device and its copy.
-struct Hand {
-    plant: Linear,
-    stiffness: f64,
-    damping: f64,
-    device: Motion<f64>,
-    body: Motion<f64>,
-    contact: Contact<f64>,
-    integrator: AnyIntegrator<f64>,
-    state: AnyIntegratorState<f64>,
-    doing: Doing,
-    goal: f64,
-    /// The official copy as last seen, m: what one has released stands until there is news.
-    known: f64,
-    /// Force on the body, N.
-    force: f64,
-}
-
-impl Hand {
-    fn new(scene: &SceneFile, index: usize, goal: f64) -> Self {
-        let settings = &scene.peers()[index];
-        let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
-        let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);
-        let mass = device.mass_kg + TASK.arm_mass_kg;
-        let integrator = AnyIntegrator::build(settings);
-        Self {
-            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, 0.0, period_s),
-            stiffness,
-            damping,
-            device: Motion::REST,
-            body: Motion::REST,
-            contact: Contact::build(settings),
-            state: integrator.initial(),
-            integrator,
-            doing: Doing::Waits,
-            goal,
-            known: 0.0,
-            force: 0.0,
-        }
-    }
-
-    /// One tick; true when the user lets go.
-    fn step(&mut self, time_s: f64, owns: bool, official: f64) -> bool {
-        let mut lets_go = false;
-        match self.doing {
-            Doing::Waits if owns && (self.device.position - official).abs() < GRIP_M => {
-                self.body = Motion::at(official);
-                self.doing = Doing::Carries(time_s, official);
-            }
-            // Whoever has lost the right has to wait again.
-            Doing::Carries(..) if !owns => self.doing = Doing::Waits,
-            Doing::Carries(since, _) if time_s - since > 0.5 * TASK.reach_s + REST_S => {
-                self.doing = Doing::Done;
-                self.body.velocity = 0.0;
-                lets_go = true;
-            }
-            _ => {}
-        }
-        if official != self.known {
-            self.known = official;
-            if !matches!(self.doing, Doing::Carries(..)) {
-                self.body = Motion::at(official);
-            }
-        }
-        let (wanted, speed) = match self.doing {
-            Doing::Waits | Doing::Done => (self.body.position, 0.0),
-            Doing::Carries(since, from) => {
-                // Half of the way in half of the time: minimum jerk (Flash & Hogan 1985).
-                let (time, way) = (0.5 * TASK.reach_s, self.goal - from);
-                let s = ((time_s - since) / time).min(1.0);
-                let place = from + way * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-                (place, way / time * 30.0 * s * s * (1.0 - s) * (1.0 - s))
-            }
-        };
-        self.force = 0.0;
-        if matches!(self.doing, Doing::Carries(..)) {
-            self.force = self.contact.force(self.device, self.body);
-            self.body = self.integrator.step(&mut self.state, self.body, self.force);
-        }
-        let push = self.stiffness * wanted + self.damping * speed - self.force;
-        self.device = self.plant.advance(self.device, push, push);
-        lets_go
-    }
 }
 
 /// A role of one peer, whichever scheme.
@@ -268,7 +161,7 @@ fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureE
 /// # Errors
 /// What the scene or the roles refuse.
 pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
-    let scene = scene(&[])?;
+    let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
     let (mut peers, users, delay_us) = cast(architecture, (1e3 * delay_ms) as u64)?;
     let goals = [0.5 * TASK.goals_m[0], TASK.goals_m[1]];
@@ -313,8 +206,14 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
             }
         }
     }
-    let done = hands.iter().all(|hand| hand.doing == Doing::Done);
     let aware = presence_bytes_per_s() * TASK.duration_s;
     let served = if architecture == Architecture::CollaborativeLock { server_bytes as f64 + 2.0 * aware } else { 0.0 };
-    Ok(account.row(architecture, delay_ms, done, [user_bytes as f64 + 2.0 * aware, served]))
+    let end = End {
+        done: hands.iter().all(|hand| hand.doing == Doing::Done),
+        // Of one hand at the body, whoever's is the larger: nobody else pushes.
+        spectral_radius: verdict(&scene)?.spectral_radius,
+        contact_n_per_m: [scene.peer.contact.stiffness_n_per_m; 2],
+        bytes: [user_bytes as f64 + 2.0 * aware, served],
+    };
+    Ok(account.row(architecture, delay_ms, end))
 }

@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use super::stability::{folder, tell, write};
 use super::{Failure, print_json, progress_bar};
-use crate::architectures::{Architecture, DELAYS_MS, Row, picture, rows};
+use crate::architectures::together::unbounded_radius;
+use crate::architectures::{Architecture, DELAYS_MS, Row, TASK, picture, rows};
 use crate::report::plot::draw;
 use crate::report::table::Table;
 use crate::report::text::{TextTable, significant};
@@ -24,9 +25,17 @@ pub(super) struct Architectures {
     out: Option<PathBuf>,
 }
 
+/// Largest |eigenvalue| of one engine without bounder and delay, with packets every so many milliseconds.
+#[derive(Serialize)]
+struct Packets {
+    packet_ms: u32,
+    spectral_radius: f64,
+}
+
 #[derive(Serialize)]
 struct Report {
     rows: Vec<Row>,
+    unbounded: Vec<Packets>,
     wall_s: f64,
     files: Vec<PathBuf>,
 }
@@ -47,7 +56,10 @@ impl Architectures {
             let figure = picture::figure(&rows);
             written = write(&base, &table(&rows)?, || draw(&figure, &base))?;
         }
-        let report = Report { rows, wall_s: start.elapsed().as_secs_f64(), files: written };
+        let packets =
+            |packet_ms| unbounded_radius(packet_ms).map(|spectral_radius| Packets { packet_ms, spectral_radius });
+        let unbounded = (1..=8).map(packets).collect::<Result<_, _>>()?;
+        let report = Report { rows, unbounded, wall_s: start.elapsed().as_secs_f64(), files: written };
         if self.json {
             return print_json(&report);
         }
@@ -63,6 +75,9 @@ fn table(rows: &[Row]) -> Result<Table, Failure> {
         "architecture",
         "delay_ms",
         "stable",
+        "spectral_radius",
+        "contact_1_n_per_m",
+        "contact_2_n_per_m",
         "true_discrepancy_mm",
         "peak_discrepancy_mm",
         "felt_n",
@@ -79,6 +94,9 @@ fn table(rows: &[Row]) -> Result<Table, Failure> {
             number as f64,
             row.delay_ms,
             f64::from(u8::from(row.stable)),
+            row.spectral_radius,
+            row.contact_n_per_m[0],
+            row.contact_n_per_m[1],
             row.true_discrepancy_mm,
             row.peak_discrepancy_mm,
             row.felt_n,
@@ -95,30 +113,65 @@ fn table(rows: &[Row]) -> Result<Table, Failure> {
 
 impl Report {
     fn print(&self) {
-        println!("Two users carry and place a body; delay from user to user, one way, ms\n");
-        self.across("Mean true discrepancy (mm); NO: unstable, or not done in time", |row| {
-            significant(row.true_discrepancy_mm, 3)
+        println!(
+            "Two users carry and place a body; delay from user to user, one way, ms; NO: unstable, or not done in time\n"
+        );
+        let all = &Architecture::ALL;
+        across(
+            &self.rows,
+            all,
+            "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period",
+            |row| {
+                let [mean, largest] = [row.true_discrepancy_mm, row.peak_discrepancy_mm].map(|mm| significant(mm, 3));
+                if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
+            },
+        );
+        println!(
+            "Lock and ring: only who carries feels the body; the other is shown where it was released last. So the two are apart by\n\
+             the way of a turn until its release has come, and together at rest. Their mean is about that way x (time carried +\n\
+             delay) / {} s: it says how long this task is. Compare them by when and where the body is placed.\n\
+             Engine at the server: both are shown the same, equally old. What delay costs there is stiffness.\n",
+            TASK.duration_s
+        );
+        println!("{}\n", self.slowest_packets());
+        let bounded = &[Architecture::CooperativeServer, Architecture::CooperativeClient];
+        across(&self.rows, bounded, "What the bounder has left of 1000 N/m of contact, either user's (N/m)", |row| {
+            let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
+            format!("{one} {two}")
         });
-        println!("Packets go every 8 ms, which counts as delay; host-sim cooperative sends them every tick.\n");
-        self.across("Mean / largest force felt (N)", |row| format!("{:.2} / {:.1}", row.felt_n, row.peak_n));
-        self.across("Placed after (s), and where (mm, both users)", |row| {
-            format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1])
+        let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
+        across(&self.rows, all, "Mean / largest force felt (N)", |row| {
+            if_stable(row, format!("{:.2} / {:.1}", row.felt_n, row.peak_n))
         });
-        self.across("Bytes a second: one user / server (kB/s, sealed)", |row| {
-            format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s)
+        across(&self.rows, all, "Placed after (s), and where (mm, both users)", |row| {
+            if_stable(row, format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1]))
+        });
+        across(&self.rows, all, "Bytes a second: one user / server (kB/s, sealed)", |row| {
+            if_stable(row, format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s))
         });
         println!("{:.1} s", self.wall_s);
     }
 
-    /// One number, architectures down and delays across.
-    fn across(&self, title: &str, cell: fn(&Row) -> String) {
-        let delays = DELAYS_MS.map(|delay| delay.to_string());
-        let mut table = TextTable::new(std::iter::once(String::new()).chain(delays));
-        for architecture in Architecture::ALL {
-            let of_this = self.rows.iter().filter(|row| row.architecture == architecture);
-            let cells = of_this.map(|row| if row.stable { cell(row) } else { "NO".to_owned() });
-            table.push(std::iter::once(architecture.name().to_owned()).chain(cells));
-        }
-        println!("{title}\n\n{table}");
+    /// Why the engine is unstable without the bounder even where there is no delay.
+    fn slowest_packets(&self) -> String {
+        let stable = self.unbounded.iter().take_while(|at| at.spectral_radius <= 1.0).count();
+        let edge = &self.unbounded[stable.saturating_sub(1)..];
+        let radii: Vec<_> = edge.iter().map(|at| format!("{:.3} at {} ms", at.spectral_radius, at.packet_ms)).collect();
+        format!(
+            "Packets go every 8 ms, which counts as delay: without the bounder a contact of 1000 N/m does not bear that even at 0 ms.\n\
+             It needs packets every {stable} ms or faster: spectral radius {}. host-sim cooperative sends them every tick.",
+            radii.join(", ")
+        )
     }
+}
+
+/// One number, architectures down and delays across.
+fn across(rows: &[Row], architectures: &[Architecture], title: &str, cell: impl Fn(&Row) -> String) {
+    let delays = DELAYS_MS.map(|delay| delay.to_string());
+    let mut table = TextTable::new(std::iter::once(String::new()).chain(delays));
+    for architecture in architectures {
+        let of_this = rows.iter().filter(|row| row.architecture == *architecture);
+        table.push(std::iter::once(architecture.name().to_owned()).chain(of_this.map(&cell)));
+    }
+    println!("{title}\n\n{table}");
 }

@@ -17,18 +17,6 @@ enum SchemeName {
     Both,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MistakeName {
-    /// One clock counts a quarter of the time.
-    SlowClock,
-    /// Records are not there after a crash.
-    Amnesia,
-    /// The server does not look under which grant a release was made.
-    NoFence,
-    /// One vote for a new token counts for everybody's.
-    NoMajority,
-}
-
 /// Arguments of `collaborate`.
 #[derive(Debug, Args)]
 pub(super) struct Collaborate {
@@ -36,17 +24,17 @@ pub(super) struct Collaborate {
     #[arg(long, value_enum, default_value = "both")]
     scheme: SchemeName,
     /// Users; by default 2, 3, 5 and 8 in turn.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=i64::from(MOST_USERS)))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=i64::from(MOST_USERS)))]
     users: Option<u8>,
-    /// Runs of each kind, a seed each.
-    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    /// Runs of each scheme, shared among the numbers of users; a seed each.
+    #[arg(long, default_value_t = 10_000, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     runs: u64,
     /// Seed of the first run.
-    #[arg(long, default_value_t = 1, value_name = "K")]
+    #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
     seed: u64,
     /// Put a mistake in on purpose, to see that it is found.
     #[arg(long, value_enum)]
-    mistake: Option<MistakeName>,
+    mistake: Option<Mistake>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -71,12 +59,7 @@ impl Collaborate {
             SchemeName::Ring => &[Scheme::Ring],
             SchemeName::Both => &[Scheme::Lock, Scheme::Ring],
         };
-        let mistake = self.mistake.map(|name| match name {
-            MistakeName::SlowClock => Mistake::SlowClock,
-            MistakeName::Amnesia => Mistake::Amnesia,
-            MistakeName::NoFence => Mistake::NoFence,
-            MistakeName::NoMajority => Mistake::NoMajority,
-        });
+        let mistake = self.mistake;
         if !schemes.iter().all(|scheme| mistake.is_none_or(|mistake| mistake.fits(*scheme))) {
             let allowed = "no-fence only with --scheme lock, no-majority only with --scheme ring";
             return Err(format!("--mistake is not allowed with this --scheme: {allowed}").into());

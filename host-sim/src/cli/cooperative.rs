@@ -1,5 +1,7 @@
 //! `host-sim cooperative`: many users, one object, one dynamics engine.
 
+mod picture;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -13,12 +15,12 @@ use crate::cooperative::run::{Outcome, run};
 use crate::cooperative::waves::{self, Waves};
 use crate::cooperative::{Collision, Engine, Setup};
 use crate::report::files;
-use crate::report::plot::{Figure, Panel, Series, draw};
+use crate::report::plot::draw;
 use crate::report::text::{TextTable, significant};
 use crate::scene::SceneFile;
 
 /// One-way delays of the sweep, ms.
-const DELAYS_MS: [f64; 9] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 150.0, 200.0];
+const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 /// Forces of the cooperation paper's §5.2, which a scene may change as anything else.
 const FORCES: [&str; 3] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
@@ -207,8 +209,16 @@ impl Cooperative {
         if self.json {
             return print_json(&rows);
         }
-        let mut table =
-            TextTable::new(["users", "one way ms", "stable", "true mm", "felt N", "peak N", "node energy out/in"]);
+        let mut table = TextTable::new([
+            "users",
+            "one way ms",
+            "stable",
+            "true mm",
+            "felt N",
+            "peak N",
+            "node energy out/in",
+            "out/put in",
+        ]);
         for WaveRow { users, one_way_ms, outcome } in &rows {
             table.push([
                 users.to_string(),
@@ -218,6 +228,7 @@ impl Cooperative {
                 significant(outcome.felt_n, 3),
                 significant(outcome.peak_n, 3),
                 format!("{:.12}", outcome.node_out_over_in),
+                format!("{:.6}", outcome.node_out_over_put_in),
             ]);
         }
         println!("{table}");
@@ -230,78 +241,10 @@ impl Cooperative {
             let csv = base.with_extension("csv");
             files::write_csv(&row.outcome.table, &csv)?;
             let mut written = vec![csv];
-            written.extend(draw(&over_time(row), &base)?);
+            written.extend(draw(&picture::over_time(row), &base)?);
             return Ok(written);
         }
-        Ok(draw(&sweep(rows), &base)?)
-    }
-}
-
-/// A run over time.
-fn over_time(row: &Row) -> Figure {
-    let time = row.outcome.table.column("time_s").unwrap_or(&[]);
-    let column = |name: &str, factor: f64| {
-        let values = row.outcome.table.column(name).unwrap_or(&[]);
-        time.iter().copied().zip(values.iter().map(|value| factor * value)).collect::<Vec<_>>()
-    };
-    let panel = |y_label: &str, series| Panel {
-        x_label: "Time (s)".to_owned(),
-        y_label: y_label.to_owned(),
-        series,
-        ..Panel::default()
-    };
-    Figure {
-        title: format!("One object, {} users, {} ms one way", row.users, row.one_way_ms),
-        caption: "Above: the object where it is moved, and as the first and the last client render it. Below: what they push \
-                  it with."
-            .to_owned(),
-        columns: 1,
-        share_x: true,
-        panels: vec![
-            panel(
-                "Position (mm)",
-                vec![
-                    Series::line("object", 0, column("object_m", 1e3)),
-                    Series::line("first client", 1, column("view_1_m", 1e3)),
-                    Series::line("last client", 2, column("view_last_m", 1e3)),
-                ],
-            ),
-            panel(
-                "Contact force (N)",
-                vec![
-                    Series::line("first client", 1, column("force_1_n", 1.0)),
-                    Series::line("last client", 2, column("force_last_n", 1.0)),
-                ],
-            ),
-        ],
-        ..Figure::default()
-    }
-}
-
-/// Discrepancy and stiffness against delay.
-fn sweep(rows: &[Row]) -> Figure {
-    let line = |bounder: bool, value: fn(&Outcome) -> f64| {
-        let of_these = rows.iter().filter(|row| row.bounder == bounder && row.outcome.stable);
-        of_these.map(|row| (row.one_way_ms, value(&row.outcome))).collect::<Vec<_>>()
-    };
-    let both = |value: fn(&Outcome) -> f64| {
-        vec![Series::line("with the bounder", 0, line(true, value)), Series::line("without", 1, line(false, value))]
-    };
-    let panel = |y_label: &str, value| Panel {
-        x_label: "One-way delay (ms)".to_owned(),
-        y_label: y_label.to_owned(),
-        series: both(value),
-        ..Panel::default()
-    };
-    Figure {
-        title: "One dynamics engine at the server, contact at the clients".to_owned(),
-        caption: "Only runs that are stable: without the bounder a line ends where the environment breaks.".to_owned(),
-        columns: 2,
-        panels: vec![
-            panel("True discrepancy (mm)", |outcome| outcome.true_discrepancy_mm),
-            panel("Contact stiffness (N/m)", |outcome| outcome.stiffness_n_per_m),
-        ],
-        ..Figure::default()
+        Ok(draw(&picture::sweep(rows), &base)?)
     }
 }
 

@@ -18,6 +18,7 @@ mod cooperate;
 mod cooperative;
 mod crowd;
 mod flood;
+mod hub;
 mod keys;
 mod live;
 mod operator;
@@ -27,6 +28,7 @@ mod record;
 mod rendering;
 mod restarts;
 mod serve;
+mod shape;
 mod squash;
 mod stability;
 mod tune;
@@ -85,6 +87,8 @@ enum Command {
     KeyImage(live::KeyImage),
     /// One peer in real time over UDP, sealed; run two of them.
     Peer(live::Peer),
+    /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
+    Hub(hub::Hub),
     /// Say lines to a board: arm, stop, set up; sealed.
     Operator(operator::Operate),
     /// A bad network between two peers.
@@ -97,6 +101,8 @@ enum Command {
     Crowd(crowd::Crowd),
     /// Every key of a world file, or what a world holds.
     World(world::World),
+    /// A hand strokes along an object of a world and pushes it about: force, depth at corners, energy.
+    Shape(shape::ShapeArgs),
     /// Write down what a scene's network does to every packet.
     Trace(live::Trace),
     /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
@@ -125,7 +131,7 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub(super) fn load(&self) -> Result<SceneFile, SceneError> {
+    pub fn load(&self) -> Result<SceneFile, SceneError> {
         match self.built_in() {
             Some(name) => self.changed(name),
             None => SceneFile::load(self.scene.as_deref(), &self.set),
@@ -162,7 +168,7 @@ impl SceneArgs {
     }
 
     /// Short name of the scene, for file names and headings.
-    pub(super) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         self.name_or("scene")
     }
 
@@ -207,12 +213,14 @@ pub fn main() -> ExitCode {
         Command::Keygen(command) => command.run(),
         Command::KeyImage(command) => command.run(),
         Command::Peer(command) => command.run(),
+        Command::Hub(command) => command.run(),
         Command::Operator(command) => command.run(),
         Command::Relay(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Visit(command) => command.run(),
         Command::Crowd(command) => command.run(),
         Command::World(command) => command.run(),
+        Command::Shape(command) => command.run(),
         Command::Trace(command) => command.run(),
         Command::Flood(command) => command.run(),
         Command::Restarts(command) => command.run(),

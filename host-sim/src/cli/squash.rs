@@ -57,11 +57,15 @@ pub(super) struct Squash {
     /// Players.
     #[arg(long, default_value_t = 4, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=8))]
     players: u8,
-    /// Round trip between any two, ms; what the scene's network does comes on top.
+    /// Round trip between any two, ms, instead of the scene's network.one_way_delay_packets; what else its network does to
+    /// packets comes on top.
     #[arg(long, default_value_t = 100.0, value_name = "R", allow_negative_numbers = true)]
     rtt_ms: f64,
     #[command(flatten)]
     rules: Rules,
+    /// Rallies after which the game is over; without it, the time is.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    rallies: Option<u16>,
     /// Of everything random.
     #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
     seed: u64,
@@ -114,13 +118,29 @@ impl Squash {
         }
         check("--rtt-ms", self.rtt_ms, 0.0, 2000.0, "ms")?;
         let (bounder, motion_bounder, seconds) = self.rules.read()?;
+        let scene = self.scene.load()?;
+        let network = scene.world.network;
+        // A line between two of many has no recording, no longer way back and no play-out; peers have clocks of their own.
+        for (key, given) in [
+            ("trace", scene.network_trace.is_some()),
+            ("asymmetry_s", network.asymmetry_s != 0.0),
+            ("playout_packets", network.playout_packets != 0),
+            ("clock_drift_ppm", network.clock_drift_ppm != 0.0),
+        ] {
+            if given {
+                return Err(
+                    format!("network.{key} is not allowed here: a game of squash cannot take it into account").into()
+                );
+            }
+        }
         let mut options = Options {
             players: self.players,
             round_trip_s: self.rtt_ms * 1e-3,
-            network: self.scene.load()?.world.network,
+            network,
             bounder,
             motion_bounder,
             seconds,
+            rallies: self.rallies.unwrap_or(u16::MAX),
             seed: self.seed,
             changes: Vec::new(),
             record_every: 0,

@@ -33,7 +33,7 @@ pub enum Scheme {
 }
 
 /// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mistake {
     /// One peer's clock counts a quarter of the time: beyond what a lease allows.

@@ -6,17 +6,13 @@
 use haptic_core::motion::Motion;
 use haptic_core::render::bounder::Bound;
 use haptic_protocol::roles::cooperative::{Body, Message};
-use haptic_protocol::wire::{Event, Header, Moved, PeerId, Push, TAG_LEN};
+use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 
 use super::MOST_USERS;
 
-/// Bytes around a sealed message.
-pub(super) const SEAL: usize = Header::LEN + TAG_LEN;
-
 /// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
 pub(super) fn said_bytes(message: &Message) -> usize {
-    let mut out = [0; Event::MAX_LEN];
-    SEAL + message.event(0).and_then(|event| event.emit(&mut out)).unwrap_or(Event::MAX_LEN)
+    SEAL_LEN + message.event(0).map_or(Event::MAX_LEN, |event| event.emitted_len())
 }
 
 /// From a client.
@@ -58,8 +54,8 @@ pub(super) fn object(body: Body) -> Motion<f64> {
 impl Up {
     /// Bytes of it all, of a client among `users`.
     pub(super) fn bytes(&self, users: usize) -> usize {
-        let told = self.states.map_or(0, |_| (users - 1) * (SEAL + Moved::LEN));
-        SEAL + Push::LEN + told + self.say.as_ref().map_or(0, said_bytes)
+        let told = self.states.map_or(0, |_| (users - 1) * (SEAL_LEN + Moved::LEN));
+        SEAL_LEN + Push::LEN + told + self.say.as_ref().map_or(0, said_bytes)
     }
 }
 
@@ -67,7 +63,7 @@ impl Down {
     /// Bytes of it all. A force that comes down is as long as a push that goes up.
     pub(super) fn bytes(&self) -> usize {
         let pushes = self.pushes.iter().flatten().flatten().count() + usize::from(self.force_n.is_some());
-        let state = self.state.map_or(0, |_| SEAL + Moved::LEN);
-        state + pushes * (SEAL + Push::LEN) + self.say.as_ref().map_or(0, said_bytes)
+        let state = self.state.map_or(0, |_| SEAL_LEN + Moved::LEN);
+        state + pushes * (SEAL_LEN + Push::LEN) + self.say.as_ref().map_or(0, said_bytes)
     }
 }

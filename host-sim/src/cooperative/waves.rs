@@ -1,12 +1,11 @@
-//! N peers of the wave kind and one object: every peer has its copy, every wave goes to the server's lossless node
-//! ([`haptic_core::couple::node`]) and what the node scatters comes back.
+//! N peers of the wave kind and one object: every peer has its copy, every wave goes to the server, where the lines meet
+//! ([`super::junction`]), and what is scattered there comes back.
 //!
 //! The peers are the ones of `cooperate`, copy and all; only what their packets pass through differs. With two users of equal
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
-//! Constant delay without loss only: a wave held through a loss is not the line's.
+//! Constant delay without loss only, unless `coordination.ledger` pays for what is held.
 
-use haptic_core::couple::node::Node;
-use haptic_core::couple::{Packet, Sends, sends};
+use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
@@ -15,6 +14,7 @@ use haptic_core::settings::Refused;
 use serde::Serialize;
 
 use super::MOST_USERS;
+use super::junction::Junction;
 use super::world::WorldError;
 use crate::network::Way;
 use crate::network::fate::Direction;
@@ -27,22 +27,18 @@ struct Seat {
     scene: Scene<Any<f64>>,
     state: State<Any<f64>>,
     plant: Plant,
-    up: Way<f64>,
-    down: Way<f64>,
-    /// The wave that last came out of the line at the server, √W.
-    at_node: f64,
+    up: Way<Packet<f64>>,
+    down: Way<Packet<f64>>,
 }
 
 /// Peers around a node.
 #[derive(Clone, Debug)]
 pub struct Waves {
     seats: Vec<Seat>,
-    node: Node<f64, MOST_USERS>,
+    junction: Junction,
     period_s: f64,
     ticks_per_packet: u64,
     tick: u64,
-    /// Wave energy into and out of the node, J.
-    energy_j: [f64; 2],
 }
 
 /// What a run gave.
@@ -58,13 +54,16 @@ pub struct Outcome {
     pub peak_n: f64,
     /// Wave energy out of the node over energy into it.
     pub node_out_over_in: f64,
+    /// Wave energy out of the node over what the peers put into their lines, as far as the node heard of it.
+    pub node_out_over_put_in: f64,
 }
 
 impl Waves {
     /// `users` peers in this scene, armed and at rest; the scene's delay is the way between a peer and the server.
     ///
     /// # Errors
-    /// Users out of range; a comm that sends no waves; a network that does more than delay; what the peers refuse.
+    /// Users out of range; a comm that sends no waves; a network that does more than delay, without the ledger; what the
+    /// peers refuse.
     pub fn new(scene: &SceneFile, users: usize) -> Result<Self, WorldError> {
         if !(1..=MOST_USERS).contains(&users) {
             return Err(WorldError::Users(users));
@@ -77,12 +76,10 @@ impl Waves {
             seed: network.seed,
             ..Network::default()
         };
-        if network != plain || scene.network_trace.is_some() {
+        if (network != plain || scene.network_trace.is_some()) && !scene.peer.coordination.ledger {
             return Err(WorldError::NotConstant);
         }
-        if sends(&scene.peer) != Sends::Waves || scene.peer.coordination.ledger {
-            return Err(WorldError::NoWaves);
-        }
+        let junction = Junction::new(&scene.peer, users)?;
         let settings = scene.peers();
         let seat = |index: usize| -> Result<Seat, Refused<'static>> {
             let built = Scene::build(&settings[index % 2])?;
@@ -90,18 +87,19 @@ impl Waves {
             let start = plant.motions().map(|motion| Motion::at(motion.position));
             let mut state = State::new(&built, start);
             state.command(&built, Command::Arm);
-            let (up, down) = (Way::new(scene, Direction::OneToTwo), Way::new(scene, Direction::TwoToOne));
-            Ok(Seat { scene: built, state, plant, up, down, at_node: 0.0 })
+            let mut line = scene.clone();
+            // Every line has its own fate.
+            line.world.network.seed = network.seed.wrapping_add(index as u32);
+            let (up, down) = (Way::new(&line, Direction::OneToTwo), Way::new(&line, Direction::TwoToOne));
+            Ok(Seat { scene: built, state, plant, up, down })
         };
         let seats = (0..users).map(seat).collect::<Result<Vec<_>, _>>()?;
-        let impedance = scene.peer.coordination.wave_impedance_n_s_per_m;
         Ok(Self {
-            node: Node::new(core::array::from_fn(|index| if index < users { impedance } else { 0.0 })),
+            junction,
             seats,
             period_s: scene.peer.timing.control_period_s,
             ticks_per_packet: u64::from(scene.peer.timing.ticks_per_packet),
             tick: 0,
-            energy_j: [0.0; 2],
         })
     }
 
@@ -129,22 +127,15 @@ impl Waves {
         self.tick += 1;
     }
 
-    /// Packets to the server, through the node, and back.
+    /// Packets to the server, through the junction, and back.
     fn exchange(&mut self, time: f64) {
-        let mut waves = [0.0; MOST_USERS];
-        for (seat, wave) in self.seats.iter_mut().zip(&mut waves) {
-            seat.up.send(time, peer::outgoing(&seat.scene, &seat.state).wave);
-            seat.at_node = seat.up.take(time).unwrap_or(seat.at_node);
-            *wave = seat.at_node;
-        }
-        let scattered = self.node.scatter(waves).back;
-        let energy = |waves: [f64; MOST_USERS]| -> f64 { waves.iter().map(|wave| 0.5 * wave * wave).sum() };
-        let packet_s = self.period_s * self.ticks_per_packet as f64;
-        self.energy_j[0] += packet_s * energy(waves);
-        self.energy_j[1] += packet_s * energy(scattered);
-        for (seat, wave) in self.seats.iter_mut().zip(scattered) {
-            seat.down.send(time, wave);
-            let incoming = seat.down.take(time).map(|wave| Packet { wave, ..Packet::default() });
+        self.junction.exchange(self.seats.iter_mut().map(|seat| {
+            seat.up.send(time, peer::outgoing(&seat.scene, &seat.state));
+            seat.up.take(time)
+        }));
+        for (seat, port) in self.seats.iter_mut().zip(self.junction.ports()) {
+            seat.down.send(time, port.back);
+            let incoming = seat.down.take(time);
             peer::exchange(&seat.scene, &mut seat.state, incoming);
         }
     }
@@ -163,13 +154,15 @@ impl Waves {
                 felt += self.forces().map(f64::abs).sum::<f64>() / self.seats.len() as f64;
             }
         }
-        let [into, out] = self.energy_j;
+        let energy = self.junction.energy();
+        let out_over = |into: f64| if into > 0.0 { energy.sent_j / into } else { 1.0 };
         Outcome {
             stable: self.seats.iter().all(|seat| seat.state.mode() == Mode::Armed),
             true_discrepancy_mm: 1e3 * discrepancy / counted.max(1) as f64,
             felt_n: felt / counted.max(1) as f64,
             peak_n,
-            node_out_over_in: if into > 0.0 { out / into } else { 1.0 },
+            node_out_over_in: out_over(energy.taken_j),
+            node_out_over_put_in: out_over(energy.put_in_j),
         }
     }
 }

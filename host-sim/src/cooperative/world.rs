@@ -49,6 +49,8 @@ pub struct World {
     seats: Vec<Seat>,
     server: role::Server,
     engine: DynamicsEngine,
+    /// The object as it was last moved, by whom ever.
+    moved: Motion<f64>,
     contacts: [Contact<f64>; 2],
     bounder: Option<Bounder<f64>>,
     collision: Collision,
@@ -77,15 +79,13 @@ pub enum WorldError {
     NoContact,
     /// The node is lossless only for waves that come when they are due.
     #[error(
-        "network: through the node every wave must arrive, after a constant delay; leave jitter, loss and all else at 0"
+        "network: through the node every wave must arrive, after a constant delay: leave jitter, loss and all else at 0, or \
+         set coordination.ledger = true, which pays for waves that are held"
     )]
     NotConstant,
     /// There are no waves to scatter.
-    #[error(
-        "coordination.comm: the node scatters waves, so it must be one of \"wave\", \"passive-wave\", \"passive-mean\", with \
-         coordination.ledger false"
-    )]
-    NoWaves,
+    #[error(transparent)]
+    NoWaves(#[from] super::junction::NoWaves),
 }
 
 impl World {
@@ -130,6 +130,7 @@ impl World {
             seats: seats.collect(),
             server: role::Server::new(lease),
             contacts: [0, 1].map(|side: usize| Contact::build(&settings[side])),
+            moved: engine.object,
             engine,
             bounder: setup.bounder.then_some(bounder),
             collision: setup.collision,
@@ -170,9 +171,7 @@ impl World {
 
     /// The object where it is moved, or was last.
     pub fn object(&self) -> Motion<f64> {
-        let now = self.now_us();
-        let here = self.seats.iter().find(|seat| seat.role.engine(now).is_some());
-        here.map_or(self.engine.object, |seat| seat.engine.object)
+        self.moved
     }
 
     /// The first client asks for the engine.
@@ -260,12 +259,14 @@ impl World {
                 came_us: user.came_us,
                 sent_us: now,
             };
+            let mut others = pushes;
+            others[index] = None;
             let holds = lent_to == Some(peer(index));
             let say = recalled.filter(|(to, _)| *to == peer(index)).map(|(_, message)| message);
             let down = Down {
                 state: if here { Some(own) } else { seat.passed_on.take() },
                 force_n: (self.collision == Collision::Server).then_some(user.force_n),
-                pushes: holds.then_some(pushes),
+                pushes: holds.then_some(others),
                 say: seat.answer.take().or(say),
             };
             self.bytes[1] += down.bytes() as u64;
@@ -287,9 +288,9 @@ impl World {
             }
         }
         seat.received_n = down.force_n.unwrap_or(seat.received_n);
-        for (at, (user, pushed)) in seat.engine.users.iter_mut().zip(pushed).enumerate() {
+        for (user, pushed) in seat.engine.users.iter_mut().zip(pushed) {
             // A push that comes again is the one that stands.
-            *user = pushed.filter(|new| at != index && new.sent_us > user.sent_us).unwrap_or(*user);
+            *user = pushed.filter(|new| new.sent_us > user.sent_us).unwrap_or(*user);
         }
         match down.say.map_or(Told::Nothing, |message| seat.role.receive(now, &message)) {
             Told::Came(body) => seat.engine.take_over(object(body)),
@@ -360,12 +361,14 @@ impl World {
         }
         if self.server.has_engine() {
             self.engine.step();
+            self.moved = self.engine.object;
         }
         for (index, seat) in self.seats.iter_mut().enumerate() {
             if seat.role.engine(now).is_some() {
                 seat.engine.users[index] =
                     Pushed { force_n: seat.force_n, drag_n_s_per_m: seat.client.bound.drag, sent_us: 0, came_us: 0 };
                 seat.engine.step();
+                self.moved = seat.engine.object;
             }
         }
     }

@@ -6,18 +6,13 @@ use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
 use haptic_protocol::roles::Outbox;
-use haptic_protocol::roles::squash::{
-    Court, Ending, Message, Notice, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig, Verdict,
-};
+use haptic_protocol::roles::squash::{Ending, Message, Notice, PLAYERS, SERVER, Server, ServerConfig, Verdict};
 use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
 use super::pace::{Pace, Punctuality};
 use super::post::{Met, Post};
-use crate::squash::bot::{Action, BALL_KG, Bot, MOTION};
-
-/// Control period.
-const TICK: Duration = Duration::from_millis(1);
+use crate::squash::contestant::{Contestant, TICK_S};
 
 /// Who this is, and where the others are.
 #[derive(Clone, Debug)]
@@ -82,7 +77,7 @@ pub struct Report {
 /// What this process plays.
 enum Part {
     Server(Box<Server>),
-    Player { player: Box<Player>, bot: Box<Bot>, was_active: bool },
+    Player(Box<Contestant>),
 }
 
 /// Plays until the time is over.
@@ -111,22 +106,20 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
         let players = (count - 1) as u8;
         Part::Server(Box::new(Server::new(ServerConfig { players, rallies: u16::MAX, bounder: options.bounder })))
     } else {
-        let (number, court) = (PeerId(options.number), Court::SINGLES);
-        let config = PlayerConfig { number, court, ball_kg: BALL_KG, life: seed as u16 };
-        let (player, bot) = (Box::new(Player::new(config)), Box::new(Bot::new(court, seed)));
-        Part::Player { player, bot, was_active: false }
+        Part::Player(Box::new(Contestant::new(PeerId(options.number), seed as u16, seed)))
     };
     let mut out = Outbox::<Message, 64>::new();
     let (mut rallies, mut strokes, mut unseen): (Vec<Rally>, _, _) = (Vec::new(), 0, 0);
-    let mut pace = Pace::new(TICK);
-    let ticks = (options.seconds / TICK.as_secs_f64()).round() as u64;
+    let tick = Duration::from_secs_f64(TICK_S);
+    let mut pace = Pace::new(tick);
+    let ticks = (options.seconds / TICK_S).round() as u64;
     for _ in 0..ticks {
         pace.wait();
         let now = pace.now_us();
-        for (from, message) in post.take(now, Instant::now() + TICK) {
+        for (from, message) in post.take(now, Instant::now() + tick) {
             match &mut part {
                 Part::Server(server) => server.receive(now, from, &message, &mut out),
-                Part::Player { player, .. } => player.receive(now, from, &message, &mut out),
+                Part::Player(contestant) => contestant.player.receive(now, from, &message, &mut out),
             }
         }
         match &mut part {
@@ -138,31 +131,15 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
                     rallies.push(last.into());
                 }
             }
-            Part::Player { player, bot, was_active } => {
-                let now_s = now as f64 * 1e-6;
-                while let Some(notice) = player.take_notice() {
-                    match notice {
-                        Notice::Ends { verdict, .. } => {
-                            let own = verdict.loser.0 == options.number;
-                            unseen += u32::from(verdict.ending == Ending::Unseen && own);
-                            rallies.push(verdict.into());
-                        }
-                        Notice::Begins { .. } | Notice::Hit { .. } => *was_active = false,
+            Part::Player(contestant) => {
+                contestant.hears(now, |_, notice| {
+                    if let Notice::Ends { verdict, .. } = notice {
+                        let own = verdict.loser.0 == options.number;
+                        unseen += u32::from(verdict.ending == Ending::Unseen && own);
+                        rallies.push(verdict.into());
                     }
-                }
-                match (player.is_active(), std::mem::replace(was_active, player.is_active())) {
-                    (true, false) => bot.sees_its_turn(now_s),
-                    (false, true) => bot.rests(),
-                    _ => {}
-                }
-                let damping = MOTION.damping_n_s_per_m(player.round_trip_us());
-                let damping = if options.motion_bounder { f64::from(damping) } else { 0.0 };
-                let action = bot.tick(now_s, TICK.as_secs_f64(), player.ball(now), damping);
-                player.place(bot.racket());
-                if let Action::Swings(racket) = action {
-                    strokes += u32::from(player.hit(now, &racket, &mut out).is_some());
-                }
-                player.poll(now, &mut out);
+                });
+                strokes += u32::from(contestant.tick(now, options.motion_bounder, &mut out).is_some());
             }
         }
         post.say(now, &mut out);
@@ -172,7 +149,7 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
     }
     let game = match &part {
         Part::Server(server) => server.game(),
-        Part::Player { player, .. } => player.game(),
+        Part::Player(contestant) => contestant.player.game(),
     };
     Ok(Report {
         number: options.number,

@@ -4,7 +4,10 @@
 //! |---|---|
 //! | [`court`] | a game of squash: its server, or one of its players |
 //! | [`flood`] | forged datagrams by the hundred thousand against two nodes |
+//! | [`flows`] | flow on its way between the wire and the core |
+//! | [`hub`] | where 2 to 16 peers hold one object |
 //! | [`key_file`] | the shared key, readable by its owner only |
+//! | [`meet`] | a hub in real time on a UDP socket |
 //! | [`node`] | one peer on a wire: the tick and exchange that fly, a simulated device, a sealed link |
 //! | [`operator`] | a person's end of a board's command port |
 //! | [`pace`] | a 1 kHz beat from the operating system, with its misses counted |
@@ -22,8 +25,11 @@
 pub mod court;
 pub mod crowd;
 pub mod flood;
+pub mod flows;
 pub mod histogram;
+pub mod hub;
 pub mod key_file;
+pub mod meet;
 pub mod node;
 pub mod operator;
 pub mod pace;

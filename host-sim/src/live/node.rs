@@ -12,7 +12,6 @@
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does.
 
-use haptic_core::couple::Packet;
 use haptic_core::motion::Motion;
 use haptic_core::peer::{self, Actuators, Observed, State};
 use haptic_core::safety::{Command, Mode};
@@ -22,9 +21,9 @@ use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, TooManyTables};
-use haptic_protocol::playout::Playout;
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
+use super::flows::{Inbox, flow_of, packet_of};
 use crate::plant::Plant;
 use crate::scene::SceneFile;
 
@@ -35,12 +34,7 @@ pub struct Node {
     state: State<Any<f32>>,
     plant: Plant,
     link: Link,
-    /// The newest flow since the last exchange.
-    newest: Option<Flow>,
-    /// The other peer's motors have gone off since its last flow that counted.
-    apart: bool,
-    /// Flow that waits, where the scene asks for it (network.playout_packets).
-    playout: Option<Playout<Flow>>,
+    inbox: Inbox,
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
@@ -53,7 +47,7 @@ pub struct Node {
 }
 
 /// Time from telemetry to telemetry, s.
-const TELEMETRY_S: f64 = 0.5;
+pub(super) const TELEMETRY_S: f64 = 0.5;
 
 /// What both peers must have been told alike, as a greeting names it.
 fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
@@ -64,27 +58,18 @@ fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
     })
 }
 
-/// On the wire as in core. Neither room knows the other, so whoever joins them spells this out (the board does, too).
-fn flow_of(packet: Packet<f32>, engaged: bool, tick: u32) -> Flow {
-    Flow {
-        engaged,
-        tick,
-        position: packet.motion.position,
-        velocity: packet.motion.velocity,
-        wave: packet.wave,
-        wave_integral: packet.wave_integral,
-        energy_sent: packet.energy_j,
-        ..Flow::default()
-    }
-}
-
-fn packet_of(flow: &Flow) -> Packet<f32> {
-    Packet {
-        motion: Motion { position: flow.position, velocity: flow.velocity },
-        wave: flow.wave,
-        energy_j: flow.energy_sent,
-        wave_integral: flow.wave_integral,
-    }
+/// The sealed line from one end of a scene to the other, calling.
+pub(super) fn open_link(scene: &SceneFile, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
+    let settings = &scene.peers()[usize::from(ends.local == PeerId(2))];
+    let timing = &settings.timing;
+    Link::new(Config {
+        key,
+        ends,
+        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
+        parameters: parameters(settings).map_err(|error| error.to_string())?,
+        entropy,
+    })
+    .map_err(|error| error.to_string())
 }
 
 impl Node {
@@ -110,25 +95,15 @@ impl Node {
         let settings = &scene.peers()[usize::from(number == 2)];
         let built = Scene::build(settings).map_err(|refused| refused.to_string())?;
         let state = State::new(&built, plant.motions().map(|motion| Motion::at(motion.position as f32)));
-        let period_s = settings.timing.control_period_s;
-        let link = Link::new(Config {
-            key,
-            ends: Ends { local: PeerId(number), remote: PeerId(3 - number) },
-            packet_period_us: (1e6 * period_s * f64::from(settings.timing.ticks_per_packet)) as u32,
-            parameters: parameters(settings).map_err(|error| error.to_string())?,
-            entropy,
-        })
-        .map_err(|error| error.to_string())?;
-        let depth = scene.world.network.playout_packets;
+        let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
+        let link = open_link(scene, ends, key, entropy)?;
         Ok(Self {
             scene: built,
             state,
             plant,
             link,
-            newest: None,
-            apart: false,
-            playout: (depth > 0).then(|| Playout::new(depth, settings.timing.ticks_per_packet)),
-            period_s,
+            inbox: Inbox::new(scene),
+            period_s: settings.timing.control_period_s,
             ticks: 0,
             armed_ticks: 0,
             until_telemetry: 0,
@@ -153,12 +128,7 @@ impl Node {
             }
             _ => return Ok(None),
         };
-        match &mut self.playout {
-            Some(playout) => {
-                playout.put(self.ticks, flow.tick, flow);
-            }
-            None => self.newest = Some(flow),
-        }
+        self.inbox.put(self.ticks, flow);
         Ok(Some(flow))
     }
 
@@ -167,10 +137,7 @@ impl Node {
         while let Some(notice) = self.link.take_notice() {
             if notice == Notice::Disengaged {
                 self.state.part();
-                self.newest = None;
-                if let Some(playout) = &mut self.playout {
-                    playout.clear();
-                }
+                self.inbox.clear();
             }
             self.notices.push((now_us, notice));
         }
@@ -183,22 +150,20 @@ impl Node {
             send(&out[..len]);
         }
         self.heed(now_us);
-        if let Some(playout) = self.playout.as_mut().filter(|_| self.state.packet_due()) {
-            self.newest = playout.take(self.ticks);
+        let due = self.state.packet_due();
+        if due {
+            self.inbox.play(self.ticks);
         }
-        if self.state.mode() == Mode::Disarmed && self.newest.is_some() {
+        if self.state.mode() == Mode::Disarmed && self.inbox.newest().is_some() {
             self.state.command(&self.scene, Command::Arm);
             self.state.part();
         }
-        if self.state.packet_due() {
-            let newest = self.newest.take();
-            if newest.is_some_and(|flow| flow.engaged) && self.apart {
-                // Armed anew it counts from zero, from another place: nothing that came before goes with it.
+        if due {
+            let (flow, anew) = self.inbox.take();
+            if anew {
                 self.state.part();
             }
-            self.apart = newest.map_or(self.apart, |flow| !flow.engaged);
-            let incoming = newest.filter(|flow| flow.engaged).map(|flow| packet_of(&flow));
-            let packet = peer::exchange(&self.scene, &mut self.state, incoming);
+            let packet = peer::exchange(&self.scene, &mut self.state, flow.as_ref().map(packet_of));
             let flow = flow_of(packet, self.state.mode() == Mode::Armed, self.ticks);
             if let Some(len) = self.link.send_flow(now_us, &flow, &mut out) {
                 send(&out[..len]);
@@ -294,7 +259,7 @@ impl Node {
     /// How the node stands with the other one: what a datagram that is not the other one's must never change.
     pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
         let link = &self.link;
-        let tick = self.newest.map(|flow| flow.tick);
+        let tick = self.inbox.newest().map(|flow| flow.tick);
         let level = link.engagement().to_bits();
         (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.is_engaged())
     }
@@ -304,6 +269,6 @@ impl Node {
         let link = format!("{:?}", self.link);
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?} {:?} {:?}", self.newest, self.playout, self.heard, self.state)
+        format!("{link} {:?} {:?} {:?}", self.inbox, self.heard, self.state)
     }
 }

@@ -88,7 +88,7 @@ pub struct Other {
 }
 
 impl Other {
-    fn new(said: &Telemetry) -> Self {
+    pub(super) fn new(said: &Telemetry) -> Self {
         Self {
             ticks: said.tick,
             mode: said.mode,

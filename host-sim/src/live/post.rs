@@ -70,6 +70,7 @@ struct Other {
 /// The links to everybody else, on one socket.
 pub(super) struct Post {
     socket: UdpSocket,
+    /// Where this one listens.
     own: SocketAddr,
     others: Vec<Other>,
     /// Who else sent something, last, and how many datagrams came from such.
@@ -79,7 +80,8 @@ pub(super) struct Post {
 impl Post {
     /// Everybody listens at one of `addresses`, in the order of their numbers; this one is `number`.
     pub(super) fn new(key: &Key, number: u8, addresses: &[SocketAddr]) -> Result<Self, String> {
-        let own = addresses[usize::from(number)];
+        let socket = socket::open(addresses[usize::from(number)])?;
+        let own = socket.local_addr().map_err(|cause| format!("no address of its own: {cause}"))?;
         let mut others = Vec::new();
         for (other, address) in (0..).zip(addresses).filter(|(other, _)| *other != number) {
             let Court { length_m, width_m } = Court::SINGLES;
@@ -104,7 +106,7 @@ impl Post {
             };
             others.push(Other { link, met });
         }
-        Ok(Self { socket: socket::open(own)?, own, others, stranger: None })
+        Ok(Self { socket, own, others, stranger: None })
     }
 
     /// What has come.
@@ -195,9 +197,9 @@ impl Post {
         }
         format!(
             "nobody answered within {seconds} s: {}; check that they run now, with the same --addresses in the same order and \
-             the same --key-file, and that UDP reaches port {}",
+             the same --key-file, and that UDP reaches {}",
             heard.join(", "),
-            self.own.port()
+            self.own
         )
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use haptic_protocol::roles::squash::Court;
 
-use super::world::{Game, Moment, Options};
+use super::{Game, Moment, Options};
 use crate::report::ReportError;
 use crate::report::plot::{Dash, Figure, Panel, Series, ShareY, draw};
 
@@ -43,7 +43,8 @@ pub fn draw_game(game: &Game, options: &Options, base: &Path) -> Result<Vec<Path
         Series::line(format!("player {}", at + 1), at + 1, points)
     });
     let report = &game.report;
-    let bound = if options.bounder {
+    // Unknown until everybody has measured it.
+    let bound = if options.bounder && report.round_trip_ms > 0.0 {
         format!("ball bounded to {:.1} m/s", length / report.round_trip_ms * 1e3)
     } else {
         "no bound".to_owned()

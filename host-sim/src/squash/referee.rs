@@ -25,6 +25,8 @@ pub struct Report {
     pub broken: u32,
     /// Hits of which the next player heard when the ball had left the court: the referee's count.
     pub left_the_court: u32,
+    /// All rallies were played, and everybody who was there knew.
+    pub over: bool,
     /// Every player and the server have the same result of every rally, and the score that the referee counts.
     pub agreed: bool,
     /// What was not agreed on first.
@@ -49,7 +51,7 @@ pub struct Report {
     pub hand_error_m: f64,
     /// Largest force of a hit on a device, as a pulse of one control period, N.
     pub largest_pulse_n: f64,
-    /// Bytes of payload that a player sent in a second.
+    /// Bytes that a player sent in a second, sealed.
     pub bytes_per_s: f64,
     /// Hash of everything that the players know in the end.
     pub state_hash: String,

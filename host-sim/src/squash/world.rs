@@ -6,80 +6,18 @@ use std::collections::VecDeque;
 
 use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
-    Ball, Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Player, PlayerConfig, SERVER, Server, ServerConfig,
+    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, SERVER, Server, ServerConfig,
 };
-use haptic_protocol::wire::PeerId;
+use haptic_protocol::wire::{PeerId, SEAL_LEN};
 
-use super::bot::{Action, BALL_KG, Bot, MOTION, SCALE};
-use super::referee::{Referee, Report};
+use super::bot::SCALE;
+use super::contestant::{Contestant, TICK_S};
+use super::referee::Referee;
+use super::{Change, Game, Moment, Options};
 use crate::dice::Dice;
 use crate::network::in_flight::InFlight;
 use crate::network::mesh::{Clock, Letter, Mesh};
 use crate::scene::Network;
-
-/// Control period, s.
-pub const TICK_S: f64 = 0.001;
-
-/// Bytes of an event before its payload, and of a sealed datagram around it.
-const AROUND: usize = 8 + 16 + 16;
-
-/// Somebody goes or comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// Says that it leaves.
-    Leaves,
-    /// Is switched off without a word.
-    Vanishes,
-    /// Is switched on, and knows nothing.
-    Comes,
-}
-
-/// What to play.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// 2 to 8.
-    pub players: u8,
-    /// Between any two, s; the network may add to it.
-    pub round_trip_s: f64,
-    /// What else the network does.
-    pub network: Network,
-    /// The ball is bounded by the round trip.
-    pub bounder: bool,
-    /// The hands are damped by the round trip.
-    pub motion_bounder: bool,
-    /// Simulated time, s.
-    pub seconds: f64,
-    /// Of everything random.
-    pub seed: u64,
-    /// Who goes and comes, when (s), by number.
-    pub changes: Vec<(f64, u8, Change)>,
-    /// Keep what happened every so many ticks, for pictures; 0 keeps nothing.
-    pub record_every: u64,
-}
-
-/// One moment of a game.
-#[derive(Clone, Debug)]
-pub struct Moment {
-    /// True time, s.
-    pub time_s: f64,
-    /// Where each player thinks that the ball is.
-    pub balls: Vec<Option<Ball>>,
-    /// Where each player is.
-    pub hands: Vec<[f64; 2]>,
-    /// Who may hit, by its own account.
-    pub active: Option<usize>,
-    /// Which rally, and hit, by the newest that anybody knows.
-    pub turn: (u16, u16),
-}
-
-/// A game that was played.
-#[derive(Clone, Debug)]
-pub struct Game {
-    /// What it came to.
-    pub report: Report,
-    /// What happened, if it was recorded.
-    pub moments: Vec<Moment>,
-}
 
 struct Peer {
     clock: Clock,
@@ -87,18 +25,15 @@ struct Peer {
 }
 
 struct Seat {
-    player: Player,
-    bot: Bot,
+    contestant: Contestant,
     out: Outbox<Message, 64>,
     bytes: u64,
     /// Where the hand was in each tick of the last round trip.
     trail: VecDeque<[f64; 2]>,
-    was_active: bool,
 }
 
 struct World<'a> {
     options: &'a Options,
-    court: Court,
     peers: Vec<Peer>,
     server: Server,
     server_out: Outbox<Message, 64>,
@@ -110,22 +45,14 @@ struct World<'a> {
     rallies: u16,
 }
 
-fn seat(court: Court, number: usize, dice: &mut Dice) -> Seat {
-    let config =
-        PlayerConfig { number: PeerId(number as u8), court, ball_kg: BALL_KG, life: dice.below(1 << 16) as u16 };
-    Seat {
-        player: Player::new(config),
-        bot: Bot::new(court, dice.below(u64::MAX)),
-        out: Outbox::new(),
-        bytes: 0,
-        trail: VecDeque::new(),
-        was_active: false,
-    }
+fn seat(number: usize, dice: &mut Dice) -> Seat {
+    let (life, seed) = (dice.below(1 << 16) as u16, dice.below(u64::MAX));
+    let contestant = Contestant::new(PeerId(number as u8), life, seed);
+    Seat { contestant, out: Outbox::new(), bytes: 0, trail: VecDeque::new() }
 }
 
 impl<'a> World<'a> {
     fn new(options: &'a Options) -> Self {
-        let court = Court::SINGLES;
         let mut dice = Dice::new(options.seed);
         let count = usize::from(options.players) + 1;
         let peers = (0..count)
@@ -138,20 +65,28 @@ impl<'a> World<'a> {
         let network =
             Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
         let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut dice);
-        let config = ServerConfig { players: options.players, rallies: u16::MAX, bounder: options.bounder };
+        let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
         Self {
             options,
-            court,
             peers,
             server: Server::new(config),
             server_out: Outbox::new(),
-            seats: (1..count).map(|number| seat(court, number, &mut dice)).collect(),
+            seats: (1..count).map(|number| seat(number, &mut dice)).collect(),
             mesh,
             flying: InFlight::default(),
             dice,
-            referee: Referee::new(court, options.players),
+            referee: Referee::new(Court::SINGLES, options.players),
             rallies: 0,
         }
+    }
+
+    /// The game is over, and everybody who is there knows.
+    fn is_over(&self) -> bool {
+        let seats = self.seats.iter().zip(&self.peers[1..]).filter(|(_, peer)| peer.on);
+        seats
+            .map(|(seat, _)| seat.contestant.player.game())
+            .chain([self.server.game()])
+            .all(|game| game.phase == Phase::Over)
     }
 
     fn clock(&self, peer: usize, true_us: u64) -> u64 {
@@ -165,7 +100,7 @@ impl<'a> World<'a> {
             Some(seat) => {
                 let Seat { out, bytes, .. } = &mut self.seats[seat];
                 out.events(Message::event)
-                    .inspect(|(_, event)| *bytes += (AROUND + event.payload().len()) as u64)
+                    .inspect(|(_, event)| *bytes += (SEAL_LEN + event.emitted_len()) as u64)
                     .collect()
             }
         };
@@ -191,8 +126,8 @@ impl<'a> World<'a> {
                 self.server.receive(clock, from, &message, &mut self.server_out);
                 self.judge();
             } else {
-                let Seat { player, out, .. } = &mut self.seats[to - 1];
-                player.receive(clock, from, &message, out);
+                let Seat { contestant, out, .. } = &mut self.seats[to - 1];
+                contestant.player.receive(clock, from, &message, out);
                 self.notices(due, to);
             }
             self.send(due, to);
@@ -209,42 +144,27 @@ impl<'a> World<'a> {
     }
 
     fn notices(&mut self, now_us: u64, at: usize) {
-        let clock_s = self.clock(at, now_us) as f64 * 1e-6;
-        let Seat { player, bot, was_active, .. } = &mut self.seats[at - 1];
-        while let Some(notice) = player.take_notice() {
-            match notice {
-                Notice::Begins { .. } => *was_active = false,
-                Notice::Hit { turn, corrected_m: [x, y] } => {
-                    let corrected = f64::from(x).hypot(f64::from(y));
-                    let report = &mut self.referee.report;
-                    report.largest_correction_m = report.largest_correction_m.max(corrected);
-                    if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
-                        self.referee.next_knows(now_us as f64 * 1e-6, turn);
-                        *was_active = false;
-                    }
+        let clock = self.clock(at, now_us);
+        let referee = &mut self.referee;
+        self.seats[at - 1].contestant.hears(clock, |player, notice| match notice {
+            Notice::Begins { .. } => {}
+            Notice::Hit { turn, corrected_m: [x, y] } => {
+                let corrected = f64::from(x).hypot(f64::from(y));
+                referee.report.largest_correction_m = referee.report.largest_correction_m.max(corrected);
+                if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
+                    referee.next_knows(now_us as f64 * 1e-6, turn);
                 }
-                Notice::Ends { verdict, score, seen } => self.referee.told(at as u8, verdict, score, seen),
             }
-        }
-        match (player.is_active(), *was_active) {
-            (true, false) => bot.sees_its_turn(clock_s),
-            (false, true) => bot.rests(),
-            _ => {}
-        }
-        *was_active = player.is_active();
+            Notice::Ends { verdict, score, seen } => referee.told(at as u8, verdict, score, seen),
+        });
     }
 
     /// A tick of a player's body and role.
     fn play(&mut self, now_us: u64, at: usize) {
         let clock = self.clock(at, now_us);
-        let Seat { player, bot, out, trail, .. } = &mut self.seats[at - 1];
-        let damping = if self.options.motion_bounder { MOTION.damping_n_s_per_m(player.round_trip_us()) } else { 0.0 };
-        let action = bot.tick(clock as f64 * 1e-6, TICK_S, player.ball(clock), f64::from(damping));
-        player.place(bot.racket());
-        if let Action::Swings(racket) = action
-            && let Some(strike) = player.hit(clock, &racket, out)
-        {
-            let ball = player.ball(clock).unwrap_or_default();
+        let Seat { contestant, out, trail, .. } = &mut self.seats[at - 1];
+        if let Some(strike) = contestant.tick(clock, self.options.motion_bounder, out) {
+            let ball = contestant.player.ball(clock).unwrap_or_default();
             let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
             let report = &mut self.referee.report;
             report.largest_pulse_n = report.largest_pulse_n.max(SCALE * x.hypot(y));
@@ -252,8 +172,7 @@ impl<'a> World<'a> {
                 self.referee.hit(now_us as f64 * 1e-6, at as u8, strike.turn, ball, strike.bounded);
             }
         }
-        player.poll(clock, out);
-        let [x, y] = bot.position();
+        let [x, y] = contestant.bot.position();
         let long = (self.options.round_trip_s / TICK_S).round().max(1.0) as usize;
         trail.push_back([x, y]);
         if trail.len() > long {
@@ -265,7 +184,7 @@ impl<'a> World<'a> {
         for (other, seat) in self.seats.iter().enumerate() {
             if other + 1 != at
                 && self.peers[other + 1].on
-                && let Some(heard) = seat.player.racket_of(PeerId(at as u8))
+                && let Some(heard) = seat.contestant.player.racket_of(PeerId(at as u8))
             {
                 let error = away(heard.position.map(f64::from));
                 self.referee.report.hand_error_m = self.referee.report.hand_error_m.max(error);
@@ -277,11 +196,11 @@ impl<'a> World<'a> {
 
     fn change(&mut self, at: usize, change: Change) {
         match change {
-            Change::Leaves => self.seats[at - 1].player.leave(),
+            Change::Leaves => self.seats[at - 1].contestant.player.leave(),
             Change::Vanishes => self.peers[at].on = false,
             Change::Comes => {
                 self.peers[at].on = true;
-                self.seats[at - 1] = seat(self.court, at, &mut self.dice);
+                self.seats[at - 1] = seat(at, &mut self.dice);
                 self.referee.came_back(at as u8);
             }
         }
@@ -290,12 +209,12 @@ impl<'a> World<'a> {
     fn moment(&self, now_us: u64) -> Moment {
         let on = |at: &usize| self.peers[*at + 1].on;
         let seats = || self.seats.iter().enumerate();
-        let turn = self.seats.iter().map(|seat| seat.player.turn()).max().unwrap_or_default();
+        let turn = self.seats.iter().map(|seat| seat.contestant.player.turn()).max().unwrap_or_default();
         Moment {
             time_s: now_us as f64 * 1e-6,
-            balls: seats().map(|(at, seat)| seat.player.ball(self.clock(at + 1, now_us))).collect(),
-            hands: self.seats.iter().map(|seat| seat.bot.position()).collect(),
-            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].player.is_active()),
+            balls: seats().map(|(at, seat)| seat.contestant.player.ball(self.clock(at + 1, now_us))).collect(),
+            hands: self.seats.iter().map(|seat| seat.contestant.bot.position()).collect(),
+            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].contestant.player.is_active()),
             turn: (turn.rally, turn.stroke),
         }
     }
@@ -307,6 +226,7 @@ pub fn play(options: &Options) -> Game {
     let ticks = (options.seconds / TICK_S).round() as u64;
     let mut moments = Vec::new();
     let mut present = vec![true; usize::from(options.players)];
+    let mut played_s = options.seconds;
     for tick in 1..=ticks {
         let now_us = (tick as f64 * TICK_S * 1e6).round() as u64;
         world.deliver(now_us);
@@ -328,14 +248,20 @@ pub fn play(options: &Options) -> Game {
         if options.record_every > 0 && tick % options.record_every == 0 {
             moments.push(world.moment(now_us));
         }
+        if world.is_over() {
+            played_s = tick as f64 * TICK_S;
+            break;
+        }
     }
+    let over = world.is_over();
     // The next rally begins when all know the last: only one result can be on its way.
-    world.referee.ends(&present, 1);
+    world.referee.ends(&present, usize::from(!over));
     let mut report = world.referee.report;
+    report.over = over;
     report.round_trip_ms = f64::from(world.server.game().round_trip_us) * 1e-3;
     report.score.truncate(usize::from(options.players));
     let bytes: u64 = world.seats.iter().map(|seat| seat.bytes).sum();
-    report.bytes_per_s = bytes as f64 / options.seconds / f64::from(options.players);
+    report.bytes_per_s = bytes as f64 / played_s / f64::from(options.players);
     report.state_hash = hash(&world.seats);
     Game { report, moments }
 }
@@ -343,7 +269,7 @@ pub fn play(options: &Options) -> Game {
 /// FNV-1a of what the players know: equal seeds, equal games.
 fn hash(seats: &[Seat]) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.player).into_bytes()) {
+    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.contestant.player).into_bytes()) {
         hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
     format!("{hash:016x}")

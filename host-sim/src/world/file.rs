@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use haptic_protocol::database::{Bounds, Field, Object, Region, Shape, Strip};
+use haptic_protocol::database::{Block, Bounds, Field, Object, Region, Shape, Strip};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -70,8 +70,8 @@ pub const OWN_KEYS: &[(&str, Field)] = &[
     ("region", FROM_Y),
     ("region", TO_X),
     ("region", TO_Y),
-    ("wall, body, strip", ID),
-    ("wall, body, strip", VERSION),
+    ("wall, body, strip, block", ID),
+    ("wall, body, strip, block", VERSION),
 ];
 
 /// Where something stands, and its text.
@@ -237,7 +237,26 @@ fn impossible(shape: &Shape) -> Option<String> {
         Shape::Strip(strip) => {
             point([strip.from_x_m, strip.from_y_m], [strip.to_x_m, strip.to_y_m]).or_else(|| too_stiff(strip))
         }
+        Shape::Block(block) => no_outline(block),
     }
+}
+
+/// Sides that cross or lie on each other enclose nothing that has an inside.
+fn no_outline(block: &Block) -> Option<String> {
+    let [a, b, c, d] = block.corners().map(|corner| corner.map(f64::from));
+    // Twice the area on the left of the way from p over q to r.
+    let left = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let crossed = |[p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]| {
+        left(p, q, r) * left(p, q, s) < 0.0 && left(r, s, p) * left(r, s, q) < 0.0
+    };
+    let message = if crossed([a, b], [c, d]) || crossed([b, c], [d, a]) {
+        "its sides cross: name the corners a, b, c, d in order around it"
+    } else if left(a, b, c) + left(a, c, d) == 0.0 {
+        "its sides enclose nothing: it must have an area"
+    } else {
+        return None;
+    };
+    Some(message.to_owned())
 }
 
 /// Semi-implicit Euler of m·ü = −k·u − b·u̇ is stable for k·T²/m + 2·b·T/m < 4. The stiffest mode of a chain has four times its

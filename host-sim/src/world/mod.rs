@@ -11,7 +11,7 @@
 //! to_x_m = 0.0
 //! to_y_m = 1.0
 //!
-//! [[wall]]                # also [[body]] and [[strip]]
+//! [[wall]]                # also [[body]], [[strip]] and [[block]]
 //! id = 1
 //! from_x_m = -0.5
 //! # …
@@ -21,7 +21,10 @@
 //! key, value and what is allowed.
 
 mod file;
+pub mod picture;
 pub mod render;
+pub mod solid;
+pub mod stroke;
 
 pub use file::{OWN_KEYS, WorldError, load, parse};
 

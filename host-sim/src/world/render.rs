@@ -1,7 +1,7 @@
 //! Local rendering: the force that a hand feels from what it knows of a world, 1000 times a second.
 //!
-//! The force of every contact is `haptic_core`'s, along the direction in which the shape pushes the hand out: a wall out of
-//! its nearest face, a body away from its centre, a strip to its free side. A strip is a chain of masses that moves while it
+//! The force of every contact is `haptic_core`'s: walls and blocks are polygons and bodies discs of
+//! [`haptic_core::render::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a chain of masses that moves while it
 //! is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its own, for in a static world nobody
 //! feels anybody else.
 //!
@@ -9,8 +9,7 @@
 //! take away objects at any time. An object that appears around the hand is felt once the hand has left it; one that is
 //! touched is changed or taken away when the hand has left it. So no download makes a step in the force.
 //!
-//! **Limits**: at the diagonal of a wall's corner the direction turns at once; a strip that is approached from behind is not
-//! felt. Units SI; two dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
+//! **Limits**: those of [`haptic_core::render::shape`]; a strip that is approached from behind is not felt. Units SI; two dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
 
 use std::collections::BTreeMap;
 
@@ -18,11 +17,13 @@ use haptic_core::list::Model as _;
 use haptic_core::motion::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
-use haptic_core::render::{Contact, Side};
+use haptic_core::render::Contact;
+use haptic_core::render::shape::Pressed;
 use haptic_core::settings::Settings;
-use haptic_protocol::database::{Object, Shape, Strip};
+use haptic_protocol::database::{Object, Strip};
 
 use super::CONTROL_PERIOD_S;
+use super::solid::{Solid, contact, solid};
 
 type Vector = [f64; 2];
 
@@ -36,16 +37,16 @@ fn minus(a: Vector, b: Vector) -> Vector {
 
 /// A line with a free side on its left.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
-    from: Vector,
-    along: Vector,
+pub(super) struct Frame {
+    pub(super) from: Vector,
+    pub(super) along: Vector,
     /// To the free side.
-    out: Vector,
-    length: f64,
+    pub(super) out: Vector,
+    pub(super) length: f64,
 }
 
 impl Frame {
-    fn new(from: [f32; 2], to: [f32; 2]) -> Self {
+    pub(super) fn new(from: [f32; 2], to: [f32; 2]) -> Self {
         let from = from.map(f64::from);
         let way = minus(to.map(f64::from), from);
         let length = libm::sqrt(dot(way, way));
@@ -145,8 +146,7 @@ impl Chain {
 
 #[derive(Clone, Debug)]
 enum Form {
-    Wall { frame: Frame, thickness: f64 },
-    Body { centre: Vector, radius: f64 },
+    Solid(Solid),
     Strip(Chain),
 }
 
@@ -171,70 +171,28 @@ struct Felt {
 impl Felt {
     /// An object that appears while the hand is at `hand`.
     fn new(object: Object, hand: Option<Vector>) -> Self {
-        let (form, stiffness, damping) = match &object.shape {
-            Shape::Wall(wall) => {
-                let frame = Frame::new([wall.from_x_m, wall.from_y_m], [wall.to_x_m, wall.to_y_m]);
-                let form = Form::Wall { frame, thickness: f64::from(wall.thickness_m) };
-                (form, wall.stiffness_n_per_m, wall.damping_n_s_per_m)
-            }
-            Shape::Body(body) => {
-                let form = Form::Body { centre: [body.x_m, body.y_m].map(f64::from), radius: f64::from(body.radius_m) };
-                (form, body.stiffness_n_per_m, body.damping_n_s_per_m)
-            }
-            Shape::Strip(strip) => (Form::Strip(Chain::new(strip)), strip.stiffness_n_per_m, strip.damping_n_s_per_m),
+        let mut form = match solid(&object.shape) {
+            Ok(solid) => Form::Solid(solid),
+            Err(strip) => Form::Strip(Chain::new(strip)),
         };
-        let mut settings = Settings::default();
-        settings.contact.one_sided = true;
-        settings.contact.side = Side::Left;
-        settings.contact.stiffness_n_per_m = f64::from(stiffness);
-        settings.contact.damping_n_s_per_m = f64::from(damping);
-        let mut felt = Self { object, contact: Contact::build(&settings), form, around: false, touched: false };
-        if let Some(hand) = hand {
-            felt.around = felt.depth(hand).0 > 0.0;
-            if let Form::Strip(chain) = &mut felt.form {
+        let around = match (&mut form, hand) {
+            (Form::Solid(solid), Some(hand)) => solid.depth(hand).is_some(),
+            (Form::Strip(chain), Some(hand)) => {
                 chain.free = chain.frame.local(hand)[1] >= 0.0;
+                false
             }
-        }
-        felt
-    }
-
-    /// How deep the hand is in a shape that does not move, and which way is out.
-    fn depth(&self, hand: Vector) -> (f64, Vector) {
-        match &self.form {
-            Form::Wall { frame, thickness } => {
-                let [along, out] = frame.local(hand);
-                let faces = [
-                    (-out, frame.out),
-                    (out + thickness, frame.out.map(|part| -part)),
-                    (along, frame.along.map(|part| -part)),
-                    (frame.length - along, frame.along),
-                ];
-                faces
-                    .into_iter()
-                    .fold((f64::INFINITY, frame.out), |least, face| if face.0 < least.0 { face } else { least })
-            }
-            Form::Body { centre, radius } => {
-                let from = minus(hand, *centre);
-                let distance = libm::sqrt(dot(from, from));
-                let out = if distance > 0.0 { from.map(|part| part / distance) } else { [1.0, 0.0] };
-                (radius - distance, out)
-            }
-            Form::Strip(chain) => (0.0, chain.frame.out),
-        }
+            (_, None) => false,
+        };
+        Self { object, contact: contact(&object.shape), form, around, touched: false }
     }
 
     fn step(&mut self, hand: [Motion<f64>; 2]) -> Vector {
-        let touch = if let Form::Strip(chain) = &mut self.form {
-            chain.step(&self.contact, hand)
-        } else {
-            let (depth, out) = self.depth(hand.map(|axis| axis.position));
-            self.around &= depth > 0.0;
-            if self.around {
-                Touch::default()
-            } else {
-                let inward = -dot(hand.map(|axis| axis.velocity), out);
-                let force = self.contact.force(Motion { position: depth, velocity: inward }, Motion::REST);
-                Touch { depth, force: out.map(|part| part * force) }
+        let touch = match &mut self.form {
+            Form::Strip(chain) => chain.step(&self.contact, hand),
+            Form::Solid(solid) => {
+                let Pressed { depth, force, .. } = solid.press(&self.contact, hand, [Motion::REST; 2]);
+                self.around &= depth > 0.0;
+                if self.around { Touch::default() } else { Touch { depth, force: force.map(|part| -part) } }
             }
         };
         self.touched = touch.depth > 0.0;

@@ -5,4 +5,5 @@ mod network;
 mod processes;
 mod render;
 mod sim;
+mod stroke;
 mod world_file;

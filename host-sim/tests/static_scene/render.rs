@@ -1,7 +1,7 @@
 //! Local rendering against closed forms: walls, bodies and a strip, and what a download does to what is touched.
 
 use haptic_core::motion::Motion;
-use haptic_protocol::database::{Body, Object, Shape, Strip, Wall};
+use haptic_protocol::database::{Block, Body, Object, Shape, Strip, Wall};
 use host_sim::world::render::Renderer;
 
 type Hand = [Motion<f64>; 2];
@@ -67,6 +67,45 @@ fn a_body_pushes_away_from_its_centre() {
     close(renderer.step(hand), [0.8 * 12.0, -0.6 * 12.0], 1e-5);
     close(renderer.step(at(1.5001, 2.0)), [0.0, 0.0], 0.0);
     assert!(renderer.step(at(1.0, 2.0)).iter().all(|part| part.is_finite()));
+}
+
+/// A dart: a triangle with a corner that points inwards at (0.5, 0.25).
+fn dart() -> Object {
+    let block = Block { b_x_m: 0.5, b_y_m: 0.25, c_x_m: 1.0, c_y_m: 0.0, d_x_m: 0.5, d_y_m: 1.0, ..Block::default() };
+    object(4, Shape::Block(block))
+}
+
+#[test]
+fn a_block_pushes_out_of_its_nearest_side() {
+    let mut renderer = feel(&[dart()]);
+    // From (0, 0) to (0.5, 0.25): along (2, 1)/√5, out (1, -2)/√5. K = 1000 N/m, B = 2 N·s/m.
+    let [x, y] = [1.0, -2.0].map(|part: f64| part / 5.0_f64.sqrt());
+    let force = 1000.0 * 0.01 + 2.0 * 0.5;
+    close(renderer.step(moving(0.25 - 0.01 * x, 0.125 - 0.01 * y, -0.5 * x, -0.5 * y)), [force * x, force * y], 1e-6);
+    // Behind the inward corner it is the corner that is nearest.
+    close(renderer.step(at(0.5, 0.27)), [0.0, -20.0], 1e-6);
+    for (x, y) in [(0.5, 0.24), (0.25, 0.12), (-0.01, 0.0), (0.5, 1.01), (0.5, 0.0)] {
+        close(renderer.step(at(x, y)), [0.0, 0.0], 0.0);
+    }
+    // What appears around the hand is felt when it has been left.
+    let mut renderer = Renderer::default();
+    renderer.step(at(0.5, 0.27));
+    renderer.know(&[dart()]);
+    close(renderer.step(at(0.5, 0.27)), [0.0, 0.0], 0.0);
+    renderer.step(at(0.5, 0.24));
+    close(renderer.step(at(0.5, 0.27)), [0.0, -20.0], 1e-6);
+}
+
+/// A floor and a wall that meet in a corner: each pushes along its own normal, and the forces add.
+#[test]
+fn in_a_corner_the_forces_add() {
+    let floor = Wall { from_x_m: -1.0, to_x_m: 1.0, thickness_m: 0.25, damping_n_s_per_m: 4.0, ..Wall::default() };
+    let upright = Wall { from_y_m: 1.0, to_x_m: 0.0, to_y_m: -1.0, thickness_m: 0.25, ..Wall::default() };
+    let mut renderer = feel(&[object(1, Shape::Wall(floor)), object(2, Shape::Wall(upright))]);
+    // K = 1000 N/m of both, B = 4 N·s/m of the floor and 2 of the wall.
+    let force = renderer.step(moving(-0.003, -0.004, -0.1, -0.5));
+    close(force, [1000.0 * 0.003 + 2.0 * 0.1, 1000.0 * 0.004 + 4.0 * 0.5], 1e-6);
+    assert_eq!(renderer.touched(), 2);
 }
 
 fn strip(masses: f32) -> Strip {

@@ -55,7 +55,7 @@ fn what_is_wrong_is_named() {
     refused("margin_m = -0.1", "w.toml:1: world: margin_m = -0.1 is not allowed: it must be a number from 0 to 1000 m");
     refused(
         "[[ball]]\nid = 1",
-        "w.toml:1: there is no key ball in a world; the keys are version, margin_m, region, wall, body, strip",
+        "w.toml:1: there is no key ball in a world; the keys are version, margin_m, region, wall, body, strip, block",
     );
     refused(
         "[[body]]\nid = 1\nradius = 1",
@@ -66,6 +66,14 @@ fn what_is_wrong_is_named() {
         "[[strip]]\nid = 1\nmass_kg = 0.001",
         "w.toml:1: strip 1: mass_kg = 0.001 is not allowed: with these springs and dampers it must be above 1.350e-3 kg",
     );
+    // 0.1 m square unless it says otherwise: b and c in the wrong order, then d on the line from a to c, and nothing at all.
+    refused(
+        "[[block]]\nid = 1\nb_y_m = 0.1\nc_y_m = 0",
+        "w.toml:1: block 1: its sides cross: name the corners a, b, c, d in order around it",
+    );
+    let line = "[[block]]\nid = 1\nc_y_m = 0\nc_x_m = 0.2\nd_y_m = 0";
+    refused(line, "w.toml:1: block 1: its sides enclose nothing: it must have an area");
+    assert!(parse("[[block]]\nid = 1\nd_x_m = 0.1\n", "").is_ok(), "a triangle");
     let region = "[[region]]\nserver = 1\nfrom_x_m = 0\nfrom_y_m = 0\nto_x_m = 2\nto_y_m = 2\n";
     refused(
         &region.replace("to_x_m = 2", "to_x_m = 0"),

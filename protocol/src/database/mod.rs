@@ -14,7 +14,7 @@ use core::fmt;
 use heapless::Vec;
 
 pub use record::{Manifest, Object, RecordError, Region};
-pub use shape::{Body, Bounds, Field, Refused, Shape, Strip, Wall};
+pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
 use crate::key::Key;
 use crate::wire;

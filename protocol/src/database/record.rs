@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 0 | u32 | id |
 //! | 4 | u32 | version: changes whenever anything else does |
-//! | 8 | u8 | kind: 1 wall, 2 body, 3 strip |
+//! | 8 | u8 | kind: 1 wall, 2 body, 3 strip, 4 block |
 //! | 9 | u8 × 3 | 0 |
 //! | 12 | f32 × 11 | numbers in the order of [`Shape::ALL`], 0 where unused |
 //! | 56 | u64 | checksum of bytes 0 to 55 |

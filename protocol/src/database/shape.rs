@@ -166,6 +166,26 @@ shapes! {
         #[doc = "Contact stiffness."] stiffness_n_per_m = 1000.0, number(0.0, 1e6), "N/m";
         #[doc = "Contact damping."] damping_n_s_per_m = 0.0, number(0.0, 1e4), "N·s/m";
     }
+    /// A solid with four straight sides that never moves; three, where two neighbouring corners are the same.
+    4 "block" => Block {
+        #[doc = "First corner."] a_x_m = 0.0, place(), "m";
+        #[doc = "First corner."] a_y_m = 0.0, place(), "m";
+        #[doc = "The next one around the block, either way around."] b_x_m = 0.1, place(), "m";
+        #[doc = "The next one."] b_y_m = 0.0, place(), "m";
+        #[doc = "The next one."] c_x_m = 0.1, place(), "m";
+        #[doc = "The next one."] c_y_m = 0.1, place(), "m";
+        #[doc = "The last one."] d_x_m = 0.0, place(), "m";
+        #[doc = "The last one."] d_y_m = 0.1, place(), "m";
+        #[doc = "Contact stiffness."] stiffness_n_per_m = 1000.0, number(0.0, 1e6), "N/m";
+        #[doc = "Contact damping."] damping_n_s_per_m = 2.0, number(0.0, 1e4), "N·s/m";
+    }
+}
+
+impl Block {
+    /// The corners, in order around it, m.
+    pub fn corners(&self) -> [[f32; 2]; 4] {
+        [[self.a_x_m, self.a_y_m], [self.b_x_m, self.b_y_m], [self.c_x_m, self.c_y_m], [self.d_x_m, self.d_y_m]]
+    }
 }
 
 /// A rectangle along the axes: where it begins and ends in x and y, m.
@@ -182,6 +202,14 @@ impl Bounds {
     pub fn around(a: [f32; 2], b: [f32; 2], more: f32) -> Self {
         let [[ax, ay], [bx, by]] = [a, b];
         Self { min: [ax.min(bx) - more, ay.min(by) - more], max: [ax.max(bx) + more, ay.max(by) + more] }
+    }
+
+    /// The rectangle around both.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let ([ax, ay], [bx, by]) = (self.min, self.max);
+        let ([cx, cy], [dx, dy]) = (other.min, other.max);
+        Self { min: [ax.min(cx), ay.min(cy)], max: [bx.max(dx), by.max(dy)] }
     }
 
     /// Whether the two have a point in common.
@@ -214,6 +242,10 @@ impl Shape {
             Self::Strip(strip) => {
                 let length = (strip.to_x_m - strip.from_x_m).abs() + (strip.to_y_m - strip.from_y_m).abs();
                 Bounds::around([strip.from_x_m, strip.from_y_m], [strip.to_x_m, strip.to_y_m], length)
+            }
+            Self::Block(block) => {
+                let [a, b, c, d] = block.corners();
+                Bounds::around(a, b, 0.0).and(&Bounds::around(c, d, 0.0))
             }
         }
     }

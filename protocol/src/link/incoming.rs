@@ -33,8 +33,9 @@ pub enum Incoming {
 impl Link {
     /// Takes a datagram, which is opened in place. `Ok(None)`: it was the link's own business, or flow that came late.
     ///
-    /// An error is no reason to do anything: the datagram was not taken, nothing has changed but [`super::Counts::refused`].
-    /// It says what was wrong, for a person who wonders why two peers do not meet.
+    /// An error is no reason to do anything: the datagram was not taken, nothing has changed but [`super::Counts::refused`];
+    /// where it was authentic ([`Error::Wire`] from within the seal), also that the other peer was heard. It says what was
+    /// wrong, for a person who wonders why two peers do not meet.
     pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Incoming>, Error> {
         self.advance(now);
         let taken = match datagram.get(1) {

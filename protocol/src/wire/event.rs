@@ -53,6 +53,11 @@ impl Event {
         self.payload.get(..usize::from(self.len)).unwrap_or(&[])
     }
 
+    /// Bytes of the event before it is sealed.
+    pub fn emitted_len(&self) -> usize {
+        Self::HEAD + usize::from(self.len)
+    }
+
     /// Reads an event, which must fill `bytes` exactly.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let len = bytes.get(1).copied().map_or(0, usize::from);
@@ -96,6 +101,7 @@ mod tests {
         let bytes = [3, 3, 0xef, 0xbe, 4, 3, 2, 1, 9, 8, 7];
         let mut out = [0; Event::MAX_LEN];
         assert_eq!(event.emit(&mut out), Ok(bytes.len()));
+        assert_eq!(event.emitted_len(), bytes.len());
         assert_eq!(out[..bytes.len()], bytes);
         assert_eq!(Event::parse(&bytes), Ok(event));
     }

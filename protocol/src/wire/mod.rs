@@ -49,6 +49,8 @@ pub const VERSION: u8 = 1;
 
 /// Bytes of the authentication tag that ends every datagram.
 pub const TAG_LEN: usize = 16;
+/// What sealing adds to a message, header and tag, bytes.
+pub const SEAL_LEN: usize = Header::LEN + TAG_LEN;
 
 /// The longest message before sealing.
 pub const MAX_MESSAGE: usize = Telemetry::LEN;

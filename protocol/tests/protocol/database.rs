@@ -1,7 +1,7 @@
 //! The scene database: records byte by byte, what is refused, and which checksum notices what.
 
 use haptic_protocol::database::{
-    Body, Bounds, Database, Full, MAX_REGIONS, Object, RecordError, Region, Scope, Shape, Strip, Wall,
+    Block, Body, Bounds, Database, Full, MAX_REGIONS, Object, RecordError, Region, Scope, Shape, Strip, Wall,
 };
 use haptic_protocol::wire;
 use proptest::prelude::*;
@@ -35,7 +35,7 @@ proptest! {
 
     /// What is read has one encoding only, and nothing panics, even where the checksum happens to be right.
     #[test]
-    fn any_bytes(bytes in any::<[[u8; 28]; 2]>(), kind in 0..5u8, object in objects(), from in 0..60usize) {
+    fn any_bytes(bytes in any::<[[u8; 28]; 2]>(), kind in 0..6u8, object in objects(), from in 0..60usize) {
         // A record's own first bytes and then any, with the right checksum.
         let mut record = object.emit().unwrap();
         for at in from.min(56)..56 {
@@ -68,6 +68,12 @@ fn literal_bytes() {
     assert_eq!(record[12..20], [0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf]);
     assert_eq!(record[28..36], [0, 0, 0x20, 0x40, 0, 0, 0x80, 0x3f]);
     assert_eq!(record[48..56], [0; 8]);
+    let block = Block { b_x_m: 2.5, d_y_m: -0.5, ..Block::default() };
+    let record = Object { id: 9, version: 0, shape: Shape::Block(block) }.emit().unwrap();
+    assert_eq!(record[..12], [9, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0]);
+    assert_eq!(record[20..24], [0, 0, 0x20, 0x40]);
+    assert_eq!(record[40..44], [0, 0, 0, 0xbf]);
+    assert_eq!(record[44..56], [0, 0, 0x7a, 0x44, 0, 0, 0, 0x40, 0, 0, 0, 0]);
     let region = Region { id: 3, server: 2, bounds: Bounds { min: [0.0, -0.5], max: [1.0, 2.5] } };
     let record = region.emit().unwrap();
     assert_eq!(record[..12], [3, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xbf]);
@@ -96,9 +102,9 @@ fn what_is_summed_up_rightly_can_still_be_refused() {
     let error = with(&mut record, 52, 1.0).unwrap_err();
     assert_eq!(error, RecordError::Wire(wire::Error::Reserved { message: "object" }));
     with(&mut record, 52, 0.0).unwrap();
-    record[8] = 4;
+    record[8] = 5;
     resum(&mut record);
-    assert_eq!(Object::parse(&record), Err(RecordError::UnknownKind { kind: 4 }));
+    assert_eq!(Object::parse(&record), Err(RecordError::UnknownKind { kind: 5 }));
 }
 
 fn body(id: u32, x: f32, y: f32) -> Object {

@@ -1,9 +1,11 @@
 //! The protocol as a peer sees it: two links, the wire between them, and everything that can go wrong there.
 
+mod authentic;
 mod clock;
 mod cooperative;
 mod database;
 mod events;
+mod format;
 mod handshake;
 mod ladder;
 mod lines;

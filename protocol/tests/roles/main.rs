@@ -3,4 +3,5 @@
 mod lock;
 mod messages;
 mod ring;
+mod squash;
 mod total;

@@ -4,7 +4,7 @@
 //! need; a row is as high as its headings and axis texts need. In a row that shares its vertical axis only the first
 //! panel carries its texts; of panels below each other with the same horizontal axis only the lowest does. If a legend
 //! would cover data, every vertical range of its group found from data is widened upwards once, until the legend is
-//! clear.
+//! clear; a legend that would take more than half of its panel stands below all panels instead.
 
 use super::range::{self, Axes};
 use super::scale::Scale;
@@ -24,7 +24,9 @@ const GAP: f64 = 46.0;
 
 /// The figure as marks in pixels.
 pub(crate) fn sheet(figure: &Figure) -> Sheet {
-    let axes = with_headroom(figure, range::resolve(figure));
+    let axes = range::resolve(figure);
+    let tall = tall_legends(figure, &axes);
+    let axes = with_headroom(figure, axes, &tall);
     let mut writer = Writer { marks: Vec::new() };
     let mut top = MARGIN;
     for line in font::wrap(&figure.title, TITLE, WIDTH - 2.0 * MARGIN) {
@@ -32,17 +34,24 @@ pub(crate) fn sheet(figure: &Figure) -> Sheet {
         writer.text((WIDTH / 2.0, top - 12.0), Anchor::Middle, TITLE, &line);
     }
     let (slots, bottom) = slots(figure, &axes, top);
-    for ((panel, axes), slot) in figure.panels.iter().zip(&axes).zip(&slots) {
+    for (((panel, axes), slot), tall) in figure.panels.iter().zip(&axes).zip(&slots).zip(&tall) {
         let x_grid: Vec<f64> = slot.x_ticks.iter().map(|(v, _)| *v).filter(|_| panel.categories.is_empty()).collect();
         let y_grid: Vec<f64> = slot.y_ticks.iter().map(|(v, _)| *v).collect();
         let drawing = panel::draw(panel, axes, &slot.frame, &x_grid, &y_grid);
         writer.marks.extend(drawing.marks);
-        if let Some(spot) = legend::place(panel, &slot.frame, &drawing.obstacles) {
-            writer.marks.extend(legend::marks(panel, spot.area));
+        // The note stays with its panel.
+        let inside = if *tall { &Panel { series: Vec::new(), ..panel.clone() } } else { panel };
+        if let Some(spot) = legend::place(inside, &slot.frame, &drawing.obstacles) {
+            writer.marks.extend(legend::marks(inside, spot.area));
         }
         writer.around(panel, axes, slot);
     }
     let mut base = bottom + 6.0;
+    for (panel, _) in figure.panels.iter().zip(&tall).filter(|(_, tall)| **tall) {
+        let (marks, end) = legend::below(panel, base, (MARGIN, WIDTH - MARGIN));
+        writer.marks.extend(marks);
+        base = end + 6.0;
+    }
     for line in font::wrap(&figure.caption, CAPTION, WIDTH - 2.0 * MARGIN) {
         base += LEADING * CAPTION;
         writer.text((MARGIN, base), Anchor::Start, CAPTION, &line);
@@ -156,14 +165,25 @@ fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> 
     ticks.into_iter().map(|(v, text)| (v, vec![text])).collect()
 }
 
-/// The axes, with room made above the data where a legend would cover them.
-fn with_headroom(figure: &Figure, axes: Vec<Axes>) -> Vec<Axes> {
-    let (slots, _) = slots(figure, &axes, 0.0);
-    let needs = figure.panels.iter().zip(&axes).zip(&slots).map(|((panel, axes), slot)| {
+/// The height of its panel that each legend needs above the data, as a fraction; 0 where it finds room between them.
+fn needs(figure: &Figure, axes: &[Axes]) -> Vec<f64> {
+    let (slots, _) = slots(figure, axes, 0.0);
+    let need = |((panel, axes), slot): ((&Panel, &Axes), &Slot)| {
         let drawing = panel::draw(panel, axes, &slot.frame, &[], &[]);
         let covers = legend::place(panel, &slot.frame, &drawing.obstacles).is_some_and(|spot| spot.covered > 0);
-        if covers && !panel.off_scale { legend::headroom(panel, &slot.frame).min(0.5) } else { 0.0 }
-    });
+        if covers && !panel.off_scale { legend::headroom(panel, &slot.frame) } else { 0.0 }
+    };
+    figure.panels.iter().zip(axes).zip(&slots).map(need).collect()
+}
+
+/// Which panels' legends stand below all panels.
+fn tall_legends(figure: &Figure, axes: &[Axes]) -> Vec<bool> {
+    needs(figure, axes).into_iter().map(|need| need > 0.5).collect()
+}
+
+/// The axes, with room made above the data where a legend would cover them.
+fn with_headroom(figure: &Figure, axes: Vec<Axes>, tall: &[bool]) -> Vec<Axes> {
+    let needs = needs(figure, &axes).into_iter().zip(tall).map(|(need, tall)| if *tall { 0.0 } else { need });
     let needs: Vec<f64> = needs.collect();
     let widened = |axis: &Axes| {
         let group = axes.iter().zip(&needs).filter(|(a, _)| a.y_auto && a.y_group == axis.y_group && a.y == axis.y);

@@ -2,10 +2,11 @@
 //!
 //! The series with a label, then the panel's note, stand in one box. Of a raster of places inside the frame the box
 //! takes the one that covers the fewest obstacles (points of the drawn data), corners first. [`Spot::covered`] tells
-//! the layout when even that one covers data, so that it can make room above them.
+//! the layout when even that one covers data, so that it can make room above them, or write the series in columns below
+//! all panels ([`below`]).
 
-use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, Text, color};
-use super::{Panel, Shape, font};
+use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, Rgb, Text, color};
+use super::{Panel, Series, Shape, font};
 
 /// Em of the letters.
 const SIZE: f64 = 20.0;
@@ -27,7 +28,7 @@ pub(crate) struct Spot {
 
 /// Width and height of a panel's box; `None` if there is nothing to write.
 pub(crate) fn size(panel: &Panel) -> Option<(f64, f64)> {
-    let labels = panel.series.iter().filter(|s| !s.label.is_empty()).map(|s| SAMPLE + font::width(&s.label, SIZE));
+    let labels = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE));
     let note = panel.note.iter().map(|note| font::width(note, SIZE));
     let widths: Vec<f64> = labels.chain(note).collect();
     let widest = widths.iter().copied().reduce(f64::max)?;
@@ -73,34 +74,55 @@ pub(crate) fn marks(panel: &Panel, area: Frame) -> Vec<Mark> {
         Mark::Line { points: border, color: GRID, width: 1.0, dash: Dash::Solid },
     ];
     let (left, mut base) = (area.left + PADDING, area.top + PADDING + 16.0);
-    let line = |text: &str, at: Point, color| {
-        let text = text.to_owned();
-        Mark::Text(Text { at, anchor: Anchor::Start, size: SIZE, color, upward: false, text })
-    };
-    for series in panel.series.iter().filter(|s| !s.label.is_empty()) {
-        let (color, middle) = (color(series.color), base - 7.0);
-        let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
-        let stroke = |dash: Dash| {
-            let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
-            Mark::Line { points, color, width: super::panel::STROKE, dash }
-        };
-        marks.push(match &series.shape {
-            Shape::Line { dash, .. } => stroke(*dash),
-            Shape::Steps(_) => stroke(Dash::Solid),
-            Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: super::dots::DOT, color },
-            Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
-            Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: super::region::TINT },
-        });
-        marks.push(line(&series.label, (left + SAMPLE, base), INK));
+    for series in labelled(panel) {
+        marks.extend(entry(series, (left, base)));
         base += LINE;
     }
     marks.extend(panel.note.iter().map(|note| line(note, (left, base), ALERT)));
     marks
 }
 
+/// The series with a label in columns, read downwards, from `top` on between two margins; and where they end.
+pub(crate) fn below(panel: &Panel, top: f64, (left, right): (f64, f64)) -> (Vec<Mark>, f64) {
+    let widest = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE)).fold(1.0, f64::max);
+    let count = labelled(panel).count();
+    let columns = (((right - left) / (widest + SAMPLE)) as usize).clamp(1, count.max(1));
+    let rows = count.div_ceil(columns).max(1);
+    let place = |at: usize| {
+        (left + (right - left) * (at / rows) as f64 / columns as f64, top + LINE * ((at % rows) as f64 + 1.0))
+    };
+    let marks = labelled(panel).enumerate().flat_map(|(at, series)| entry(series, place(at))).collect();
+    (marks, top + LINE * rows as f64)
+}
+
+fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
+    panel.series.iter().filter(|series| !series.label.is_empty())
+}
+
+fn line(text: &str, at: Point, color: Rgb) -> Mark {
+    Mark::Text(Text { at, anchor: Anchor::Start, size: SIZE, color, upward: false, text: text.to_owned() })
+}
+
+/// A sample of a series and its label, which begin at this point of the base line.
+fn entry(series: &Series, (left, base): Point) -> [Mark; 2] {
+    let (color, middle) = (color(series.color), base - 7.0);
+    let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
+    let stroke = |dash: Dash| {
+        let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
+        Mark::Line { points, color, width: super::panel::STROKE, dash }
+    };
+    let sample = match &series.shape {
+        Shape::Line { dash, .. } => stroke(*dash),
+        Shape::Steps(_) => stroke(Dash::Solid),
+        Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: super::dots::DOT, color },
+        Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
+        Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: super::region::TINT },
+    };
+    [sample, line(&series.label, (left + SAMPLE, base), INK)]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::Series;
     use super::*;
 
     const FRAME: Frame = Frame { left: 100.0, top: 50.0, right: 600.0, bottom: 350.0 };

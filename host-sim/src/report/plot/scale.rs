@@ -75,10 +75,19 @@ impl Scale {
         let every = last.abs_diff(first) as usize / count.max(2) + 1;
         let steps: &[f64] = if self.hi.log10() - self.lo.log10() <= 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let values = (first..=last).step_by(every).flat_map(|e| steps.iter().map(move |m| m * 10f64.powi(e)));
+        let values: Vec<f64> = values.filter(|v| self.holds(*v)).collect();
         // All as powers or none, so that one axis speaks one language.
-        let powers = steps.len() == 1 && (first < -3 || last > 5);
-        let power = |v: f64| format!("10^{}", v.log10().round()).replace('-', "−");
-        values.filter(|v| self.holds(*v)).map(|v| (v, if powers { power(v) } else { text(v, v, v) })).collect()
+        let powers = match steps {
+            [_] => first < -3 || last > 5,
+            _ => values.iter().any(|v| !PLAIN.contains(&exponent(*v))),
+        };
+        let power = |v: f64| {
+            let exponent = exponent(v);
+            let multiple = (v / 10f64.powf(exponent)).round();
+            let sign = if multiple == 1.0 { String::new() } else { format!("{multiple}×") };
+            format!("{sign}10^{exponent}").replace('-', "−")
+        };
+        values.into_iter().map(|v| (v, if powers { power(v) } else { text(v, v, v) })).collect()
     }
 
     fn even_ticks(&self, count: usize) -> Vec<(f64, String)> {
@@ -97,18 +106,24 @@ pub(crate) fn showable(value: f64, log: bool) -> bool {
     value.abs() <= HUGE && (!log || value >= 1.0 / HUGE)
 }
 
+/// Powers of ten that are written out.
+const PLAIN: std::ops::Range<f64> = -4.0..6.0;
+
+/// The power of ten of a value. One part in 1e9 up: log10 of 1e-3 may come out just below −3.
+fn exponent(value: f64) -> f64 {
+    (value.abs().log10() + 1e-9).floor()
+}
+
 /// A tick's value with the decimals that tell it from one `step` further, as a multiple of the power of ten of the axis'
 /// `largest` value where that is far from 1.
 fn text(value: f64, step: f64, largest: f64) -> String {
     if value.abs() < 1e-6 * step {
         return "0".to_owned();
     }
-    // One part in 1e9 up: log10 of 1e-3 may come out just below −3.
-    let power = |v: f64| (v.abs().log10() + 1e-9).floor();
-    let exponent = Some(power(largest)).filter(|e| !(-4.0..6.0).contains(e)).unwrap_or(0.0);
-    let decimals = (exponent - power(step)).clamp(0.0, 12.0) as usize;
-    let multiple = value / 10f64.powf(exponent);
-    let suffix = if exponent == 0.0 { String::new() } else { format!("×10^{exponent}") };
+    let power = Some(exponent(largest)).filter(|e| !PLAIN.contains(e)).unwrap_or(0.0);
+    let decimals = (power - exponent(step)).clamp(0.0, 12.0) as usize;
+    let multiple = value / 10f64.powf(power);
+    let suffix = if power == 0.0 { String::new() } else { format!("×10^{power}") };
     format!("{multiple:.decimals$}{suffix}").replace('-', "−")
 }
 
@@ -135,6 +150,7 @@ mod tests {
         assert_eq!(labels(1e-3, 10.0, true), ["0.001", "0.01", "0.1", "1", "10"]);
         assert_eq!(labels(0.8, 60.0, true), ["1", "2", "5", "10", "20", "50"]);
         assert_eq!(labels(1e-8, 1e-5, true), ["10^−8", "10^−7", "10^−6", "10^−5"]);
+        assert_eq!(labels(4e-6, 1.5e-4, true), ["5×10^−6", "10^−5", "2×10^−5", "5×10^−5", "10^−4"]);
         assert_eq!(labels(3.0, 4.0, true), ["3.0", "3.2", "3.4", "3.6", "3.8", "4.0"]);
         assert_eq!(Scale::new((1.0, 100.0), true).minor_ticks().len(), 16);
     }

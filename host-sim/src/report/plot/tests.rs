@@ -147,6 +147,26 @@ fn a_legend_gets_room_above_dense_data() {
     }
 }
 
+/// Ten names in a panel that has room for six, above data in its middle: they stand below, and nothing is covered.
+#[test]
+fn a_legend_that_is_too_tall_stands_below_all_panels() {
+    let level = |i: usize| (0..100).map(|x| (f64::from(x), 1.0 + i as f64)).collect();
+    let series = (0..10).map(|i| Series::line(format!("series number {i}"), i, level(i)));
+    let named = Panel { x_label: "Time (s)".to_owned(), series: series.collect(), ..Panel::default() };
+    let caption = "What the reader should see.".to_owned();
+    let figure = Figure { columns: 2, panels: vec![named; 4], caption, ..Figure::default() };
+    let sheet = sheet(&figure);
+    assert_tidy(&sheet);
+    let heights = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).map(|t| t.at.1).collect::<Vec<_>>();
+    let lowest = heights("Time (s)").into_iter().fold(0.0, f64::max);
+    for i in 0..10 {
+        let heights = heights(&format!("series number {i}"));
+        assert!(heights.len() == 4 && heights.iter().all(|y| *y > lowest && *y < sheet.height), "{i}: {heights:?}");
+    }
+    assert!(!sheet.marks.iter().any(|mark| matches!(mark, Mark::Fill { color: sheet::PAPER, .. })));
+    assert!(heights("What the reader should see.")[0] > heights("series number 9")[3]);
+}
+
 #[test]
 fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
     let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, -1.0, 1e-310, 1e308, -1e308, 1.0, 2.0];

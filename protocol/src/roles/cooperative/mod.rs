@@ -13,7 +13,8 @@
 //! counts from *before* the request that was answered. So it ends first, by any delay, with clocks whose rates differ by
 //! less than [`Lease::MAX_DRIFT_PPM`]. **Progress**: one who vanishes with the engine costs [`Lease::giver_us`], one
 //! whom nothing reaches in time at most twice that and the longest delay; then the server goes on from the last motion that it
-//! was told. A lease must be longer than the round trip, or nobody can hold it.
+//! was told. A lease must be longer than the round trip, or nobody can hold it. **Limit**: a server keeps no record of what it has
+//! lent; one that starts anew may do so only [`Lease::giver_us`] after the one before it ended.
 //!
 //! Hand-over messages are events ([`crate::roles::code::COOPERATIVE`]), pushes and motions are kinds of their own; all of them
 //! may be lost, doubled, late and out of order: what must arrive is said again until it is answered. Of the carrier is asked

@@ -26,8 +26,9 @@
 //! is for the network as it is.
 //!
 //! **Limits**: a delay that jumps is known only when somebody has measured it ([`PING_EVERY_US`] and a round trip later): a ball that
-//! was hit in between may leave the court unseen, and the rally is played again. Plan view, no gravity; who stands in the ball's way is not hit. Rallies and strokes are 16 bits: 65,535 of
-//! each. The server's word is the game's: it ends with it.
+//! was hit in between may leave the court unseen, and the rally is played again. Plan view, no gravity; who stands in the
+//! ball's way is not hit. A game has up to [`RALLIES`] rallies, a rally up to 65,535 strokes; points stop at 255. The server's
+//! word is the game's: it ends with it.
 
 mod bounder;
 mod court;
@@ -47,6 +48,8 @@ use crate::wire::{Error, PeerId};
 
 /// Players that a game can have.
 pub const PLAYERS: usize = 8;
+/// Rallies that a game can have: each takes two of the 65,535 revisions of [`Game::revision`].
+pub const RALLIES: u16 = 32_767;
 /// How often a player says where it is, µs.
 pub const PLACE_EVERY_US: u64 = 50_000;
 /// How soon something is said again that nobody has answered, µs.

@@ -1,8 +1,8 @@
 //! The server of a game: who plays, what a rally came to, how fast the ball may be.
 
 use super::{
-    Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RoundTrips, SERVER, Turn, Verdict,
-    place_of,
+    Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, RoundTrips, SERVER, Turn,
+    Verdict, place_of,
 };
 use crate::roles::Outbox;
 use crate::wire::PeerId;
@@ -12,7 +12,7 @@ use crate::wire::PeerId;
 pub struct ServerConfig {
     /// Players that the game begins with; later ones come in between two rallies. 2 to [`PLAYERS`].
     pub players: u8,
-    /// Rallies after which the game is over.
+    /// Rallies after which the game is over; [`RALLIES`] at the most.
     pub rallies: u16,
     /// Whether the ball is bounded by the longest round trip.
     pub bounder: bool,
@@ -156,7 +156,8 @@ impl Server {
         {
             *points = points.saturating_add(1);
         }
-        self.game.phase = if self.game.rally >= self.config.rallies { Phase::Over } else { Phase::Waiting };
+        let over = self.game.rally >= self.config.rallies.min(RALLIES);
+        self.game.phase = if over { Phase::Over } else { Phase::Waiting };
         self.game.revision = self.game.revision.saturating_add(1);
     }
 

@@ -12,7 +12,8 @@
 //! world it came from: what counts is its checksum.
 //!
 //! **Memory**: `N` objects at the most. What is in scope beyond that is left out and counted, never what is held.
-//! **Limit**: objects that were held stay, and are felt, until the download that replaces them is complete.
+//! **Limits**: objects that were held stay, and are felt, until the download that replaces them is complete. An answer about
+//! the 256th scope before this one looks like one about this; what comes that late a link refuses as a replay.
 
 use heapless::Vec;
 

@@ -1,7 +1,7 @@
 //! Faults injected while the motors are on: how soon the outputs are off, what is reported, and that only a command brings
 //! them back. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 use board_bench::bench::{Bench, for_boards};
@@ -11,6 +11,8 @@ use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use host_sim::scenes;
+
+use crate::impostor::Impostor;
 
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
@@ -179,18 +181,33 @@ fn outputs_go_off_and_stay_off() {
     let put_in = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(true);
     campaign.inject("cable out (12 packets, as set)", 2, &faulted(112, "fault 5"), &pulled, &put_in);
 
+    let mut bytes = [0; Flow::LEN];
+    let flow = Flow { engaged: true, tick: 1 << 20, ..Flow::default() };
+    flow.emit(&mut bytes).expect("it fits");
+    bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
     let not_a_number = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if ms == 1 {
-            let mut bytes = [0; Flow::LEN];
-            let flow = Flow { tick: 1 << 20, ..Flow::default() };
-            flow.emit(&mut bytes).expect("it fits");
-            bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
             let frame = udp((board_mac(2), board_ip(2), 7701), (board_mac(1), board_ip(1), 7701), &bytes);
             bench.input(1).frames.push(frame);
         }
     };
     let on = Expected { off_within_ms: None, reported: "refused 1", reset: false };
     campaign.inject("packet with a NaN, not sealed (refused on arrival)", 1, &on, &not_a_number, &nothing);
+
+    // For longer than a session lives that nothing is heard in.
+    let impostor = RefCell::new(Impostor::default());
+    let sealed = |bench: &mut Bench, _: &Firmware, ms: u64| {
+        let mut impostor = impostor.borrow_mut();
+        impostor.beat(bench);
+        // 40 ms are enough to meet.
+        if ms > 40 && ms.is_multiple_of(8) {
+            assert!(impostor.seal(bench, &bytes), "there is a session");
+        }
+    };
+    let on = Expected { off_within_ms: None, reported: "refused 20", reset: false };
+    campaign.inject("20 packets with a NaN, sealed under the key (refused on arrival)", 1, &on, &sealed, &nothing);
+    let Impostor { sent, called, .. } = impostor.into_inner();
+    assert_eq!((sent, called), (20, 0), "the board took the keys for good, and the packets for the other peer's");
 
     let pressed = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if ms == 1 {

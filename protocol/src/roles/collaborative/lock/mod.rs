@@ -17,7 +17,8 @@
 //! One [`Server`] and one [`Client`] per object and peer: the message names the object. [`Lease::retry_us`] sets all repetition.
 //!
 //! **Progress**: while the server and a client hear each other, a client that asks is granted within [`wait_bound_us`].
-//! **Limits**: fences are 32 bits (6 years at 20 grants a second), then the server grants no more; a server serves as many
+//! **Limits**: fences are 32 bits (6 years at 20 grants a second), then the server grants no more; so are a client's asks (6
+//! years of asking under a lease of 300 ms, 82 days under the shortest), then it must start anew; a server serves as many
 //! clients as its type says, further ones are not heard until others have been silent for a lease.
 
 mod client;

@@ -7,7 +7,7 @@ use haptic_protocol::parameters::Parameters;
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 /// One end of a pair: peer 1 or peer 2, in its n-th life.
-pub fn link(local: u8, life: u8) -> Link {
+pub(super) fn link(local: u8, life: u8) -> Link {
     let mut entropy = [local; Key::LEN];
     entropy[0] = life;
     let ends = Ends { local: PeerId(local), remote: PeerId(3 - local) };
@@ -17,8 +17,7 @@ pub fn link(local: u8, life: u8) -> Link {
 }
 
 /// A pair that has joined.
-#[allow(dead_code)] // Only `link` needs it.
-pub fn joined() -> [Link; 2] {
+pub(super) fn joined() -> [Link; 2] {
     let mut links = [link(1, 1), link(2, 1)];
     let mut out = [0; MAX_DATAGRAM];
     for now in [0, 1_000, 2_000, 3_000, 4_000] {

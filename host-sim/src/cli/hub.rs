@@ -1,0 +1,105 @@
+//! `host-sim hub`: where 2 to 16 live peers hold one object.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::live::check_time;
+use super::{Failure, SceneArgs, print_json};
+use crate::cooperative::MOST_USERS;
+use crate::live::{key_file, meet};
+use crate::report::text::{TextTable, significant};
+
+/// Arguments of `hub`.
+#[derive(Debug, Args)]
+pub(super) struct Hub {
+    /// The peers' scene; without one, the built-in any-network.
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where the hub listens.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen: SocketAddr,
+    /// How many peers; the one on line n has its key by `keygen --line n --of`, and is number 1 where n is odd, 2 where even.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=MOST_USERS as i64))]
+    users: u8,
+    /// The hub's key file (`host-sim keygen`).
+    #[arg(long, value_name = "FILE")]
+    key_file: PathBuf,
+    /// Time from when all peers are there, s.
+    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
+    duration_s: f64,
+    /// How long to wait for all of them, s.
+    #[arg(long, default_value_t = 30.0, value_name = "S", allow_negative_numbers = true)]
+    patience_s: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Hub {
+    /// Runs the hub until the time is over, and reports.
+    ///
+    /// # Errors
+    /// A bad scene, key file or address; peers that do not come.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        check_time("--duration-s", self.duration_s)?;
+        check_time("--patience-s", self.patience_s)?;
+        let scene = self.scene.load_or("any-network")?;
+        let key = key_file::read(&self.key_file)?;
+        let options = meet::Options {
+            users: self.users.into(),
+            listen: self.listen,
+            duration_s: self.duration_s,
+            patience_s: self.patience_s,
+        };
+        eprintln!("hub for {} peers listens on {}", self.users, self.listen);
+        let report = meet::run(&scene, &key, &options)?;
+        if self.json {
+            return print_json(&report);
+        }
+        let mut table = TextTable::new([
+            "line",
+            "number",
+            "from",
+            "lives",
+            "taken",
+            "missing",
+            "round trip us",
+            "put in J",
+            "sent back J",
+            "copy mm",
+            "F_T N",
+        ]);
+        let or_dash = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| significant(value, 3));
+        for line in &report.lines {
+            table.push([
+                line.line.to_string(),
+                line.number.to_string(),
+                line.address.clone().unwrap_or_else(|| "-".to_owned()),
+                line.lives.to_string(),
+                line.datagrams_taken.to_string(),
+                line.datagrams_missing.to_string(),
+                line.round_trip_us.map_or_else(|| "-".to_owned(), |us| us.to_string()),
+                significant(line.energy.put_in_j, 3),
+                significant(line.energy.sent_j, 3),
+                or_dash(line.copy_mm),
+                or_dash(line.said.map(|said| said.coordination_force_n.into())),
+            ]);
+        }
+        println!("{table}");
+        println!(
+            "{} packet periods; energy out/in {:.6}; the object went {:.2} mm, the copies are {:.2} mm apart as they last said",
+            report.packets, report.energy_out_over_in, report.object_mm, report.apart_mm
+        );
+        let kept = report.punctuality;
+        println!(
+            "{} datagrams refused; {} of {} beats began more than a period late; real-time priority: {}",
+            report.datagrams_refused,
+            kept.missed,
+            kept.beats,
+            if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
+        );
+        Ok(())
+    }
+}

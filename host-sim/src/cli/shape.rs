@@ -1,0 +1,151 @@
+//! `host-sim shape`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use haptic_protocol::database::{Block, Shape};
+use serde::Serialize;
+
+use super::stability::{folder, tell, write};
+use super::{Failure, print_json};
+use crate::report::text::{TextTable, significant};
+use crate::world::stroke::{Energy, Options, Part, stroke};
+use crate::world::{self, picture};
+
+/// Arguments of `shape`.
+#[derive(Debug, Args)]
+pub(super) struct ShapeArgs {
+    /// World file (TOML) with the object; without it, a block of 80 mm with a corner that points inwards.
+    #[arg(long, value_name = "WORLD", requires = "object")]
+    scene: Option<PathBuf>,
+    /// Which object of the world, by its id.
+    #[arg(long, value_name = "ID", requires = "scene")]
+    object: Option<u32>,
+    /// Mass with which the object moves, kg.
+    #[arg(long, default_value_t = Options::default().mass_kg, value_name = "KG", allow_negative_numbers = true)]
+    mass_kg: f64,
+    /// Viscous damping of its motion, N·s/m.
+    #[arg(long, default_value_t = Options::default().drag_n_s_per_m, value_name = "N_S_PER_M", allow_negative_numbers = true)]
+    drag_n_s_per_m: f64,
+    /// How far under the surface the arm leads the hand, m.
+    #[arg(long, default_value_t = Options::default().below_m, value_name = "M", allow_negative_numbers = true)]
+    below_m: f64,
+    /// How fast, m/s.
+    #[arg(long, default_value_t = Options::default().speed_m_per_s, value_name = "M_PER_S", allow_negative_numbers = true)]
+    speed_m_per_s: f64,
+    /// Print JSON; files are written only with --out.
+    #[arg(long)]
+    json: bool,
+    /// Folder for the files.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Report {
+    parts: Vec<Part>,
+    energy: Energy,
+    remainder_j: f64,
+    /// How far the object was pushed at most along either axis, m.
+    largest_way_of_the_object_m: f64,
+    files: Vec<PathBuf>,
+}
+
+/// The block that is stroked without a world: a dart.
+fn dart() -> Shape {
+    let (a, b, c, d) = ([-0.03, -0.03], [0.0, -0.02], [0.03, -0.03], [0.0, 0.05]);
+    let [[a_x_m, a_y_m], [b_x_m, b_y_m], [c_x_m, c_y_m], [d_x_m, d_y_m]] = [a, b, c, d];
+    Shape::Block(Block { a_x_m, a_y_m, b_x_m, b_y_m, c_x_m, c_y_m, d_x_m, d_y_m, ..Block::default() })
+}
+
+impl ShapeArgs {
+    fn shape(&self) -> Result<Shape, Failure> {
+        let (Some(path), Some(id)) = (&self.scene, self.object) else { return Ok(dart()) };
+        let world = world::load(path)?;
+        let Some(object) = world.get(id) else {
+            let known: Vec<String> = world.objects().iter().map(|object| object.id.to_string()).collect();
+            let known = known.join(", ");
+            return Err(format!("--object {id} is not in {}; its objects are {known}", path.display()).into());
+        };
+        Ok(object.shape)
+    }
+
+    /// Strokes, prints and draws.
+    ///
+    /// # Errors
+    /// A bad world; a number out of range; an object that cannot be stroked; a file that cannot be written.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let Self { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, .. } = *self;
+        for (name, value, (least, most), unit) in [
+            ("--mass-kg", mass_kg, (0.01, 1e3), "kg"),
+            ("--drag-n-s-per-m", drag_n_s_per_m, (0.0, 50.0), "N·s/m"),
+            ("--below-m", below_m, (1e-4, 1.0), "m"),
+            ("--speed-m-per-s", speed_m_per_s, (1e-3, 1.0), "m/s"),
+        ] {
+            if !(least..=most).contains(&value) {
+                let allowed = format!("it must be a number from {least} to {most} {unit}");
+                return Err(format!("{name} {value} is not allowed: {allowed}").into());
+            }
+        }
+        let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
+        let stroke = stroke(&self.shape()?, &options)?;
+        let mut files = Vec::new();
+        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/shape") {
+            let base = folder.join("shape");
+            files = write(&base, &picture::table(&stroke)?, || picture::draw_stroke(&stroke, &base))?;
+        }
+        let way = stroke.samples.iter().flat_map(|sample| sample.object_m).fold(0.0_f64, |most, at| most.max(at.abs()));
+        let report = Report {
+            remainder_j: stroke.energy.remainder_j(),
+            parts: stroke.parts,
+            energy: stroke.energy,
+            largest_way_of_the_object_m: way,
+            files,
+        };
+        if self.json {
+            return print_json(&report);
+        }
+        report.print();
+        tell(&report.files);
+        Ok(())
+    }
+}
+
+impl Report {
+    fn print(&self) {
+        let mut table = TextTable::new([
+            "side",
+            "corner before it",
+            "lets go at mm",
+            "largest depth mm",
+            "largest force N",
+            "force at its end N",
+        ]);
+        let or_none = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
+        for part in &self.parts {
+            table.push([
+                part.side.clone(),
+                or_none(part.corner_deg.map(|degrees| format!("{degrees:.1}°"))),
+                or_none(part.leaves_at_m.map(|depth_m| format!("{:.3}", 1e3 * depth_m))),
+                format!("{:.3}", 1e3 * part.largest_depth_m),
+                format!("{:.3}", part.largest_force_n),
+                format!("{:.3}", part.last_force_n),
+            ]);
+        }
+        println!("{table}");
+        let Energy { work_j, stored_j, moving_j, contact_j, drag_j, arm_j } = self.energy;
+        let mut table = TextTable::new(["energy", "mJ"]);
+        for (name, energy_j) in [
+            ("work of the person", work_j),
+            ("in springs at the end", stored_j),
+            ("in motion at the end", moving_j),
+            ("taken by the contact's damper", contact_j),
+            ("taken by the object's drag", drag_j),
+            ("taken by arm and hand", arm_j),
+            ("left open by the time step", self.remainder_j),
+        ] {
+            table.push([name.to_owned(), format!("{:.4}", 1e3 * energy_j)]);
+        }
+        println!("{table}\nThe object was pushed {} mm.", significant(1e3 * self.largest_way_of_the_object_m, 3));
+    }
+}

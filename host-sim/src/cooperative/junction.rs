@@ -1,0 +1,211 @@
+//! Where wave lines meet on a network that loses, jitters and falls silent: core's lossless node, and a port for each line.
+//!
+//! Once a packet period [`Junction::exchange`] takes what came out of every line, scatters it
+//! ([`haptic_core::couple::node`]), and every port has what goes back.
+//!
+//! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
+//! into the line ([`haptic_core::couple::credit`], a packet period for a tick), and counts what it sends, so that the peer
+//! can do the same: then the junction is passive on any network. Without, waves are held as they are, and only a constant
+//! delay without loss is passive.
+//!
+//! **Silence.** A port goes down and up core's ladder ([`haptic_core::couple::engagement`]). At share s it is matched to its
+//! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
+//! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
+//! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
+//! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
+//! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
+//!
+//! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
+
+use haptic_core::couple::credit::{Account, Credit};
+use haptic_core::couple::engagement::{Engagement, Ladder};
+use haptic_core::couple::node::Node;
+use haptic_core::couple::{Packet, Sends, sends};
+use haptic_core::motion::Motion;
+use haptic_core::settings::Settings;
+use serde::Serialize;
+
+use super::MOST_USERS;
+
+/// The peers of these settings send no waves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be a law that sends them")]
+pub struct NoWaves(&'static str);
+
+/// Wave energy at one port, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energy {
+    /// Put into the line by its peer, by the counters in its packets.
+    pub put_in_j: f64,
+    /// Taken out of the line into the node.
+    pub taken_j: f64,
+    /// Sent back into the line.
+    pub sent_j: f64,
+}
+
+/// The end of one line.
+#[derive(Clone, Copy, Debug)]
+pub struct Port {
+    engagement: Engagement,
+    /// The peer is gone: nothing is heard until the line is quiet.
+    leaving: bool,
+    /// The packet that stands.
+    standing: Packet<f64>,
+    account: Account<f64>,
+    /// The peer's energy counter in the newest packet, J.
+    counted_j: Option<f64>,
+    /// What came out of the line last, √W.
+    wave: f64,
+    /// What goes back, with this end's own counters.
+    pub back: Packet<f64>,
+    /// What went through.
+    pub energy: Energy,
+}
+
+impl Port {
+    /// Whether anything of the line reaches the node.
+    pub fn is_engaged(&self) -> bool {
+        self.engagement.is_engaged()
+    }
+
+    /// One packet period: the wave that comes out of the line, √W.
+    fn take(
+        &mut self,
+        ladder: &Ladder<f64>,
+        credit: Option<&Credit<f64>>,
+        packet_s: f64,
+        came: Option<Packet<f64>>,
+    ) -> f64 {
+        self.leaving &= self.is_engaged();
+        let came = came.filter(|_| !self.leaving);
+        if ladder.step(&mut self.engagement, came.is_some()) {
+            (self.account, self.counted_j) = (Account::default(), None);
+        }
+        if let Some(packet) = came {
+            // The first packet of a life pays for itself and brings no past.
+            let own_j = 0.5 * packet_s * packet.wave * packet.wave;
+            let before_j = self.counted_j.unwrap_or((packet.energy_j - own_j).max(0.0));
+            self.energy.put_in_j += (packet.energy_j - before_j).max(0.0);
+            self.counted_j = Some(packet.energy_j.max(before_j));
+            self.standing = packet;
+        }
+        if !self.is_engaged() {
+            return 0.0;
+        }
+        let Some(credit) = credit else { return self.standing.wave };
+        if came.is_some() || self.engagement.is_fading() {
+            credit.receive(&mut self.account, &self.standing);
+        }
+        credit.spend(&mut self.account, self.standing.wave)
+    }
+
+    /// Sends a wave back, √W.
+    fn send(&mut self, wave: f64, packet_s: f64) {
+        self.energy.sent_j += 0.5 * packet_s * wave * wave;
+        self.back = Packet {
+            wave,
+            energy_j: self.energy.sent_j,
+            wave_integral: self.back.wave_integral + packet_s * wave,
+            ..Packet::default()
+        };
+    }
+}
+
+/// Where up to [`MOST_USERS`] lines meet.
+#[derive(Clone, Debug)]
+pub struct Junction {
+    ports: Vec<Port>,
+    ladder: Ladder<f64>,
+    credit: Option<Credit<f64>>,
+    impedance: f64,
+    packet_s: f64,
+    /// Where the lines meet; as far as their common velocity has carried it, from 0.
+    pub motion: Motion<f64>,
+}
+
+impl Junction {
+    /// The lines of `users` peers with these settings, engaged as the peers are that are armed together.
+    ///
+    /// # Errors
+    /// The peers send no waves.
+    pub fn new(settings: &Settings, users: usize) -> Result<Self, NoWaves> {
+        use haptic_core::settings::Choice;
+        let coordination = &settings.coordination;
+        if sends(settings) != Sends::Waves {
+            return Err(NoWaves(coordination.comm.name()));
+        }
+        let packet_s = settings.timing.control_period_s * f64::from(settings.timing.ticks_per_packet);
+        // The node's tick is a packet period.
+        let mut own = *settings;
+        (own.timing.control_period_s, own.timing.ticks_per_packet) = (packet_s, 1);
+        let ladder = Ladder::build(settings);
+        let port = Port {
+            engagement: ladder.engaged(),
+            leaving: false,
+            standing: Packet::default(),
+            account: Account::default(),
+            counted_j: None,
+            wave: 0.0,
+            back: Packet::default(),
+            energy: Energy::default(),
+        };
+        Ok(Self {
+            ports: vec![port; users.min(MOST_USERS)],
+            ladder,
+            credit: Credit::build(&own),
+            impedance: coordination.wave_impedance_n_s_per_m,
+            packet_s,
+            motion: Motion::REST,
+        })
+    }
+
+    /// The ports, in the order of the lines.
+    pub fn ports(&self) -> &[Port] {
+        &self.ports
+    }
+
+    /// Lets go of the peer on a line, which is not there yet, is gone, or began anew.
+    pub fn part(&mut self, line: usize) {
+        if let Some(port) = self.ports.get_mut(line) {
+            // Before anything was said there is nothing to fade.
+            if port.counted_j.is_none() {
+                port.engagement.part();
+            }
+            port.leaving = port.is_engaged();
+        }
+    }
+
+    /// One packet period: what came of every line, in order; what goes back is then in the ports.
+    pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>) {
+        let (mut shares, mut waves) = ([0.0; MOST_USERS], [0.0; MOST_USERS]);
+        let places = shares.iter_mut().zip(&mut waves);
+        for ((port, came), (share, wave)) in self.ports.iter_mut().zip(came).zip(places) {
+            port.wave = port.take(&self.ladder, self.credit.as_ref(), self.packet_s, came);
+            *share = self.ladder.share(&port.engagement);
+            *wave = share.sqrt() * port.wave;
+            port.energy.taken_j += 0.5 * self.packet_s * *wave * *wave;
+        }
+        let scattered = Node::new(shares.map(|share| share * self.impedance)).scatter(waves);
+        for (port, (wave, share)) in self.ports.iter_mut().zip(scattered.back.into_iter().zip(shares)) {
+            port.send(share.sqrt() * wave, self.packet_s);
+        }
+        self.motion = Motion {
+            position: self.motion.position + self.packet_s * scattered.velocity,
+            velocity: scattered.velocity,
+        };
+    }
+
+    /// Force of a line on where it meets the others, N: √(b/2)·(u − w).
+    pub fn force_n(&self, port: &Port) -> f64 {
+        (0.5 * self.impedance).sqrt() * (port.wave - port.back.wave)
+    }
+
+    /// Wave energy of all lines, J.
+    pub fn energy(&self) -> Energy {
+        self.ports.iter().fold(Energy::default(), |sum, port| Energy {
+            put_in_j: sum.put_in_j + port.energy.put_in_j,
+            taken_j: sum.taken_j + port.energy.taken_j,
+            sent_j: sum.sent_j + port.energy.sent_j,
+        })
+    }
+}

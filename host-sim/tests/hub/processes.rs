@@ -1,0 +1,146 @@
+//! Processes over UDP on loopback, as a user runs them.
+
+use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+fn host_sim(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// An address on loopback that nobody listens on.
+fn free() -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    socket.local_addr().expect("an address").to_string()
+}
+
+/// A hub's key, and those of its lines.
+struct Keys(PathBuf);
+
+impl Keys {
+    fn new(name: &str, lines: u32) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hub").join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("a folder for keys");
+        let keys = Self(folder);
+        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
+        run(&["keygen", &keys.file(0)]);
+        for line in 1..=lines {
+            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
+        }
+        keys
+    }
+
+    fn file(&self, line: u32) -> String {
+        self.0.join(format!("{line}.key")).display().to_string()
+    }
+
+    /// The peer on a line, whose user does this.
+    fn peer(&self, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
+        let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, self.file(line));
+        host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", "127.0.0.1:0"])
+            .args(["--connect", hub, "--key-file", &key, "--duration-s", duration_s])
+            .args(user.iter().flat_map(|setting| ["--set", setting]))
+            .spawn()
+            .expect("host-sim runs")
+    }
+}
+
+fn report(child: Child) -> Value {
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
+
+fn number(document: &Value, key: &str) -> f64 {
+    document[key].as_f64().unwrap_or_else(|| panic!("{key} in {document}"))
+}
+
+/// Two push against each other and swing a little, a third holds on; it is killed in the middle and comes back.
+#[test]
+fn three_processes_hold_one_object_and_one_of_them_restarts() {
+    let keys = Keys::new("three", 3);
+    let address = free();
+    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--duration-s", "7", "--key-file"])
+        .arg(keys.file(0))
+        .spawn()
+        .expect("host-sim runs");
+    let first = keys.peer(1, &address, &["user.1.push_n=1", "user.1.sine_n=0.1"], "6");
+    let second = keys.peer(2, &address, &["user.2.push_n=1"], "6");
+    let mut third = keys.peer(3, &address, &[], "60");
+    std::thread::sleep(Duration::from_millis(2_500));
+    third.kill().expect("it is running");
+    let _ = third.wait();
+    let third = keys.peer(3, &address, &[], "2");
+    let peers = [first, second, third].map(report);
+    let hub = report(hub);
+
+    for (peer, wanted_n) in peers.iter().zip([-1.0, 1.0, 0.0]) {
+        assert_eq!(peer["fault"], Value::Null, "{peer}");
+        // The coordination force holds against the push; what is left is the object's motion.
+        assert!((number(peer, "coordination_force_n") - wanted_n).abs() < 0.25, "{peer}");
+        assert!(number(peer, "decoded_discrepancy_mm") < 1.0, "{peer}");
+        assert_eq!(number(&peer["other"], "mode"), 1.0, "{peer}");
+    }
+    // Alone, 1 N moves a device and its copy by metres.
+    assert!(number(&hub, "apart_mm") < 50.0 && number(&hub, "object_mm").abs() < 50.0, "{hub}");
+    let out_over_in = number(&hub, "energy_out_over_in");
+    assert!(out_over_in <= 1.0 && out_over_in > 0.3, "{hub}");
+    assert!(number(&hub, "packets") == 875.0, "{hub}");
+    let lines = hub["lines"].as_array().expect("lines");
+    let lives: Vec<f64> = lines.iter().map(|line| number(line, "lives")).collect();
+    assert_eq!(lives, [1.0, 1.0, 2.0], "{hub}");
+    for line in lines {
+        assert!(number(line, "sent_j") > 0.0 && number(line, "taken_j") <= number(line, "put_in_j") + 1e-12, "{line}");
+        // No more came out at the peer than the hub gave to its line; the peer said so a little earlier.
+        assert!(number(&line["said"], "energy_received_j") <= number(line, "sent_j") + 1e-6, "{line}");
+        assert!(number(line, "datagrams_taken") > 200.0 && number(line, "round_trip_us") > 0.0, "{line}");
+    }
+    let told: Vec<&str> =
+        lines[2]["notices"].as_array().expect("a list").iter().filter_map(|one| one[1].as_str()).collect();
+    let engaged = told.iter().filter(|notice| **notice == "Engaged").count();
+    assert!(engaged >= 2 && told.contains(&"Disengaged"), "{told:?}");
+}
+
+#[test]
+fn what_is_wrong_is_said_in_one_line() {
+    let keys = Keys::new("wrong", 1);
+    let (key, address) = (keys.file(0), free());
+    let hub = ["hub", "--listen", &address, "--key-file", &key];
+    for (arguments, names) in [
+        (&["--users", "1"][..], "2..=16"),
+        (&["--users", "17"], "2..=16"),
+        (&["--users", "-1"], "2..=16"),
+        (&["--users", "2", "--duration-s", "0"], "--duration-s 0"),
+        (&["--users", "2", "--patience-s", "-1"], "--patience-s -1"),
+        (&["--users", "2", "--set", "coordination.comm=power"], "coordination.comm"),
+        (&["--users", "2", "--set", "coordination.ledger=false"], "coordination.drift_correction"),
+        (&["--users", "2", "--scene", "paper-5.2-passive-wave-16ms"], "coordination.ledger = false"),
+        (
+            &["--users", "3", "--patience-s", "0.1"],
+            "0 of 3 peers came within 0.1 s; nobody on line 1 (peer number 1), 2 (peer number 2), 3 (peer number 1)",
+        ),
+    ] {
+        let output = host_sim(&[&hub[..], arguments].concat()).output().expect("host-sim runs");
+        let error = String::from_utf8_lossy(&output.stderr);
+        // What it does is said first, on the same stream.
+        let said: Vec<&str> = error.trim_end().lines().filter(|line| !line.starts_with("hub for")).collect();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty() && error.contains(names) && said.len() == 1, "{arguments:?}: {error}");
+    }
+    // A peer that was told something else.
+    let mut waiting = host_sim(&[&hub[..], &["--users", "2"]].concat()).spawn().expect("host-sim runs");
+    let other = host_sim(&["peer", "--scene", "any-network", "--set", "object.mass_kg=0.5", "--number", "1"])
+        .args(["--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &keys.file(1)])
+        .output()
+        .expect("host-sim runs");
+    let _ = waiting.kill();
+    let _ = waiting.wait();
+    let error = String::from_utf8_lossy(&other.stderr);
+    assert!(other.status.code() == Some(2) && error.contains("table [object]"), "{error}");
+}
