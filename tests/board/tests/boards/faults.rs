@@ -12,9 +12,7 @@ use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use host_sim::scenes;
 
-use impostor::Impostor;
-
-mod impostor;
+use crate::impostor::Impostor;
 
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
