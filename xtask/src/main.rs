@@ -72,8 +72,8 @@ The one command: sets up what is missing and passes every test. Stops at the fir
 Usage: cargo xtask test
 
   set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
-  without warnings, all tests in debug (documentation tests included), the golden traces in release as well, no
-  panic in the tick, README.md against what its commands print, the instructions of one tick against
+  without warnings, all tests in debug (documentation tests and what of the image needs no chip included), the golden
+  traces in release as well, no panic in the tick, README.md against what its commands print, the instructions of one tick against
   core/benches/instructions.txt (needs valgrind, which apt-get installs if it can), the memory that interrupt and tasks
   share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on virtual boards
   (board-test), whose emulator takes minutes to build.

@@ -45,6 +45,8 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     step("tests, debug", || run(&mut cargo(&["test", "--locked"])))?;
 
+    step("parts of the image", parts_of_the_image)?;
+
     step("golden traces, release", || {
         for (package, test) in golden_tests()? {
             run(&mut cargo(&["test", "--locked", "--release", "--package", &package, "--test", &test]))?;
@@ -74,6 +76,11 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     eprintln!("every step passed in {:.0} s", start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// What of the image needs no chip.
+fn parts_of_the_image() -> Result<(), Failure> {
+    run(&mut cargo(&["test", "--locked", "--package", "firmware", "--lib"]))
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.

@@ -28,7 +28,7 @@ fn response(mass_kg: f64, damping: f64, time: f64) -> (f64, f64) {
     let x = damping * time / mass_kg;
     // (1 − e^(−x))/x and (x − 1 + e^(−x))/x², without cancellation: relative error < 4e-16.
     let (first, second) = if x < 1.0 {
-        // ½ − x/3! + x²/4! − …; the first term left out is below 1e-17 of the sum.
+        // ½ − x/3! + x²/4! − …; the first term left out is below 3e-17 of the sum.
         let second = 0.5 * (3..=18).rev().fold(1.0, |sum, n| 1.0 - x / f64::from(n) * sum);
         (1.0 - x * second, second)
     } else {

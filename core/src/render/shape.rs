@@ -120,6 +120,9 @@ fn away<S: Scalar>(way: [S; 2]) -> (S, [S; 2]) {
 impl<S: Scalar, Edges: AsRef<[Edge<S>]>> Shape<S, Edges> {
     /// How deep a point is; `None` outside.
     pub fn depth(&self, point: [S; 2]) -> Option<Depth<S>> {
+        if !point.iter().all(|part| part.is_finite()) {
+            return None;
+        }
         let (depth, normal) = match self {
             Self::Disc { centre, radius } => {
                 let (distance, normal) = away(minus(point, *centre));
@@ -142,6 +145,9 @@ impl<S: Scalar, Edges: AsRef<[Edge<S>]>> Shape<S, Edges> {
         let Some(Depth { depth, normal }) = self.depth(place) else { return Pressed::default() };
         let away = minus(device.map(|axis| axis.velocity), object.map(|axis| axis.velocity));
         let rate = -dot(away, normal);
+        if !rate.is_finite() {
+            return Pressed::default();
+        }
         let force = contact.force(Motion { position: depth, velocity: rate }, Motion::REST);
         Pressed { depth, rate, force: normal.map(|part| -(force * part)) }
     }

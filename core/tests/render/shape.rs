@@ -69,9 +69,14 @@ fn faces_push_outward_and_a_corner_turns_the_force_and_not_its_size() {
     for (x, y) in [(0.021, 0.0), (0.0, -0.03), (0.021, 0.021), (0.019, 0.05), (0.02, 0.0)] {
         close(felt(&square, x, y), [0.0, 0.0]);
     }
+    let disc = Shape::Disc { centre: [0.0; 2], radius: 0.02 };
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        close(felt(&square, bad, 0.0), [0.0, 0.0]);
-        close(felt(&square, 0.0, bad), [0.0, 0.0]);
+        for shape in [&square, &disc] {
+            close(felt(shape, bad, 0.0), [0.0, 0.0]);
+            close(felt(shape, 0.0, bad), [0.0, 0.0]);
+            let device = [Motion { position: 0.019, velocity: bad }, Motion::REST];
+            close(shape.press(&contact(2.0), device, at(0.0, 0.0)).force, [0.0, 0.0]);
+        }
     }
 }
 

@@ -85,17 +85,23 @@ impl Operate {
     fn record(&self, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
         let period = say(operator, "get timing.control_period_s")?;
         let period_s = period.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.001);
-        let samples = operator.record(self.every, Duration::from_secs_f64(self.seconds))?;
+        let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.seconds))?;
         let stopped = say(operator, "stream off");
         let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s)?;
         if table.is_empty() {
             return Err(format!("board {}: no tick came in {} s", operator.number(), self.seconds).into());
         }
         write_csv(&table, file)?;
+        if let Some(row) = recording::started_anew(&table) {
+            eprintln!("the board started anew before row {row}: its ticks and times count from zero there");
+        }
         let gap = recording::longest_gap(&table).map_or_else(String::new, |(from_s, gap_s)| {
             format!("; none came from {from_s:.3} s on for {gap_s:.3} s, the longest gap")
         });
         eprintln!("{} ticks written to {}{gap}", table.len(), file.display());
+        if let Some(refusal) = refusal {
+            return Err(refusal.into());
+        }
         stopped?;
         Ok(())
     }

@@ -195,7 +195,7 @@ impl Junction {
         };
     }
 
-    /// Force of a line on where it meets the others, N: √(b/2)·(u − w).
+    /// Force at the end of a line, N: √(b/2)·(u − w). While the line fades, a part of it ends in the port.
     pub fn force_n(&self, port: &Port) -> f64 {
         (0.5 * self.impedance).sqrt() * (port.wave - port.back.wave)
     }

@@ -10,8 +10,8 @@
 //! names. Addresses prove nothing; a peer is answered where it last proved itself from.
 //!
 //! **Who begins.** Wave lines know no positions, so all copies must begin at once from where they meet: until every line has
-//! a session the hub sends no flow, and peers without flow do not arm. Then it goes on whoever falls silent; one that comes
-//! back finds the object where its own device is.
+//! a session the hub sends no flow; host-sim's peers then do not arm, and boards are to be armed when the hub says that all
+//! are there. Then it goes on whoever falls silent; one that comes back finds the object where its own device is.
 //!
 //! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most.
 
@@ -170,7 +170,10 @@ impl<A: Copy> Hub<A> {
                 line.address = Some(from);
             }
             while let Some(len) = line.link.poll(now_us, &mut self.out) {
-                send(from, &self.out[..len]);
+                let out = &self.out[..len];
+                // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
+                let answers = !greeting || out.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
+                send(if answers { from } else { line.address.unwrap_or(from) }, out);
             }
             return;
         }

@@ -117,7 +117,11 @@ pub fn run(scene: &SceneFile, key: &Key, options: &Options) -> Result<Report, St
         pace.wait();
         let now_us = pace.now_us();
         drain(&socket, Instant::now() + period / 2, |from, datagram| hub.receive(now_us, from, datagram, send));
+        let waited = hub.packets().is_none();
         hub.beat(now_us, send);
+        if waited && hub.packets().is_some() {
+            eprintln!("all {} are there: arm the boards", options.users);
+        }
         if hub.packets().is_none() {
             waiting(&hub, now_us as f64 * 1e-6, options)?;
         }

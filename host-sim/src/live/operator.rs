@@ -177,11 +177,11 @@ impl Operator {
     }
 
     /// Has every `every`-th tick sent for so long, and gives what came. A board that was away, or has started anew, has forgotten
-    /// it: it is told again as soon as it is back.
+    /// it: it is told again as soon as it is back. If it then refuses, that ends it: what came is given with the refusal.
     ///
     /// # Errors
     /// A board that refuses or does not answer at the beginning: in one line.
-    pub fn record(&mut self, every: u32, time: Duration) -> Result<Vec<Sample>, String> {
+    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
         let line = format!("stream {every}");
         let answer = self.ask(&line)?;
         if !answer.starts_with("ok") {
@@ -197,9 +197,15 @@ impl Operator {
                 told = self.session.say(&line);
                 answered = false;
             }
-            answered |= self.session.answer().is_some();
+            if let Some(answer) = self.session.answer() {
+                answered = true;
+                if !answer.starts_with("ok") {
+                    let refusal = format!("board {}: {line}: {answer}", self.number);
+                    return Ok((self.session.take_samples(), Some(refusal)));
+                }
+            }
         }
-        Ok(self.session.take_samples())
+        Ok((self.session.take_samples(), None))
     }
 
     /// Listens for so long, and gives the samples that came since the last time.

@@ -1,7 +1,8 @@
 //! What a board's ticks saw and did, as a table: one row for each record that came.
 //!
 //! Records are those of firmware/src/record.rs; tests/board compares the two. Records travel once and some get lost: the
-//! column `tick` says which came. Times count from the first.
+//! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
+//! it was away is not known.
 
 use haptic_core::axis::AXES;
 
@@ -69,9 +70,18 @@ pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) ->
 /// network lost are none.
 pub fn longest_gap(table: &Table) -> Option<(f64, f64)> {
     let times = table.column("time_s").unwrap_or_default();
-    let gaps = || times.windows(2).map(|two| (two[0], two[1] - two[0]));
+    // Backwards: a record that came late, or a board that started anew.
+    let gaps = || times.windows(2).map(|two| (two[0], two[1] - two[0])).filter(|(_, gap)| *gap > 0.0);
     let usual = gaps().map(|(_, gap)| gap).min_by(f64::total_cmp)?;
     gaps().max_by(|(_, one), (_, other)| one.total_cmp(other)).filter(|(_, gap)| *gap > 3.5 * usual)
+}
+
+/// The row, counted from 1, before which the board started anew; the last if it did so more than once.
+pub fn started_anew(table: &Table) -> Option<usize> {
+    /// More ticks than a record can come late.
+    const LATE: f64 = 1000.0;
+    let ticks = table.column("tick").unwrap_or_default();
+    ticks.windows(2).rposition(|two| two[0] - two[1] > LATE).map(|at| at + 2)
 }
 
 #[cfg(test)]
@@ -96,5 +106,14 @@ mod tests {
         assert_eq!(longest_gap(&recorded(&[4, 8, 12, 24, 28])), None);
         let (from_s, gap_s) = longest_gap(&recorded(&[100, 104, 108, 708, 712, 732, 736])).unwrap();
         assert!((from_s - 0.008).abs() < 1e-12 && (gap_s - 0.6).abs() < 1e-12, "{from_s} {gap_s}");
+    }
+
+    #[test]
+    fn ticks_that_go_back_are_no_gap() {
+        let late = recorded(&[9000, 9008, 9004, 9012, 9016]);
+        assert_eq!((longest_gap(&late), started_anew(&late)), (None, None));
+        let anew = recorded(&[9000, 9004, 9008, 120, 124, 724, 728]);
+        assert_eq!(started_anew(&anew), Some(4));
+        assert!((longest_gap(&anew).unwrap().1 - 0.6).abs() < 1e-12);
     }
 }

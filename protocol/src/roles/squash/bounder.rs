@@ -91,7 +91,7 @@ impl MotionBounder {
     }
 }
 
-/// The vector in the same direction, no longer than `most`; always finite.
+/// The vector in the same direction, no longer than `most`; finite whatever its parts are, NaN aside.
 fn shorten(vector: [f32; 2], most: f32) -> [f32; 2] {
     // The square of what is longer may be no number.
     let [x, y] = vector.map(|part| part.clamp(-LONGEST, LONGEST));
