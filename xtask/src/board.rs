@@ -107,7 +107,7 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
 /// Cargo on the bench, with the image that it is to run.
 pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
     let mut bench = cargo(arguments);
-    // The emulator asks for a newer compiler than it needs (notes/virtual-board.md).
+    // The emulator asks for a newer compiler than it needs.
     bench.args(["--release", "--locked", "--ignore-rust-version", "--manifest-path"]);
     bench.arg(run::root().join("tests/board/Cargo.toml"));
     bench.env("HAPTIC_FIRMWARE", image);

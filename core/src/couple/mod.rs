@@ -1,9 +1,9 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
 //! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period
-//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A new law is one file here and one line in the
-//! list below**: simulator, analyser, campaign, board and reports find it there, and go by what it [`Sends`]. [`free`] shows
-//! the least a law can be.
+//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A new law is one file here, its `pub mod`, and one
+//! line in the list below**: simulator, analyser, campaign, board and reports find it there, and go by what it [`Sends`].
+//! [`free`] shows the least a law can be.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).

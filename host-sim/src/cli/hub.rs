@@ -6,15 +6,20 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::live::check_time;
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, granted, print_json};
 use crate::cooperative::MOST_USERS;
 use crate::live::{key_file, meet};
 use crate::report::text::{TextTable, significant};
 
+/// The scene without `--scene`.
+const SCENE: &str = "any-network";
+
 /// Arguments of `hub`.
 #[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| {
+    scene.help(format!("Scene file (TOML) or the name of a built-in one, the peers' [default: {SCENE}]"))
+}))]
 pub(super) struct Hub {
-    /// The peers' scene; without one, the built-in any-network.
     #[command(flatten)]
     scene: SceneArgs,
     /// Where the hub listens.
@@ -45,7 +50,7 @@ impl Hub {
     pub(super) fn run(&self) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         check_time("--patience-s", self.patience_s)?;
-        let scene = self.scene.load_or("any-network")?;
+        let scene = self.scene.load_or(SCENE)?;
         let key = key_file::read(&self.key_file)?;
         let options = meet::Options {
             users: self.users.into(),
@@ -98,7 +103,7 @@ impl Hub {
             report.datagrams_refused,
             kept.missed,
             kept.beats,
-            if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
+            granted(kept.realtime_priority)
         );
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, granted, print_json};
 use crate::live::{key_file, peer, relay};
 use crate::network::fate::NetworkTrace;
 use crate::visit::host::MOST_LINES;
@@ -16,10 +16,10 @@ pub(super) struct Keygen {
     /// File to make; an existing one is left alone.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// The key of one client of a server, made from the server's.
+    /// The key of one line of a server or a hub, made from its key.
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, requires = "of", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     line: Option<u32>,
-    /// The server's key file.
+    /// The server's or hub's key file.
     #[arg(long, value_name = "FILE", requires = "line")]
     of: Option<PathBuf>,
 }
@@ -34,7 +34,7 @@ impl Keygen {
         match (self.line, &self.of) {
             (Some(line), Some(of)) => {
                 key_file::write(&self.file, &key_file::read(of)?.line(line))?;
-                println!("wrote {file}: for client {line} of the server; copy it there over a way that you trust");
+                println!("wrote {file}: for line {line}; copy it there over a way that you trust");
             }
             _ => {
                 key_file::generate(&self.file)?;
@@ -77,10 +77,10 @@ pub(super) struct Peer {
     /// Where this peer listens.
     #[arg(long, value_name = "ADDRESS:PORT")]
     listen: SocketAddr,
-    /// Where the other peer listens.
+    /// Where the other peer, or the hub, listens.
     #[arg(long, value_name = "ADDRESS:PORT")]
     connect: SocketAddr,
-    /// Key file, the same for both (`host-sim keygen`).
+    /// Key file, the same for both, or that of this peer's line at a hub (`host-sim keygen`).
     #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
     /// Time of the experiment once both are there, s.
@@ -143,7 +143,7 @@ impl Peer {
             kept.missed,
             kept.worst_us,
             kept.mean_us(),
-            if kept.realtime_priority { "yes" } else { "no, the system did not allow it" }
+            granted(kept.realtime_priority)
         );
         println!(
             "round trip {} us, jitter {} us, the other clock {} us ahead and {:.1} ppm faster; datagrams: {} taken, {} missing, {} refused",

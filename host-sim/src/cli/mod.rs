@@ -81,7 +81,7 @@ enum Command {
     Squash(squash::Squash),
     /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
     Calibrate(calibrate::Calibrate),
-    /// Make a key file for two peers.
+    /// Make a key file: for two peers, or for one line of a server or hub.
     Keygen(live::Keygen),
     /// The key as a board keeps it in flash, for `cargo xtask provision`.
     KeyImage(live::KeyImage),
@@ -254,6 +254,11 @@ fn say(line: std::fmt::Arguments<'_>) {
 fn print_json(document: &impl serde::Serialize) -> Result<(), Failure> {
     println!("{}", serde_json::to_string_pretty(document)?);
     Ok(())
+}
+
+/// Whether the system granted real-time priority, in a report's words.
+fn granted(priority: bool) -> &'static str {
+    if priority { "yes" } else { "no, the system did not allow it" }
 }
 
 /// A progress bar on standard error; invisible where that is no terminal.

@@ -7,7 +7,7 @@ use clap::Args;
 use haptic_protocol::key::Key;
 
 use super::live::check_time;
-use super::{Failure, print_json};
+use super::{Failure, granted, print_json};
 use crate::live::{key_file, serve};
 use crate::visit::host::{Host, MOST_LINES};
 use crate::world;
@@ -91,7 +91,7 @@ impl Serve {
             report.turnaround.p50_us,
             report.turnaround.p99_us,
             report.turnaround.largest_us,
-            if report.realtime_priority { "yes" } else { "no, the system did not allow it" }
+            granted(report.realtime_priority)
         );
         Ok(())
     }

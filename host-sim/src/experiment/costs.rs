@@ -6,11 +6,11 @@
 //! | added delay | from one peer's tick to the other's that acts on it, less the network's own delay | 0 |
 //! | true discrepancy | mean of \|x_o1 − x_o2\| under the forces of the campaign | 0 |
 //! | apparent mass | what both hands feel when they move the object together (transparency) | 2·m_O |
-//!
 //! | drag | what they lose while they do | 0 |
 //!
-//! Laws of core's that are not in [`CHOICES`] are measured as well. The scenes are those of [`super::campaign`]; delay, mass and drag are measured on a slow swing ([`super::swing`]). A sample
-//! that is held for a packet period is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
+//! Laws of core's that are not in [`CHOICES`] are measured as well. The scenes are those of [`super::campaign`]; delay, mass and
+//! drag are measured on a slow swing ([`super::swing`]). A sample that is held for a packet period is
+//! (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
 
 use rayon::prelude::*;
 use serde::Serialize;

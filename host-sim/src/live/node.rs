@@ -115,7 +115,7 @@ impl Node {
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
     ///
     /// # Errors
-    /// Why the link refuses it; then nothing has changed.
+    /// Why the link refuses it; what that changes, [`Link::receive`] says.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flow>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
+use haptic_protocol::link::{Notice, Stage};
 use haptic_protocol::wire::Telemetry;
 use serde::Serialize;
 
@@ -138,7 +138,13 @@ pub fn run(scene: &SceneFile, key: Key, options: &Options) -> Result<Report, Str
             return Err(format!("the other peer was told other parameters: table [{table}] of the scene differs"));
         }
         if node.mode() == Mode::Disarmed && now_us as f64 * 1e-6 > options.patience_s {
-            return Err(format!("nobody answered from {} within {} s", options.connect, options.patience_s));
+            let Options { connect, patience_s, .. } = options;
+            return Err(match node.link().stage() {
+                Stage::Idle | Stage::Running | Stage::Fading => format!(
+                    "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
+                ),
+                _ => format!("nobody answered from {connect} within {patience_s} s"),
+            });
         }
         if node.armed_ticks() > ticks / 2 {
             let seen = node.observed();

@@ -43,7 +43,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Lines that all do what `network` says of the way from 1 to 2, each from a seed of its own; `packet_s` is what reordering counts in.
+    /// Lines that all do what `network` says of the way from 1 to 2, each from a seed of its own; `packet_s` is what
+    /// reordering counts in.
     pub fn new(peers: usize, network: Network, packet_s: f64, dice: &mut Dice) -> Self {
         let mut line = |_| {
             let network = Network { seed: dice.below(1 << 32) as u32, ..network };

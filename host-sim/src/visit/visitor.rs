@@ -232,7 +232,7 @@ impl Visitor {
                     self.others.insert(who, (now, Sighting { who, ..*other }));
                 }
             }
-            // Whatever else comes is the link's own business, and what is refused changes nothing.
+            // Whatever else comes is the link's own business, and what is refused brings nothing here.
             _ => {}
         }
         let mut out = [0; MAX_DATAGRAM];

@@ -1,15 +1,16 @@
 //! Local rendering: the force that a hand feels from what it knows of a world, 1000 times a second.
 //!
 //! The force of every contact is `haptic_core`'s: walls and blocks are polygons and bodies discs of
-//! [`haptic_core::render::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a chain of masses that moves while it
-//! is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its own, for in a static world nobody
-//! feels anybody else.
+//! [`haptic_core::render::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a
+//! chain of masses that moves while it is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its
+//! own, for in a static world nobody feels anybody else.
 //!
 //! **What is touched does not change under the hand.** A download, a new version or another server may bring, change or
 //! take away objects at any time. An object that appears around the hand is felt once the hand has left it; one that is
 //! touched is changed or taken away when the hand has left it. So no download makes a step in the force.
 //!
-//! **Limits**: those of [`haptic_core::render::shape`]; a strip that is approached from behind is not felt. Units SI; two dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
+//! **Limits**: those of [`haptic_core::render::shape`]; a strip that is approached from behind is not felt. Units SI; two
+//! dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
 
 use std::collections::BTreeMap;
 
@@ -25,13 +26,14 @@ use haptic_protocol::database::{Object, Strip};
 use super::CONTROL_PERIOD_S;
 use super::solid::{Solid, contact, solid};
 
-type Vector = [f64; 2];
+/// Along x and y.
+pub(super) type Vector = [f64; 2];
 
-fn dot(a: Vector, b: Vector) -> f64 {
+pub(super) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-fn minus(a: Vector, b: Vector) -> Vector {
+pub(super) fn minus(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1]]
 }
 

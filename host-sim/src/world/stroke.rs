@@ -22,20 +22,11 @@ use haptic_core::settings::Settings;
 use haptic_protocol::database::Shape;
 use serde::Serialize;
 
+use super::render::{Vector, dot, minus};
 use super::solid::{block_corners, contact, gains, solid, wall_corners};
-
-type Vector = [f64; 2];
 
 fn add(a: Vector, share: f64, b: Vector) -> Vector {
     [a[0] + share * b[0], a[1] + share * b[1]]
-}
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    add(a, -1.0, b)
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 fn size(a: Vector) -> f64 {
