@@ -2,4 +2,6 @@
 
 mod junction;
 mod processes;
+#[path = "../program/mod.rs"]
+mod program;
 mod virtual_time;

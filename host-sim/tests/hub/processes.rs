@@ -1,60 +1,20 @@
 //! Processes over UDP on loopback, as a user runs them.
 
-use std::net::UdpSocket;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::Child;
 use std::time::Duration;
 
 use serde_json::Value;
 
-fn host_sim(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
+use crate::program::{Keys, free, host_sim, report};
 
-/// An address on loopback that nobody listens on.
-fn free() -> String {
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    socket.local_addr().expect("an address").to_string()
-}
-
-/// A hub's key, and those of its lines.
-struct Keys(PathBuf);
-
-impl Keys {
-    fn new(name: &str, lines: u32) -> Self {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hub").join(name);
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("a folder for keys");
-        let keys = Self(folder);
-        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
-        run(&["keygen", &keys.file(0)]);
-        for line in 1..=lines {
-            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
-        }
-        keys
-    }
-
-    fn file(&self, line: u32) -> String {
-        self.0.join(format!("{line}.key")).display().to_string()
-    }
-
-    /// The peer on a line, whose user does this.
-    fn peer(&self, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
-        let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, self.file(line));
-        host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", "127.0.0.1:0"])
-            .args(["--connect", hub, "--key-file", &key, "--duration-s", duration_s])
-            .args(user.iter().flat_map(|setting| ["--set", setting]))
-            .spawn()
-            .expect("host-sim runs")
-    }
-}
-
-fn report(child: Child) -> Value {
-    let output = child.wait_with_output().expect("it ends");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+/// The peer on a line, whose user does this.
+fn peer(keys: &Keys, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
+    let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, keys.file(line));
+    host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", "127.0.0.1:0"])
+        .args(["--connect", hub, "--key-file", &key, "--duration-s", duration_s])
+        .args(user.iter().flat_map(|setting| ["--set", setting]))
+        .spawn()
+        .expect("host-sim runs")
 }
 
 fn number(document: &Value, key: &str) -> f64 {
@@ -70,13 +30,13 @@ fn three_processes_hold_one_object_and_one_of_them_restarts() {
         .arg(keys.file(0))
         .spawn()
         .expect("host-sim runs");
-    let first = keys.peer(1, &address, &["user.1.push_n=1", "user.1.sine_n=0.1"], "6");
-    let second = keys.peer(2, &address, &["user.2.push_n=1"], "6");
-    let mut third = keys.peer(3, &address, &[], "60");
+    let first = peer(&keys, 1, &address, &["user.1.push_n=1", "user.1.sine_n=0.1"], "6");
+    let second = peer(&keys, 2, &address, &["user.2.push_n=1"], "6");
+    let mut third = peer(&keys, 3, &address, &[], "60");
     std::thread::sleep(Duration::from_millis(2_500));
     third.kill().expect("it is running");
     let _ = third.wait();
-    let third = keys.peer(3, &address, &[], "2");
+    let third = peer(&keys, 3, &address, &[], "2");
     let peers = [first, second, third].map(report);
     let hub = report(hub);
 

@@ -3,6 +3,8 @@
 mod host;
 mod network;
 mod processes;
+#[path = "../program/mod.rs"]
+mod program;
 mod render;
 mod sim;
 mod stroke;

@@ -1,51 +1,13 @@
 //! Servers and clients as processes over UDP on loopback, as a user runs them; and what is refused.
 
 use std::net::UdpSocket;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
 
+use crate::program::{Keys, free, host_sim, report};
 use crate::world_file::TWO_ROOMS;
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("static-scene").join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for keys");
-    folder
-}
-
-fn host_sim(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
-
-/// An address on loopback that nobody listens on.
-fn free() -> String {
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    socket.local_addr().expect("an address").to_string()
-}
-
-/// A server's key and those of its first clients.
-struct Keys(PathBuf);
-
-impl Keys {
-    fn new(name: &str, lines: u32) -> Self {
-        let keys = Self(folder(name));
-        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
-        run(&["keygen", &keys.file(0)]);
-        for line in 1..=lines {
-            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
-        }
-        keys
-    }
-
-    fn file(&self, line: u32) -> String {
-        self.0.join(format!("{line}.key")).display().to_string()
-    }
-}
 
 /// A server that ends with the test.
 struct Served(Child);
@@ -67,12 +29,6 @@ fn visit(keys: &Keys, line: u32, arguments: &[&str]) -> Child {
     let (key, line) = (keys.file(line), line.to_string());
     let all = [&["visit", "--json", "--key-file", &key, "--line", &line], arguments].concat();
     host_sim(&all).spawn().expect("host-sim runs")
-}
-
-fn report(child: Child) -> Value {
-    let output = child.wait_with_output().expect("it ends");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
 }
 
 #[test]

@@ -154,7 +154,7 @@ pub(super) fn run(bytes: &[u8]) {
                 }
             }
             10 if call < 128 => world.net.lose(&mut script),
-            10 => world.net.cut = if world.net.cut.is_none() { Some(peer) } else { None },
+            10 => world.net.cut_or_mend(peer),
             11 | 12 => world.clients[at].0.ask(now),
             13 => world.give_back(at),
             14 => {

@@ -62,20 +62,13 @@ impl World {
         self.clocks[peer].at(self.time_us)
     }
 
-    /// What `peer` has to say sets out.
-    fn post(&mut self, peer: usize) {
-        while let Some((to, message)) = self.out.take() {
-            self.net.send(peer, usize::from(to.0), message);
-        }
-    }
-
     fn poll(&mut self, peer: usize) {
         let now = self.now(peer);
         match peer.checked_sub(1) {
             None => self.server.poll(now, &mut self.out),
             Some(client) => self.clients[client].poll(now, &mut self.out),
         }
-        self.post(peer);
+        self.net.post(peer, &mut self.out);
     }
 
     fn receive(&mut self, (from, to, message): (usize, usize, Message)) {
@@ -84,7 +77,7 @@ impl World {
             None => self.server.receive(now, from, &message, &mut self.out),
             Some(client) => self.clients[client].receive(now, from, &message, &mut self.out),
         }
-        self.post(to);
+        self.net.post(to, &mut self.out);
         self.look();
     }
 
@@ -107,7 +100,7 @@ impl World {
         if self.clients[client].release(now, changed.then_some(value), &mut self.out).is_ok() && changed {
             self.released.insert(fence, (self.base[client], value));
         }
-        self.post(client + 1);
+        self.net.post(client + 1, &mut self.out);
     }
 
     /// What must always be true.
@@ -155,12 +148,12 @@ pub(super) fn run(bytes: &[u8]) {
                 }
             }
             10 if call < 128 => world.net.lose(&mut script),
-            10 => world.net.cut = if world.net.cut.is_none() { Some(peer) } else { None },
+            10 => world.net.cut_or_mend(peer),
             11 | 12 => world.clients[client].ask(now),
             13 => world.release(client, call & 16 == 0),
             14 => {
                 world.clients[client].withdraw(&mut world.out);
-                world.post(client + 1);
+                world.net.post(client + 1, &mut world.out);
             }
             _ if call < 128 => {
                 world.lives += 1;

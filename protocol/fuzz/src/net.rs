@@ -1,5 +1,7 @@
 //! A network that does as a script says: any message at any time, any number of times, or never.
 
+use haptic_protocol::roles::Outbox;
+
 use super::script::Script;
 
 /// Most messages under way; then the oldest is lost.
@@ -25,6 +27,18 @@ impl<M: Clone> Net<M> {
             self.flying.remove(0);
         }
         self.flying.push((from, to, message));
+    }
+
+    /// What somebody has to say sets out.
+    pub(super) fn post<const N: usize>(&mut self, from: usize, out: &mut Outbox<M, N>) {
+        while let Some((to, message)) = out.take() {
+            self.send(from, usize::from(to.0), message);
+        }
+    }
+
+    /// Cuts somebody off; if anybody is, everybody is there again.
+    pub(super) fn cut_or_mend(&mut self, who: usize) {
+        self.cut = if self.cut.is_none() { Some(who) } else { None };
     }
 
     /// The one that arrives now, if any: taken off the way, or a copy of it.

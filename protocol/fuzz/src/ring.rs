@@ -59,20 +59,14 @@ impl World {
         self.clocks[seat].at(self.time_us)
     }
 
-    fn post(&mut self, seat: usize) {
-        while let Some((to, message)) = self.out.take() {
-            self.net.send(seat, usize::from(to.0), message);
-        }
-    }
-
     fn poll(&mut self, seat: usize) {
         self.rings[seat].poll(self.now(seat), &mut self.out);
-        self.post(seat);
+        self.net.post(seat, &mut self.out);
     }
 
     fn receive(&mut self, (from, to, message): (usize, usize, Message)) {
         self.rings[to].receive(self.now(to), PeerId(from as u8), &message, &mut self.out);
-        self.post(to);
+        self.net.post(to, &mut self.out);
         self.look();
     }
 
@@ -94,7 +88,7 @@ impl World {
         if self.rings[seat].publish(self.now(seat), value, &mut self.out).is_ok() {
             self.proposed[seat] = Some((self.rings[seat].state().version, value));
         }
-        self.post(seat);
+        self.net.post(seat, &mut self.out);
     }
 
     /// A member loses everything but its record.
@@ -148,13 +142,13 @@ pub(super) fn run(bytes: &[u8]) {
                 }
             }
             11 if call < 128 => world.net.lose(&mut script),
-            11 => world.net.cut = if world.net.cut.is_none() { Some(seat) } else { None },
+            11 => world.net.cut_or_mend(seat),
             12 => world.rings[seat].ask(),
             13 => world.publish(seat),
             14 => {
                 let now = world.now(seat);
                 world.rings[seat].give_up(now, &mut world.out);
-                world.post(seat);
+                world.net.post(seat, &mut world.out);
             }
             _ => world.crash(seat),
         }

@@ -49,19 +49,13 @@ impl World {
         self.now_us + (1 << (10 * peer))
     }
 
-    fn post(&mut self, peer: usize) {
-        while let Some((to, message)) = self.out.take() {
-            self.net.send(peer, usize::from(to.0), message);
-        }
-    }
-
     fn poll(&mut self, peer: usize) {
         let now = self.now(peer);
         match peer.checked_sub(1) {
             None => self.server.poll(now, &mut self.out),
             Some(at) => self.players[at].poll(now, &mut self.out),
         }
-        self.post(peer);
+        self.net.post(peer, &mut self.out);
     }
 
     fn receive(&mut self, (from, to, message): (usize, usize, Message)) {
@@ -70,7 +64,7 @@ impl World {
             None => self.server.receive(now, from, &message, &mut self.out),
             Some(at) => self.players[at].receive(now, from, &message, &mut self.out),
         }
-        self.post(to);
+        self.net.post(to, &mut self.out);
         self.look();
     }
 
@@ -80,7 +74,7 @@ impl World {
             let felt = strike.impact.velocity.iter().chain(&strike.impact.recoil_n_s);
             assert!(felt.clone().all(|part| part.is_finite()), "{strike:?}");
         }
-        self.post(at + 1);
+        self.net.post(at + 1, &mut self.out);
     }
 
     /// What must always be true.

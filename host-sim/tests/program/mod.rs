@@ -1,0 +1,51 @@
+//! host-sim as a user runs it: programs, addresses and keys, for every test that starts processes with lines of their own.
+
+use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use serde_json::Value;
+
+/// The program with these arguments, its output kept.
+pub(crate) fn host_sim(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// An address on loopback that nobody listens on.
+pub(crate) fn free() -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    socket.local_addr().expect("an address").to_string()
+}
+
+/// The key of a server or a hub, and those of its lines; the folder that they lie in.
+pub(crate) struct Keys(pub(crate) PathBuf);
+
+impl Keys {
+    /// Makes them, in a folder of this test program's own: line 0 is the server's.
+    pub(crate) fn new(name: &str, lines: u32) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("a folder for keys");
+        let keys = Self(folder);
+        let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
+        run(&["keygen", &keys.file(0)]);
+        for line in 1..=lines {
+            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
+        }
+        keys
+    }
+
+    /// The file of a line's key.
+    pub(crate) fn file(&self, line: u32) -> String {
+        self.0.join(format!("{line}.key")).display().to_string()
+    }
+}
+
+/// What a program that went well printed, which is one JSON document.
+pub(crate) fn report(child: Child) -> Value {
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+}
