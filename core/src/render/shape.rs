@@ -13,9 +13,9 @@
 //!
 //! **Limits**: where two sides are equally near, behind a corner, the direction turns at once and the size does not. A
 //! device is pushed out of the nearest side, not back to where it came from; and drawn around a sharp corner from inside, it
-//! stays under the side that it comes from until the other one is as near (`host-sim/src/world/stroke.rs` says when). The object translates
-//! and does not turn: the force moves it by m·ẍ + b·ẋ along each axis ([`crate::object`]). F may pull for as long as x > 0,
-//! as in the paper. Units: m, m/s, N. NaN in: no contact.
+//! stays under the side that it comes from until the other one is as near. The object translates and does not turn: the
+//! force moves it by m·ẍ + b·ẋ along each axis ([`crate::object`]). F may pull for as long as x > 0, as in the paper.
+//! Units: m, m/s, N. NaN in: no contact.
 
 use super::Contact;
 use crate::motion::Motion;
