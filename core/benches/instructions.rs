@@ -16,7 +16,7 @@ use std::process::{Command, ExitCode};
 
 use cases::Measure;
 use cases::recording::{Recording, TICKS};
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
 

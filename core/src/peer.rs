@@ -8,24 +8,24 @@
 //! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`State::packet_due`], [`exchange`];
 //! (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the object advances.
 
-use crate::axis::encoder::EncoderState;
-use crate::axis::kinematics::{Kinematics, Pose};
-use crate::axis::motor::Duty;
-use crate::axis::velocity::VelocityEstimator;
-use crate::axis::{AXES, Reading};
-use crate::couple::engagement::Engagement;
-use crate::couple::ledger::Ledger;
-use crate::couple::{Coupled, Law, Packet};
-use crate::list::Model;
-use crate::motion::Motion;
+use crate::contact::{Impacts, Rendering, Strikes};
+use crate::device::encoder::EncoderState;
+use crate::device::kinematics::{Kinematics, Pose};
+use crate::device::motor::Duty;
+use crate::device::probe::{End, Outcome, Probe, Probing};
+use crate::device::velocity::VelocityEstimator;
+use crate::device::watch::Still;
+use crate::device::{AXES, Reading};
+use crate::law::ladder::Engagement;
+use crate::law::ledger::Ledger;
+use crate::law::{Coupled, Law, Packet};
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::num::StateVector;
 use crate::object::Integrator;
-use crate::probe::{End, Outcome, Probe, Probing};
-use crate::render::{Impacts, Rendering, Strikes};
 use crate::safety::{Command, Fault, Mode, Patience};
-use crate::scalar::Scalar;
 use crate::scene::{Models, Scene};
-use crate::vector::StateVector;
-use crate::watch::Still;
 
 /// What the tick reads.
 #[derive(Clone, Copy, Debug, PartialEq)]

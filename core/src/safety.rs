@@ -5,7 +5,7 @@
 //! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models say, a force leaves finite,
 //! within ±max_force and, unless it is off, within the slew limit of the one before.
 
-use crate::scalar::Scalar;
+use crate::num::Scalar;
 use crate::settings::Settings;
 
 /// Why a peer stopped.
@@ -51,7 +51,7 @@ impl Fault {
         Self::ALL.into_iter().find(|fault| fault.number() == number)
     }
 
-    /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::probe`]).
+    /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::device::probe`]).
     pub fn doubts_encoders(self) -> bool {
         matches!(self, Self::EncoderJump | Self::Overspeed | Self::EncoderStuck | Self::Runaway)
     }
@@ -87,7 +87,7 @@ pub enum Mode {
     Disarmed,
     /// Motors on.
     Armed,
-    /// One motor on, open loop, within the limits of a probe ([`crate::probe`]); ends by itself.
+    /// One motor on, open loop, within the limits of a probe ([`crate::device::probe`]); ends by itself.
     Probing,
     /// Motors off until cleared by command.
     Faulted(Fault),

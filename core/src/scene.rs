@@ -4,17 +4,17 @@
 //! time. An image that will only ever run one scene names its models itself and carries no others:
 //!
 //! ```
-//! use haptic_core::{axis, couple, object, render, scene};
+//! use haptic_core::{contact, device, law, object, scene};
 //!
 //! #[derive(Clone, Copy, Debug, PartialEq)]
 //! struct Paddle;
 //! impl scene::Models for Paddle {
 //!     type Scalar = f32;
-//!     type Velocity = axis::velocity::filtered::Filtered<f32>;
-//!     type Kinematics = axis::kinematics::direct::Direct;
-//!     type Contact = render::Contact<f32>;
+//!     type Velocity = device::velocity::filtered::Filtered<f32>;
+//!     type Kinematics = device::kinematics::direct::Direct;
+//!     type Contact = contact::Contact<f32>;
 //!     type Integrator = object::semi_implicit::SemiImplicit<f32>;
-//!     type Law = couple::power::Power<f32>;
+//!     type Law = law::power::Power<f32>;
 //! }
 //! // Settings that ask for other models than these are refused.
 //! assert!(scene::Scene::<Paddle>::build(&Default::default()).is_err());
@@ -22,20 +22,20 @@
 
 use core::marker::PhantomData;
 
-use crate::axis::constraint::Hold;
-use crate::axis::encoder::Encoder;
-use crate::axis::kinematics::{AnyKinematics, Kinematics};
-use crate::axis::motor::Motor;
-use crate::axis::velocity::{AnyVelocity, VelocityEstimator};
-use crate::couple::engagement::Ladder;
-use crate::couple::{AnyLaw, Law};
-use crate::list::{Listed, Model};
+use crate::contact::{AnyRendering, Rendering};
+use crate::device::constraint::Hold;
+use crate::device::encoder::Encoder;
+use crate::device::kinematics::{AnyKinematics, Kinematics};
+use crate::device::motor::Motor;
+use crate::device::velocity::{AnyVelocity, VelocityEstimator};
+use crate::device::watch::Watch;
+use crate::law::ladder::Ladder;
+use crate::law::{AnyLaw, Law};
+use crate::model::{Listed, Model};
+use crate::num::Scalar;
 use crate::object::{AnyIntegrator, Integrator};
-use crate::render::{AnyRendering, Rendering};
 use crate::safety::Guard;
-use crate::scalar::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
-use crate::watch::Watch;
 
 /// Which models a scene holds.
 pub trait Models: Copy + core::fmt::Debug + PartialEq + 'static {

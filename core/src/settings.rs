@@ -6,14 +6,14 @@
 
 use core::fmt;
 
-use crate::axis::kinematics::{KinematicsName, Maths};
-use crate::axis::velocity::VelocityName;
-use crate::couple::engagement::Ladder;
-use crate::couple::wave::Decode;
-use crate::couple::{AnyLaw, LawName, credit};
-use crate::list::Model;
+use crate::contact::{AnyRendering, RenderingName, Side};
+use crate::device::kinematics::{KinematicsName, Maths};
+use crate::device::velocity::VelocityName;
+use crate::law::ladder::Ladder;
+use crate::law::wave::Decode;
+use crate::law::{AnyLaw, LawName, credit};
+use crate::model::Model;
 use crate::object::{AnyIntegrator, IntegratorName};
-use crate::render::{AnyRendering, RenderingName, Side};
 
 /// A setting that is one of a fixed list of names.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -464,7 +464,7 @@ impl Settings {
     /// Every value within its range, and every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         self.check_ranges()?;
-        crate::axis::check(self)?;
+        crate::device::check(self)?;
         Ladder::<f64>::check(self)?;
         AnyRendering::<f64>::check(self)?;
         AnyIntegrator::<f64>::check(self)?;

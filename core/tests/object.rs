@@ -1,7 +1,7 @@
 //! The exact integrator against itself: an exact step is the same as two exact steps of half the period.
 
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
 use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
 use haptic_core::settings::Settings;
 

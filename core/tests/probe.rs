@@ -1,11 +1,11 @@
 //! Probes against a device of two lines (mass, damping, dry friction, counts): limits hold, signs are told, hands are noticed.
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::motor::Duty;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::motion::Motion;
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::motor::Duty;
+use haptic_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, Actuators, Sensors, State};
-use haptic_core::probe::{End, Outcome, Probe, Request, Shape, Verdict};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;

@@ -3,14 +3,14 @@
 //! Settings are drawn over their whole ranges, ends included; sensors and packets are any bit pattern: NaN, infinities,
 //! subnormals, huge numbers, encoder counts that jump.
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::probe::{Probe, Request, Shape};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::peer::{self, Sensors, State};
-use haptic_core::probe::{Probe, Request, Shape};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Allowed, Choice, Settings, Value};
 use proptest::prelude::*;

@@ -14,10 +14,10 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Request};
 use firmware_parts::status;
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::motion::Motion;
-use haptic_core::probe::{End, Outcome, Probe};
-use haptic_core::render::{Contact, Side};
+use haptic_core::contact::{Contact, Side};
+use haptic_core::device::probe::{End, Outcome, Probe};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::num::Motion;
 use haptic_core::safety::Command;
 use haptic_core::scene::Scene;
 use haptic_core::settings::{Refused, SetError, Settings};
@@ -109,7 +109,7 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Unfit> {
     if settings.axis.velocity == VelocityName::Measured {
         return Err(Unfit::Velocity);
     }
-    haptic_core::axis::encoder::check(&settings).map_err(Unfit::Refused)?;
+    haptic_core::device::encoder::check(&settings).map_err(Unfit::Refused)?;
     let scene = Scene::build(&settings).map_err(Unfit::Refused)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);

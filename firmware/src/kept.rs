@@ -13,7 +13,7 @@
 use core::fmt;
 use core::net::Ipv4Addr;
 
-use haptic_core::axis::velocity::VelocityName;
+use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
 
 /// Where this board and the others are.

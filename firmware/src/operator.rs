@@ -7,7 +7,7 @@
 //! | `status` | mode, fault, ticks, what stopped the board last |
 //! | `arm`, `disarm`, `clear` | motors on; motors off; forget a fault (the motors stay off) |
 //! | `check joint` | does the joint's motor move its encoder the right way? Before `arm`, once after start and new settings |
-//! | `probe joint shape duty s [Hz]` | pushes a motor open loop ([`haptic_core::probe`]), for calibration |
+//! | `probe joint shape duty s [Hz]` | pushes a motor open loop ([`haptic_core::device::probe`]), for calibration |
 //! | `probed` | what came of the last `check` or `probe` |
 //! | `set key value`, `get key` | one setting of the draft, as scene files spell it |
 //! | `defaults`, `apply` | draft back to defaults; draft checked and taken, only while disarmed |
@@ -15,7 +15,7 @@
 //! | `stream n`, `stream off` | every n-th tick to the operator; nothing any more |
 //! | `capture n` | the next n ticks, every one |
 
-use haptic_core::probe::{self, Shape};
+use haptic_core::device::probe::{self, Shape};
 use haptic_core::safety::Command;
 use haptic_core::settings::{Choice, Value};
 

@@ -1,7 +1,7 @@
 //! Between the coordination and the wire: packets and flow, and what two peers must have been told alike.
 
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::wire::Flow;

@@ -21,13 +21,13 @@
 //! | 64 | 8 | energy from and to the network (J) |
 //! | 72 | 16 | the counters of the packet that came in: energy (J), wave integral (√W·s), 2 × f64; 0 without one |
 
-use haptic_core::axis::AXES;
-use haptic_core::axis::encoder::Counts;
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::AXES;
+use haptic_core::device::encoder::Counts;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
+use haptic_core::num::StateVector;
 use haptic_core::peer::{Actuators, State};
 use haptic_core::scene::Models;
-use haptic_core::vector::StateVector;
 
 /// What a sample with a record in it is called on the operator's link.
 pub const CODE: u16 = 1;

@@ -16,11 +16,11 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use firmware_parts::exchange::{Consumer, Latest, Producer, Queue, Reader, Writer};
 use firmware_parts::record::{self, Record};
 use firmware_parts::status;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::probe::{Outcome, Probe};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, Sensors, State};
-use haptic_core::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};
 

@@ -14,7 +14,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use haptic_core::scalar::Fixed;
+use haptic_core::num::Fixed;
 use host_sim::accuracy::cases::{self, Case, Meter};
 use host_sim::accuracy::counts::{Processor, SCALARS, parse};
 

@@ -11,7 +11,7 @@ use cases::Measure;
 use cases::recording::{Recording, TICKS};
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
 use host_sim::harness::Pair;

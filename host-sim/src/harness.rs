@@ -4,13 +4,13 @@
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
 //! machine and any number of threads ([`Harness::hash`]).
 
-use haptic_core::couple::Packet;
+use haptic_core::law::Packet;
+use haptic_core::num::Scalar;
+use haptic_core::num::StateVector;
 use haptic_core::peer::{self, Actuators, Sensors, State};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::scalar::Scalar;
 use haptic_core::scene::{Any, Models, Scene};
 use haptic_core::settings::Refused;
-use haptic_core::vector::StateVector;
 
 use crate::network::Way;
 use crate::network::fate::Direction;
@@ -71,7 +71,7 @@ impl<M: Models> Harness<M> {
         let side = |index: usize, settings| {
             let scene = Scene::<M>::build(settings)?;
             let plant = Plant::new(file, index);
-            let device = plant.motions().map(|motion| haptic_core::motion::Motion {
+            let device = plant.motions().map(|motion| haptic_core::num::Motion {
                 position: M::Scalar::from_f64(motion.position),
                 velocity: M::Scalar::ZERO,
             });

@@ -8,9 +8,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use haptic_core::axis::kinematics::KinematicsName;
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::render::{RenderingName, Side};
+use haptic_core::contact::{RenderingName, Side};
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value, number};
 
 use crate::network::fate::{Jitter, NetworkTrace};
@@ -298,7 +298,7 @@ impl SceneFile {
             user.settings.check_ranges().map_err(refused)?;
         }
         if self.world.plant.encoder {
-            haptic_core::axis::encoder::check(&self.peer).map_err(refused)?;
+            haptic_core::device::encoder::check(&self.peer).map_err(refused)?;
         }
         if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
             return Err(SceneError::Refused {

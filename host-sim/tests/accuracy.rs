@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::sync::LazyLock;
 
-use haptic_core::axis::kinematics::five_bar::HOME_RAD;
-use haptic_core::axis::kinematics::{KinematicsName, Maths};
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::device::kinematics::five_bar::HOME_RAD;
+use haptic_core::device::kinematics::{KinematicsName, Maths};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
-use haptic_core::scalar::Scalar;
 use haptic_core::settings::{Choice, Settings};
 use host_sim::accuracy::cases::{self, Meter, reach};
 use host_sim::accuracy::counts::{Processor, parse};

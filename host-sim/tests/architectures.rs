@@ -90,7 +90,7 @@ fn bodies_rest_where_the_springs_balance() {
             let [one, two] = row(law, delay_ms).rests_mm;
             near(own[0] * (1e3 * TASK.goals_m[0] - one), own[1] * (two - 1e3 * TASK.goals_m[1]), 6.0);
         }
-        // K' = m·b/θ (`haptic_core::render::bounder`), at this packet period θ = 15 ms and the round trip in whole packets.
+        // K' = m·b/θ (`haptic_core::contact::bounder`), at this packet period θ = 15 ms and the round trip in whole packets.
         let soft = |trips: f64| 0.8 * DAMPING / (0.015 + 0.008 * trips);
         let packets = (0.5 * delay_ms / 8.0_f64).ceil();
         let server = row(CooperativeServer, delay_ms);

@@ -1,7 +1,7 @@
 //! The cooperative environment: the paper's limits without the bounder, none up to 200 ms with it, the engine that moves, and
 //! N wave peers around a node.
 
-use haptic_core::render::bounder::Bounder;
+use haptic_core::contact::bounder::Bounder;
 use host_sim::analysis::rendering::{Body, Renderer, Rendering};
 use host_sim::cooperative::limits::{bounded_radius, stiffest, table};
 use host_sim::cooperative::run::run;

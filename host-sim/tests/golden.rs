@@ -3,7 +3,7 @@
 //! The same in debug and in release, on one thread and on two, on every machine. Written anew by `BLESS=1 cargo test`;
 //! a change of any hash is a change of behaviour and belongs into the changelog.
 
-use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Scalar};
 use host_sim::experiment::{Options, run};
 use host_sim::scenes;
 use rayon::prelude::*;

@@ -4,12 +4,12 @@
 
 pub(crate) mod recording;
 
-use haptic_core::axis::kinematics::KinematicsName;
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::Fixed;
 use haptic_core::peer::{Actuators, State};
-use haptic_core::scalar::Fixed;
 use haptic_core::scene::{Any, Models, Scene};
 use haptic_core::settings::Settings;
 

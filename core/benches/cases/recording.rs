@@ -12,17 +12,17 @@ use core::f64::consts::TAU;
 use core::hint::black_box;
 use core::marker::PhantomData;
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::kinematics::{KinematicsName, direct};
-use haptic_core::axis::velocity::{VelocityName, measured};
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::couple::{Packet, wave};
-use haptic_core::motion::Motion;
+use haptic_core::contact::{Contact, Side};
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::kinematics::{KinematicsName, direct};
+use haptic_core::device::velocity::{VelocityName, measured};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::{Packet, wave};
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::object::forward_euler;
 use haptic_core::peer::{self, Actuators, Sensors, State};
-use haptic_core::render::{Contact, Side};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scalar::Scalar;
 use haptic_core::scene::{Models, Scene};
 use haptic_core::settings::Settings;
 

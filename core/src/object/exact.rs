@@ -5,9 +5,9 @@
 //! loses no digits.
 
 use super::{Before, Integrator};
-use crate::list::Model;
-use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
 use crate::settings::Settings;
 
 /// A mass with damping under piecewise constant force.

@@ -3,9 +3,9 @@
 //! First order. Adds energy: an undamped spring k on the mass gains k·T²/m of its energy each tick.
 
 use super::{Before, Euler, Integrator};
-use crate::list::Model;
-use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
 use crate::settings::Settings;
 
 /// Old velocity moves the position.

@@ -7,12 +7,12 @@ pub mod exact;
 pub mod forward_euler;
 pub mod semi_implicit;
 
-use crate::list::Model;
-use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::model::Model;
+use crate::num::Carry;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::num::StateVector;
 use crate::settings::Settings;
-use crate::sum::Carry;
-use crate::vector::StateVector;
 
 /// Advances a mass by one tick.
 pub trait Integrator<S: Scalar>: Model<S> {

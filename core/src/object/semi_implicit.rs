@@ -3,9 +3,9 @@
 //! First order, but keeps the energy of an undamped oscillation bounded for k·T²/m < 4.
 
 use super::{Before, Euler, Integrator};
-use crate::list::Model;
-use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
 use crate::settings::Settings;
 
 /// New velocity moves the position.

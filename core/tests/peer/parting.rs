@@ -1,8 +1,8 @@
 //! A peer that parts lets go at once and begins again from no force, with whoever comes, counting from whatever they count.
 
-use haptic_core::couple::wave::Decode;
-use haptic_core::couple::{LawName, Packet};
-use haptic_core::motion::Motion;
+use haptic_core::law::wave::Decode;
+use haptic_core::law::{LawName, Packet};
+use haptic_core::num::Motion;
 use haptic_core::peer;
 use haptic_core::safety::{Fault, Mode};
 use haptic_core::settings::Settings;

@@ -1,10 +1,10 @@
 //! Every fault turns the motors off in the tick that sees it, latches, and takes commands to leave.
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::couple::{LawName, Packet};
-use haptic_core::motion::Motion;
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::{LawName, Packet};
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::settings::{Choice, Settings};

@@ -22,8 +22,8 @@ use embassy_stm32::peripherals::{PE8, PE9, PE10, PE11, PE15, PF3, TIM1};
 use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
 use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::timer::simple_pwm::PwmPin;
-use haptic_core::axis::AXES;
-use haptic_core::axis::motor::Duty;
+use haptic_core::device::AXES;
+use haptic_core::device::motor::Duty;
 
 use super::clocks::TIMERS_HZ;
 

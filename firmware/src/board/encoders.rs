@@ -9,8 +9,8 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::FilterValue;
 use embassy_stm32::peripherals::{PC6, PC7, PD12, PD13, TIM3, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
-use haptic_core::axis::AXES;
-use haptic_core::axis::encoder::Counts;
+use haptic_core::device::AXES;
+use haptic_core::device::encoder::Counts;
 
 /// Starts both counters, at 0.
 pub(crate) fn init(

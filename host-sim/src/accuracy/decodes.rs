@@ -7,11 +7,11 @@
 //!
 //! Alone like this the delayed decode is stable up to K_T = (b + B_T)/T_c, 12 000 N/m here, and rings below it.
 
-use haptic_core::couple::wave::Decode;
-use haptic_core::couple::{AnyLaw, Law};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::Scalar;
+use haptic_core::law::wave::Decode;
+use haptic_core::law::{AnyLaw, Law};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::settings::{Choice, Refused, Settings};
 
 use super::cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};

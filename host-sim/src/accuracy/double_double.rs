@@ -11,7 +11,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 
 /// The sum of two f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]

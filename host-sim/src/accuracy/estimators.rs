@@ -10,10 +10,10 @@
 //!
 //! Unit: m/s, root of the mean square over 2 s.
 
-use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::Scalar;
+use haptic_core::device::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::settings::{Choice, Refused, Settings};
 
 pub use super::cases::reach::{RESOLUTIONS, case, readings, settings};

@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use haptic_core::settings::{Refused, Settings};
 
 use super::cases::filters::angle;

@@ -9,9 +9,9 @@
 //!
 //! Half a second at T_c = 1 ms without force delay, in f32. Unit: m, m/s; energy as a fraction of what there was.
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
-use haptic_core::scalar::Scalar;
 use haptic_core::settings::{Choice, Refused, Settings};
 
 use super::cases::contact::{PUSH_N, RELEASE_M};

@@ -7,11 +7,11 @@
 //!
 //! Unit: m for the hand, m/rad for the Jacobian; largest errors. micromath exists for f32 only; the capstan needs no sine.
 
-use haptic_core::axis::kinematics::five_bar::HOME_RAD;
-use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths, Pose};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::device::kinematics::five_bar::HOME_RAD;
+use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths, Pose};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
 pub use super::cases::workspace::{case, joints, settings};

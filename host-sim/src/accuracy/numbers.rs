@@ -5,9 +5,9 @@
 //! ([`super::double_double`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
 //! of what f64 itself shows. Unit: m, N.
 
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::object::IntegratorName;
-use haptic_core::scalar::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 
 use super::counts::Processor;

@@ -4,9 +4,9 @@
 //! 1 adds 1 N for 25 ms every 2.5 s. Passive wave, one packet of 8 ms one way. Forces act without delay, so that there is
 //! a continuous limit to be near to; K_T is 1590 N/m, where both decodes are stable.
 
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
-use haptic_core::scalar::Scalar;
 use haptic_core::settings::Refused;
 
 use super::continuous::{SAMPLE_S, Sample};

@@ -4,7 +4,7 @@
 //! where a better scheme and a faster one can be weighed against each other. Run in f32, against continuous control
 //! ([`super::continuous`]). Unit: m, N; instructions per millisecond of one peer.
 
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Choice, Refused};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@
 //! the nearest stable interval is taken and entered by [`MARGIN`] of the gain at its edge, or to its middle where it is
 //! narrower. What is proposed has been checked: the scene with it is stable.
 
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::wave::Decode;
 use haptic_core::settings::{Allowed, Key};
 use serde::Serialize;
 

@@ -4,7 +4,7 @@
 //! Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every force one tick late, delayed
 //! decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
 
-use haptic_core::couple::LawName;
+use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
 use serde::Serialize;

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use haptic_core::couple::LawName;
+use haptic_core::law::LawName;
 use serde::Serialize;
 
 use super::AnalysisError;

@@ -14,7 +14,7 @@
 //! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
 //! ([`crate::scene::SceneFile::linear`]); [`try_out`] runs the scene itself.
 
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use haptic_core::settings::Allowed;
 use rayon::prelude::*;
 use serde::Serialize;

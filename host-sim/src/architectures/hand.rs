@@ -4,10 +4,10 @@
 //! it owns the body and has come to rest at it ([`GRIP_M`], [`GRIP_M_PER_S`]), so that how it grips does not depend on when
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::contact::Contact;
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
 use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
-use haptic_core::render::Contact;
 
 use super::TASK;
 use crate::plant::Linear;

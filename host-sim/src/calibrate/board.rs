@@ -2,10 +2,10 @@
 //!
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
-use haptic_core::axis::AXES;
-use haptic_core::axis::kinematics::{Kinematics, KinematicsName};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::device::AXES;
+use haptic_core::device::kinematics::{Kinematics, KinematicsName};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 
 /// One tick of a board, as far as a calibration needs it.
@@ -122,7 +122,7 @@ impl Joint {
                 );
             }
         };
-        let model = haptic_core::axis::kinematics::AnyKinematics::<f64>::build(settings);
+        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings);
         let lever = model.forward([Motion::REST; AXES]).jacobian[number as usize - 1][number as usize - 1];
         let sign = if encoder.reversed { -1.0 } else { 1.0 };
         Ok(Self {

@@ -5,7 +5,7 @@
 
 use super::board::{Board, Joint, Tick, say, settings};
 use super::{Estimate, Found, Person, Task};
-use haptic_core::axis::kinematics::KinematicsName;
+use haptic_core::device::kinematics::KinematicsName;
 
 /// By how much the joint is to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]

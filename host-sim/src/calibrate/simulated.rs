@@ -7,11 +7,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::motion::Motion;
+use haptic_core::device::probe::{End, Probe, Request, Shape};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, State};
-use haptic_core::probe::{End, Probe, Request, Shape};
 use haptic_core::safety::Mode;
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Choice, Settings, Value};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use haptic_core::scalar::Fixed;
+use haptic_core::num::Fixed;
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json, progress_bar};

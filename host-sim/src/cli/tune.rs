@@ -1,7 +1,7 @@
 //! `host-sim stability tune`: gains for a scene, proved and tried out.
 
 use clap::Args;
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json, progress_bar};

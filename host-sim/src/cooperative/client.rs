@@ -7,11 +7,11 @@
 
 use core::cmp::Ordering;
 
-use haptic_core::axis::AXES;
-use haptic_core::motion::Motion;
+use haptic_core::contact::Contact;
+use haptic_core::contact::bounder::{Bound, Bounder};
+use haptic_core::device::AXES;
+use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
-use haptic_core::render::Contact;
-use haptic_core::render::bounder::{Bound, Bounder};
 use haptic_core::safety::{Fault, Guard, Patience};
 use haptic_core::settings::Settings;
 use haptic_protocol::clock::Clock;

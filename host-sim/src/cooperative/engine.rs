@@ -3,8 +3,8 @@
 //! m_O·ẍ + (b_O + Σβ_i)·ẋ = ΣF_i: the newest force of each user stands until the next comes. The drags β_i that the bounders
 //! ask for are taken implicitly, −Σβ·ẋ/(1 + Σβ·T/m_O), so that many users on a light object cannot overdo it.
 
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
 use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
 use haptic_core::settings::Settings;
 

@@ -1,14 +1,14 @@
 //! Where wave lines meet on a network that loses, jitters and falls silent: core's lossless node, and a port for each line.
 //!
 //! Once a packet period [`Junction::exchange`] takes what came out of every line, scatters it
-//! ([`haptic_core::couple::node`]), and every port has what goes back.
+//! ([`haptic_core::law::node`]), and every port has what goes back.
 //!
 //! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
-//! into the line ([`haptic_core::couple::credit`], a packet period for a tick), and counts what it sends, so that the peer
+//! into the line ([`haptic_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
 //! can do the same: then the junction is passive on any network. Without, waves are held as they are, and only a constant
 //! delay without loss is passive.
 //!
-//! **Silence.** A port goes down and up core's ladder ([`haptic_core::couple::engagement`]). At share s it is matched to its
+//! **Silence.** A port goes down and up core's ladder ([`haptic_core::law::ladder`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
 //! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
@@ -17,11 +17,11 @@
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
-use haptic_core::couple::credit::{Account, Credit};
-use haptic_core::couple::engagement::{Engagement, Ladder};
-use haptic_core::couple::node::Node;
-use haptic_core::couple::{Packet, Sends, sends};
-use haptic_core::motion::Motion;
+use haptic_core::law::credit::{Account, Credit};
+use haptic_core::law::ladder::{Engagement, Ladder};
+use haptic_core::law::node::Node;
+use haptic_core::law::{Packet, Sends, sends};
+use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
 use serde::Serialize;
 

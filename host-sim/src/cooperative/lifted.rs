@@ -8,11 +8,11 @@
 //! **Order of the state**: position, velocity and motor force of every device; the object; its states on the way down, newest
 //! first; every client's pushes on the way up, newest first. Units: m, m/s, N.
 
-use haptic_core::axis::AXES;
-use haptic_core::motion::Motion;
+use haptic_core::contact::Contact;
+use haptic_core::contact::bounder::Bound;
+use haptic_core::device::AXES;
+use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
-use haptic_core::render::Contact;
-use haptic_core::render::bounder::Bound;
 
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;
@@ -171,7 +171,7 @@ impl Period {
 
 #[cfg(test)]
 mod tests {
-    use haptic_core::render::bounder::Bounder;
+    use haptic_core::contact::bounder::Bounder;
 
     use super::super::limits::rendering;
     use super::super::{Engine, Setup};

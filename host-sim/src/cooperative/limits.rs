@@ -21,7 +21,7 @@ use crate::analysis::rendering::closed::largest_stiffness;
 use crate::analysis::rendering::maps::{first, stiffness_limit};
 use crate::analysis::rendering::{Body, Renderer, Rendering};
 use crate::scene::SceneError;
-use haptic_core::render::bounder::Bounder;
+use haptic_core::contact::bounder::Bounder;
 
 /// Control period of these runs, s: fine against 5 ms.
 pub const PERIOD_S: f64 = 2e-4;

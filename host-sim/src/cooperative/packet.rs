@@ -3,8 +3,8 @@
 //! Each part is a datagram of its own: pushes and motions are flow, a hand-over message is an event that says itself again and
 //! is not acknowledged.
 
-use haptic_core::motion::Motion;
-use haptic_core::render::bounder::Bound;
+use haptic_core::contact::bounder::Bound;
+use haptic_core::num::Motion;
 use haptic_protocol::roles::cooperative::{Body, Message};
 use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 

@@ -5,8 +5,8 @@
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
 //! Constant delay without loss only, unless `coordination.ledger` pays for what is held.
 
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};

@@ -4,9 +4,9 @@
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
 //! While a client has the engine, the server passes pushes on to it and its states on to the others.
 
-use haptic_core::motion::Motion;
-use haptic_core::render::Contact;
-use haptic_core::render::bounder::{Bound, Bounder};
+use haptic_core::contact::Contact;
+use haptic_core::contact::bounder::{Bound, Bounder};
+use haptic_core::num::Motion;
 use haptic_core::settings::Refused;
 use haptic_protocol::roles::cooperative as role;
 use haptic_protocol::roles::cooperative::{Lease, Message, OutOfRange, Told};

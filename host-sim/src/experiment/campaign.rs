@@ -8,7 +8,7 @@
 //! A law that is in core's list and not in [`COMMS`] is tried as well, at the paper's gain for what it sends, and promises
 //! nothing.
 
-use haptic_core::couple::{LawName, Sends, sends};
+use haptic_core::law::{LawName, Sends, sends};
 use haptic_core::settings::{Choice, Refused, Settings};
 use rayon::prelude::*;
 use serde::Serialize;

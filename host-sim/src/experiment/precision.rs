@@ -5,7 +5,7 @@
 //! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
 //! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
 
-use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 use serde::Serialize;
 

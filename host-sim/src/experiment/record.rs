@@ -1,6 +1,6 @@
 //! Records what one peer of a scene reads, for [`super::replay`] on another processor, and the hash of what it computes.
 
-use haptic_core::axis::Reading;
+use haptic_core::device::Reading;
 use haptic_core::scene::Any;
 use haptic_core::settings::{Settings, Value};
 

@@ -10,16 +10,16 @@
 //!
 //! The hash: FNV-1a over 64-bit words with a fold, over the bits of the dynamic state, of forces and duties, after every tick.
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
+use haptic_core::num::StateVector;
 use haptic_core::peer::{self, Actuators, Sensors, State};
 use haptic_core::safety::Command;
-use haptic_core::scalar::Scalar;
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Settings, Value};
-use haptic_core::vector::StateVector;
 
 /// The reading is exact.
 pub const EXACT: u8 = 1;

@@ -3,9 +3,9 @@
 //! Discrepancies are two, always by name (THEORY §4): **true** |x_o1 − x_o2| at one instant, and **decoded** |x_o − x_d| at
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 
-use haptic_core::render::{Impacts, RenderingName};
+use haptic_core::contact::{Impacts, RenderingName};
+use haptic_core::num::Scalar;
 use haptic_core::safety::Fault;
-use haptic_core::scalar::Scalar;
 use haptic_core::settings::Refused;
 use serde::Serialize;
 

@@ -7,7 +7,7 @@
 //!
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
-use haptic_core::couple::{Sends, sends};
+use haptic_core::law::{Sends, sends};
 use haptic_core::settings::Refused;
 
 use crate::harness::Pair;

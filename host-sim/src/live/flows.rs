@@ -2,9 +2,9 @@
 //!
 //! Neither room knows the other's packets, so whoever joins them spells them out (the board does, too).
 
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::Scalar;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_protocol::playout::Playout;
 use haptic_protocol::wire::Flow;
 

@@ -5,14 +5,14 @@
 //! flood ([`super::flood`]) and restarts in virtual time ([`super::restarts`]) drive the same lines.
 //!
 //! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
-//! end lets go at once. The peer's own ladder (`haptic_core::couple::engagement`) knows *how much* comes: it fades packets
+//! end lets go at once. The peer's own ladder (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
 //! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same ladder in time, for
 //! a caller that has none of its own; here it only goes into the report, for two ladders in a row would fade twice.
 //!
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does.
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, Actuators, Observed, State};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};

@@ -4,7 +4,7 @@
 //! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
 //! it was away is not known.
 
-use haptic_core::axis::AXES;
+use haptic_core::device::AXES;
 
 use crate::report::ReportError;
 use crate::report::table::Table;

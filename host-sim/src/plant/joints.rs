@@ -2,12 +2,12 @@
 //!
 //! Inverse kinematics by Newton's method on the peer's own forward kinematics in f64, from the last pose on.
 
-use haptic_core::axis::AXES;
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName};
-use haptic_core::axis::motor::{Duty, Motor};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::device::AXES;
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName};
+use haptic_core::device::motor::{Duty, Motor};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
 
 use crate::scene::PlantSettings;

@@ -12,10 +12,10 @@
 mod joints;
 mod linear;
 
-use haptic_core::axis::{AXES, Reading};
-use haptic_core::motion::Motion;
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::scalar::Scalar;
 
 use crate::scene::SceneFile;
 use crate::user::User;

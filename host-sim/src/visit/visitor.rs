@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_protocol::database::{Manifest, Object, Region, Scope};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;

@@ -1,7 +1,7 @@
 //! Local rendering: the force that a hand feels from what it knows of a world, 1000 times a second.
 //!
 //! The force of every contact is `haptic_core`'s: walls and blocks are polygons and bodies discs of
-//! [`haptic_core::render::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a
+//! [`haptic_core::contact::shape`], which push the hand out of the nearest side; a strip pushes to its free side. A strip is a
 //! chain of masses that moves while it is touched and afterwards, advanced by `haptic_core`'s integrator; every client has its
 //! own, for in a static world nobody feels anybody else.
 //!
@@ -9,17 +9,17 @@
 //! take away objects at any time. An object that appears around the hand is felt once the hand has left it; one that is
 //! touched is changed or taken away when the hand has left it. So no download makes a step in the force.
 //!
-//! **Limits**: those of [`haptic_core::render::shape`]; a strip that is approached from behind is not felt. Units SI; two
+//! **Limits**: those of [`haptic_core::contact::shape`]; a strip that is approached from behind is not felt. Units SI; two
 //! dimensions. Reference: architectures paper §2.2, complex shapes as springs and dampers along the normal.
 
 use std::collections::BTreeMap;
 
-use haptic_core::list::Model as _;
-use haptic_core::motion::Motion;
+use haptic_core::contact::Contact;
+use haptic_core::contact::shape::Pressed;
+use haptic_core::model::Model as _;
+use haptic_core::num::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
-use haptic_core::render::Contact;
-use haptic_core::render::shape::Pressed;
 use haptic_core::settings::Settings;
 use haptic_protocol::database::{Object, Strip};
 

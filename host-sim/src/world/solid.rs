@@ -1,7 +1,7 @@
 //! Objects of a world as core's shapes: what a hand presses on, and how stiff it is.
 
-use haptic_core::render::shape::{self, Edge};
-use haptic_core::render::{Contact, Side};
+use haptic_core::contact::shape::{self, Edge};
+use haptic_core::contact::{Contact, Side};
 use haptic_core::settings::Settings;
 use haptic_protocol::database::{Block, Shape, Strip, Wall};
 

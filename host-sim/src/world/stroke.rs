@@ -1,7 +1,7 @@
 //! A hand that strokes along the outline of an object and pushes it about: what it feels, and where its work goes.
 //!
 //! The object is a solid of a world that translates by m·ẍ + b·ẋ = F along both axes (architectures paper §2.2), the force
-//! that of [`haptic_core::render::shape`], both bodies moved by core's semi-implicit integrator. The person holds the hand by a
+//! that of [`haptic_core::contact::shape`], both bodies moved by core's semi-implicit integrator. The person holds the hand by a
 //! spring and a damper (an arm) at a point that goes, at constant speed relative to the object, from outside to a line at
 //! [`Options::below_m`] under the surface, once around along that line, and out again. So on a side the hand is as deep as
 //! the arm's spring k and the contact's K share that way: d = b/(1 + K/k), with b the way of the arm under the surface.
@@ -14,8 +14,8 @@
 //! Losses are summed with the velocities in the middle of each tick; what remains is of first order in the period.
 //! Units: SI.
 
-use haptic_core::list::Model as _;
-use haptic_core::motion::Motion;
+use haptic_core::model::Model as _;
+use haptic_core::num::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;

@@ -1,6 +1,6 @@
 //! Advice names one gain, and following it mends the scene with the margin that is promised.
 
-use haptic_core::couple::LawName;
+use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 use host_sim::analysis::advice::{MARGIN, advice, change};
 use host_sim::analysis::verdict;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use haptic_core::axis::velocity::VelocityName;
+use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::Choice;
 use host_sim::analysis::lifted::agreement::agreement;
 use host_sim::analysis::verdict::{is_symmetric, pair_matrix};

@@ -1,8 +1,8 @@
 //! Random linear scenes, the same ones in every run.
 
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
 use host_sim::scene::SceneFile;

@@ -1,6 +1,6 @@
 //! The numbers of THEORY §3, each within 1 % (most within 0.1 %).
 
-use haptic_core::couple::LawName;
+use haptic_core::law::LawName;
 use host_sim::analysis::{Effort, Range, figure4, limit};
 use host_sim::scene::SceneFile;
 

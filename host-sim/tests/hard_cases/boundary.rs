@@ -1,6 +1,6 @@
 //! Gains at the boundary.
 
-use haptic_core::scalar::Fixed;
+use haptic_core::num::Fixed;
 use host_sim::analysis::{Effort, Range, limit, verdict};
 use host_sim::scene::SceneFile;
 

@@ -1,7 +1,7 @@
 //! Equal and opposite pushes.
 
-use haptic_core::couple::LawName;
-use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::law::LawName;
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Choice;
 use host_sim::analysis::verdict;
 use host_sim::harness::Pair;

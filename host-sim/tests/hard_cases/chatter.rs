@@ -1,6 +1,6 @@
 //! One-sided contact: at rest on the surface, across a gap, and at the edge of chatter.
 
-use haptic_core::scalar::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Scalar};
 use host_sim::analysis::{Effort, Range, limit};
 use host_sim::harness::Pair;
 use host_sim::scene::SceneFile;

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_core::object::exact::Exact;
 use haptic_core::object::forward_euler::ForwardEuler;
 use haptic_core::object::semi_implicit::SemiImplicit;

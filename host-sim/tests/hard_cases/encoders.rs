@@ -1,7 +1,7 @@
 //! Encoders from 16 to 24 bit per metre, read through a counter of 16 bit.
 
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
-use haptic_core::scalar::{Fixed, Scalar};
 use host_sim::experiment::{Options, Outcome, run};
 use host_sim::harness::Pair;
 use host_sim::scene::SceneFile;

@@ -1,7 +1,7 @@
 //! Gains, masses and delays over all that a scene accepts.
 
-use haptic_core::scalar::{Fixed, Scalar};
-use haptic_core::vector::StateVector;
+use haptic_core::num::StateVector;
+use haptic_core::num::{Fixed, Scalar};
 use host_sim::analysis::{Verdict, verdict};
 use host_sim::harness::Pair;
 use host_sim::scene::SceneFile;

@@ -1,6 +1,6 @@
 //! What the hard cases share: scenes from overrides, and how fast a linear pair grows.
 
-use haptic_core::scalar::Scalar;
+use haptic_core::num::Scalar;
 use host_sim::harness::Pair;
 use host_sim::scene::SceneFile;
 

@@ -1,7 +1,7 @@
 //! States that decay below the smallest normal number.
 
-use haptic_core::scalar::Scalar;
-use haptic_core::vector::StateVector;
+use haptic_core::num::Scalar;
+use haptic_core::num::StateVector;
 use host_sim::harness::Pair;
 
 use super::setup::{COMMS, scene};

@@ -1,7 +1,7 @@
 //! The junction behind a hub: its closed form while a line fades, and that it is passive whatever the network does.
 
-use haptic_core::couple::Packet;
-use haptic_core::couple::node::Node;
+use haptic_core::law::Packet;
+use haptic_core::law::node::Node;
 use haptic_core::settings::Settings;
 use host_sim::cooperative::junction::Junction;
 use host_sim::scenes;
@@ -153,7 +153,7 @@ fn passive_whatever_the_network_does() {
 #[test]
 fn laws_without_waves_are_refused() {
     let mut settings = settings(true);
-    for (comm, name) in [(haptic_core::couple::LawName::Power, "power"), (haptic_core::couple::LawName::Free, "none")] {
+    for (comm, name) in [(haptic_core::law::LawName::Power, "power"), (haptic_core::law::LawName::Free, "none")] {
         settings.coordination.comm = comm;
         let said = Junction::new(&settings, 2).expect_err("no waves").to_string();
         assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");

@@ -1,6 +1,6 @@
 //! A server and strangers: what is not from its clients gets nothing, changes nothing and takes no memory to speak of.
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::Header;
 use host_sim::visit::host::{Host, MOST_LINES};

@@ -1,6 +1,6 @@
 //! Clients and servers over a bad network: what is felt is what the world is, whatever the network does.
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_protocol::database::{Object, Shape, Wall};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;

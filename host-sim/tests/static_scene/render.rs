@@ -1,6 +1,6 @@
 //! Local rendering against closed forms: walls, bodies and a strip, and what a download does to what is touched.
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_protocol::database::{Block, Body, Object, Shape, Strip, Wall};
 use host_sim::world::render::Renderer;
 

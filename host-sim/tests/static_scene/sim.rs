@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use haptic_core::motion::Motion;
+use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
 use host_sim::network::fate::{Arrival, Direction, Fates};
 use host_sim::scene::SceneFile;

@@ -7,12 +7,12 @@
 //! motor duties included.
 
 use firmware_parts::record::{self, Record, digest};
-use haptic_core::axis::Reading;
-use haptic_core::axis::encoder::Counts;
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::Reading;
+use haptic_core::device::encoder::Counts;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
 use haptic_core::peer::{self, Sensors, State};
-use haptic_core::render::Contact;
+use haptic_core::contact::Contact;
 use haptic_core::safety::Command;
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;

@@ -23,7 +23,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cases::{Case, Meter};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
-use haptic_core::scalar::Fixed;
+use haptic_core::num::Fixed;
 
 #[global_allocator]
 static HEAP: heap::Heap = heap::Heap::new();

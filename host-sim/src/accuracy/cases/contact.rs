@@ -4,11 +4,11 @@
 
 use alloc::vec::Vec;
 
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::contact::Contact;
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
-use haptic_core::render::Contact;
-use haptic_core::scalar::Scalar;
 use haptic_core::settings::Settings;
 
 /// Length of every motion, s.

@@ -2,9 +2,9 @@
 //!
 //! Their formulas and what they are compared with: [the filters](../../filters/index.html). Unit: √W in and out.
 
-use haptic_core::couple::filter::{Decimator, Level, OnePole};
-use haptic_core::list::Model;
-use haptic_core::scalar::Scalar;
+use haptic_core::law::decimate::{Decimator, Level, OnePole};
+use haptic_core::model::Model;
+use haptic_core::num::Scalar;
 use haptic_core::settings::Settings;
 
 /// A low-pass filter that can be compared.

@@ -2,10 +2,10 @@
 //!
 //! What comes out is compared in [the decodes](../../decodes/index.html). Unit: m, m/s, √W, s.
 
-use haptic_core::couple::Packet;
-use haptic_core::couple::wave::Decode;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::Scalar;
+use haptic_core::law::Packet;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::settings::Settings;
 
 /// Amplitude of the copy's motion, m.

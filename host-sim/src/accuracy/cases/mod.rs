@@ -18,14 +18,14 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::hint::black_box;
 
-use haptic_core::axis::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths};
-use haptic_core::axis::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
-use haptic_core::couple::wave::Decode;
-use haptic_core::couple::{AnyLaw, Law};
-use haptic_core::list::Model;
-use haptic_core::motion::Motion;
+use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths};
+use haptic_core::device::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
+use haptic_core::law::wave::Decode;
+use haptic_core::law::{AnyLaw, Law};
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
-use haptic_core::scalar::Scalar;
 use haptic_core::scene::Any;
 use haptic_core::settings::{Choice, Settings};
 

@@ -9,10 +9,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use haptic_core::axis::encoder::{Counts, Encoder, EncoderState};
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::motion::Motion;
-use haptic_core::scalar::Scalar;
+use haptic_core::device::encoder::{Counts, Encoder, EncoderState};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::num::Motion;
+use haptic_core::num::Scalar;
 use haptic_core::settings::{Choice, Settings};
 
 /// Encoder resolutions, counts/m: 50 µm, 16 bit, 5 µm (the default), 24 bit.

@@ -2,10 +2,10 @@
 //!
 //! The table that comes of it: [the cost per scene](../../cost/index.html).
 
-use haptic_core::axis::kinematics::{KinematicsName, Maths};
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::device::kinematics::{KinematicsName, Maths};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Settings;
 

@@ -6,7 +6,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use haptic_core::axis::kinematics::{KinematicsName, Maths};
+use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::settings::{Choice, Settings};
 
 /// What is compared.

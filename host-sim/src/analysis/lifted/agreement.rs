@@ -4,8 +4,8 @@
 //! powers of two that balance the constructed matrix ([`super::super::spectrum::balance`]). The difference is the largest
 //! |entry of one − entry of the other| in these units over the largest |entry|, or over 1 where all are smaller.
 
-use haptic_core::couple::{LawName, Packet};
-use haptic_core::vector::StateVector;
+use haptic_core::law::{LawName, Packet};
+use haptic_core::num::StateVector;
 
 use super::super::AnalysisError;
 use super::super::matrix::Matrix;

@@ -11,14 +11,14 @@
 //! **Order of the local state**: x_h, ẋ_h, motor force of the tick before; then what `State::visit` visits (object,
 //! integrator, law, velocity estimators). Units: m, m/s, N, √W.
 
-use haptic_core::axis::AXES;
-use haptic_core::couple::Packet;
-use haptic_core::motion::Motion;
+use haptic_core::device::AXES;
+use haptic_core::law::Packet;
+use haptic_core::num::Motion;
+use haptic_core::num::StateVector;
 use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Refused;
-use haptic_core::vector::StateVector;
 
 use super::super::matrix::Matrix;
 use crate::plant::Plant;

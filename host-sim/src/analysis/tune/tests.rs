@@ -1,7 +1,7 @@
 //! What is proposed is stable with its margin everywhere below it, and nothing stiffer would be.
 
-use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 
 use super::*;

@@ -1,9 +1,9 @@
 //! A device on a board: host-sim's plant behind the board's encoders and bridges.
 
-use haptic_core::axis::encoder::Counts;
-use haptic_core::axis::motor::Duty;
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::axis::{AXES, Reading};
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::motor::Duty;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::device::{AXES, Reading};
 use haptic_core::peer::Actuators;
 use host_sim::plant::Plant;
 use host_sim::scene::SceneFile;

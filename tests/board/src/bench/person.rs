@@ -7,8 +7,8 @@
 //! coordination acting in full, as host-sim begins its own.
 
 use firmware_parts::record::ENGAGED;
-use haptic_core::axis::AXES;
-use haptic_core::motion::Motion;
+use haptic_core::device::AXES;
+use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 use host_sim::plant::Plant;
 use host_sim::scene::SceneFile;

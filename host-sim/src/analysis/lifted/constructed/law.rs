@@ -2,8 +2,8 @@
 //!
 //! Equations: THEORY §2; cooperation paper (1), (2), (4)–(7), (13), (14).
 
-use haptic_core::couple::LawName;
-use haptic_core::couple::wave::Decode;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
 
 use super::peer::Input::{Coordination, Decoded, Wave};
 use super::peer::State::{

@@ -4,7 +4,7 @@
 //! ago, kept in a shift register. Order of the joint state: peer 1, peer 2, packets on their way to peer 1, to peer 2,
 //! youngest first.
 
-use haptic_core::couple::LawName;
+use haptic_core::law::LawName;
 
 use super::super::super::matrix::Matrix;
 use super::super::super::verdict::delays_packets;

@@ -5,8 +5,8 @@
 //! period brought, held for M ticks. G is the algebraic part: inputs of a tick that need each other, which is how the
 //! implicit decode is written here (core solves it by hand). Equations: THEORY §2.
 
-use haptic_core::axis::velocity::VelocityName;
-use haptic_core::couple::LawName;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 
 use super::super::super::matrix::Matrix;

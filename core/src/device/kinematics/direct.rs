@@ -1,0 +1,28 @@
+//! Each joint is an axis: the Jacobian is the identity.
+//!
+//! Units: joints and axes m, m/s. For slides, and for simulated devices.
+
+use crate::device::AXES;
+use crate::device::kinematics::{Kinematics, Pose};
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::settings::Settings;
+
+/// No mechanism between joints and axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Direct;
+
+impl<S: Scalar> Model<S> for Direct {
+    type State = ();
+    fn build(_: &Settings) -> Self {
+        Self
+    }
+}
+
+impl<S: Scalar> Kinematics<S> for Direct {
+    #[inline]
+    fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S> {
+        Pose::direct(joints)
+    }
+}

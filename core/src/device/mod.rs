@@ -1,0 +1,66 @@
+//! An axis of the device: encoder counts to position and velocity, force to motor duty.
+//!
+//! | module | does |
+//! |---|---|
+//! | [`encoder`] | raw counts → joint position, with wrap-around and a plausibility check |
+//! | [`velocity`] | joint positions → joint velocity, a list of estimators |
+//! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
+//! | [`constraint`] | the force that holds an unused axis on its line |
+//! | [`motor`] | joint force → duty |
+//! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
+//! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
+//!
+//! A *joint* is what an encoder and a motor share: a slide (m, N) or something that turns (rad, N·m). An *axis* is a
+//! direction of the task: always m, m/s, N. Positions are zero where the encoders were when they were first read.
+
+pub mod constraint;
+pub mod encoder;
+pub mod kinematics;
+pub mod motor;
+pub mod probe;
+pub mod velocity;
+pub mod watch;
+
+use crate::device::encoder::Counts;
+use crate::device::kinematics::AnyKinematics;
+use crate::device::velocity::AnyVelocity;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::settings::{Allowed, Refused, Settings, Value};
+
+/// Most axes, and joints, that a peer has.
+pub const AXES: usize = 2;
+
+/// What a device says about where it is, once per tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading<S> {
+    /// Raw counts of every joint's encoder: a real device, or a simulated one down to its encoders.
+    Counts([Counts; AXES]),
+    /// Position (m) and velocity (m/s) of every axis: a simulated device, or one that computes them itself.
+    Exact([Motion<S>; AXES]),
+}
+
+/// What no single range can say about the tables `axis`, `encoder`, `kinematics` and `motor`: whether their values go
+/// together. The first that does not is the error, with the range that the other values leave it.
+///
+/// Settings outside their own ranges are [`Settings::check_ranges`]'s to refuse; here they give some answer, no panic.
+pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    AnyKinematics::<f64>::check(settings)?;
+    AnyVelocity::<f64>::check(settings)
+}
+
+/// Refuses the value of the number called `name` if it is not `allowed`.
+fn within(settings: &Settings, name: &'static str, allowed: Allowed) -> Result<(), Refused<'static>> {
+    let (min, max) = match allowed {
+        Allowed::Number { min, max } => (min, max),
+        Allowed::Whole { min, max } => (f64::from(min), f64::from(max)),
+        _ => return Ok(()),
+    };
+    match settings.get(name) {
+        Some(Value::Number(number)) if !(number >= min && number <= max) => {
+            let unit = Settings::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
+            Err(Refused { key: name, value: Value::Number(number), allowed, unit })
+        }
+        _ => Ok(()),
+    }
+}

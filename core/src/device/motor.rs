@@ -1,0 +1,65 @@
+//! Joint force to the duty of a motor amplifier in current mode, and back.
+//!
+//! Design: force = constant · current and current = full scale · duty, so one product each way; the duty is rounded to
+//! the nearest code, ties away from zero, and held within `motor.max_duty`.
+//!
+//! Units: N for a slide, N·m for a joint that turns; duty in 1/32767 of full scale.
+//!
+//! Invariants: |duty| ≤ max_duty whatever comes in; NaN gives no duty at all.
+//!
+//! Limits: no amplifier dynamics, no friction or cogging compensation, no thermal model.
+
+use crate::num::Scalar;
+use crate::settings::Settings;
+
+/// Signed duty of an amplifier; [`Duty::FULL_SCALE`] is full current.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Duty(pub i16);
+
+impl Duty {
+    /// The code of full current.
+    pub const FULL_SCALE: i16 = i16::MAX;
+    /// No current.
+    pub const OFF: Self = Self(0);
+}
+
+/// Motor and amplifier of every joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<S> {
+    /// Codes per N or N·m; negative where positive duty pushes against the axis.
+    codes_per_force: S,
+    force_per_code: S,
+    /// Largest code, a whole number ≤ [`Duty::FULL_SCALE`].
+    max_code: S,
+}
+
+impl<S: Scalar> Motor<S> {
+    /// From the table `motor`.
+    pub fn build(settings: &Settings) -> Self {
+        let motor = &settings.motor;
+        let full_scale_force = motor.newton_or_newton_metre_per_a * motor.full_scale_a;
+        let full_scale_force = if motor.reversed { -full_scale_force } else { full_scale_force };
+        let full_scale_code = f64::from(Duty::FULL_SCALE);
+        let max_code = (motor.max_duty * full_scale_code) as i32;
+        Self {
+            codes_per_force: S::from_f64(full_scale_code / full_scale_force),
+            force_per_code: S::from_f64(full_scale_force / full_scale_code),
+            max_code: S::from_i32(max_code.clamp(0, i32::from(Duty::FULL_SCALE))),
+        }
+    }
+
+    /// Duty for a force along the joint (N or N·m), and whether the force was more than the duty limit gives.
+    #[inline]
+    pub fn duty(&self, joint_force: S) -> (Duty, bool) {
+        let code = joint_force * self.codes_per_force;
+        let saturated = code.abs() > self.max_code;
+        // At most ±32767 after the limit, which also takes NaN to 0: the cast is exact.
+        (Duty(code.limit(self.max_code).round_to_i32() as i16), saturated)
+    }
+
+    /// Force along the joint (N or N·m) that a duty gives: the inverse of [`Motor::duty`], to half a code.
+    #[inline]
+    pub fn joint_force(&self, duty: Duty) -> S {
+        S::from_i32(i32::from(duty.0)) * self.force_per_code
+    }
+}

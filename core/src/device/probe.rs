@@ -1,0 +1,369 @@
+//! A probe: one motor pushed open loop, for a short time and within hard limits, to learn about the device.
+//!
+//! Calibration and the check before arming need motion whose cause is known, from a device of which neither scale nor sign
+//! may be known yet. So a probe commands a duty, not a force, and its limits are in duty, encoder counts and seconds:
+//! largest duty, travel from where it began, counts in one tick, duration (table `probe`). At any of them the motor is off in
+//! the same tick, and why is kept until the next probe. The guards of [`crate::safety`] stand as well, and trip as ever.
+//!
+//! | shape | duty, in the largest | for |
+//! |---|---|---|
+//! | `pulse` | 1 | holding against a gauge |
+//! | `swing` | 1, −1, −1, 1, a quarter of the time each | sign, inertia: a device without friction ends where it began, at rest |
+//! | `ramp` | from 0 to 1 | the force at which it breaks away |
+//! | `sine` | cos 2πft: velocity begins at zero, so it does not drift | friction and inertia |
+//!
+//! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
+//! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
+//! motor and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is
+//! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
+//! count.
+//!
+//! Units: duty as a fraction of full scale, counts along the joint, s, Hz.
+//! Limits: duty steps as the shape does, without a slew limit; counts come from encoders, so a simulated device that gives
+//! exact positions does not seem to move.
+
+use crate::device::AXES;
+use crate::device::motor::Duty;
+use crate::num::Scalar;
+use crate::settings::{Allowed, Choice, Refused, Settings, Value};
+
+/// How the duty goes over the time of a probe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// The same all the time.
+    #[default]
+    Pulse,
+    /// One way, the other way for twice as long, the first way again.
+    Swing,
+    /// Evenly up from zero.
+    Ramp,
+    /// A cosine.
+    Sine,
+}
+
+impl Choice for Shape {
+    const NAMES: &'static [&'static str] = &["pulse", "swing", "ramp", "sine"];
+    const ALL: &'static [Self] = &[Self::Pulse, Self::Swing, Self::Ramp, Self::Sine];
+}
+
+/// What to push with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Which joint, 1 or 2.
+    pub joint: u32,
+    /// How.
+    pub shape: Shape,
+    /// Largest duty, a fraction of full scale; along the joint as `motor.reversed` has it.
+    pub duty: f64,
+    /// For how long, s.
+    pub duration_s: f64,
+    /// Frequency of the sine, Hz.
+    pub frequency_hz: f64,
+}
+
+/// A probe that [`Probe::build`] has checked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Probe<S> {
+    joint: usize,
+    shape: Shape,
+    /// Duty code, negative where positive duty pushes against the joint and the push is along it.
+    code: S,
+    along: i32,
+    ticks: u32,
+    radians_per_tick: S,
+    max_travel_counts: i32,
+    max_step_counts: i32,
+    /// Work at which a verdict is passed, counts.
+    verdict_counts: i32,
+    check: bool,
+}
+
+/// Ticks after a change of sign that do not count; a force that follows its duty by two is still told right.
+const LATE_TICKS: u32 = 3;
+
+/// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
+const CHECK_TRAVEL: u32 = 20;
+
+impl<S: Scalar> Probe<S> {
+    /// A probe within the limits of the table `probe`.
+    ///
+    /// # Errors
+    /// The first number that is outside them.
+    pub fn build(settings: &Settings, request: &Request) -> Result<Self, Refused<'static>> {
+        let limits = &settings.probe;
+        let most = limits.max_duty.min(settings.motor.max_duty);
+        let period_s = settings.timing.control_period_s;
+        within("joint", f64::from(request.joint), [1.0, f64::from(settings.axis.count)], "")?;
+        within("duty", request.duty, [-most, most], "")?;
+        within("duration", request.duration_s, [4.0 * period_s, limits.max_s], "s")?;
+        if request.shape == Shape::Sine {
+            within("frequency", request.frequency_hz, [0.1, 0.1 / period_s], "Hz")?;
+        }
+        // Float-to-integer casts saturate.
+        let quarter = (request.duration_s / (4.0 * period_s)) as u32;
+        let along = if settings.motor.reversed { -1 } else { 1 };
+        // The nearest code that is no more than the largest duty.
+        let full_scale = f64::from(Duty::FULL_SCALE);
+        let most_code = (most * full_scale) as i32;
+        let code = (request.duty * full_scale).round_to_i32().clamp(-most_code, most_code);
+        Ok(Self {
+            joint: request.joint as usize - 1,
+            shape: request.shape,
+            code: S::from_i32(along * code),
+            along,
+            ticks: 4 * quarter.max(1),
+            radians_per_tick: S::from_f64(core::f64::consts::TAU * request.frequency_hz * period_s),
+            max_travel_counts: limits.max_travel_counts as i32,
+            max_step_counts: (limits.max_speed_counts_per_s * period_s + 1.0) as i32,
+            verdict_counts: limits.check_counts as i32,
+            check: false,
+        })
+    }
+
+    /// The check before arming of `joint` (1 or 2): a weak swing, over a short way.
+    ///
+    /// # Errors
+    /// There is no such joint, or the table `probe` leaves no room for it.
+    pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
+        let probe = &settings.probe;
+        let (duty, duration_s) = (probe.check_duty, probe.check_s);
+        // With fewer than 5 ticks to a quarter, those that do not count would hide what a hand does.
+        within("probe.check_s", duration_s, [20.0 * settings.timing.control_period_s, probe.max_s], "s")?;
+        let built =
+            Self::build(settings, &Request { joint, shape: Shape::Swing, duty, duration_s, frequency_hz: 0.0 })?;
+        let travel = CHECK_TRAVEL * probe.check_counts;
+        Ok(Self { max_travel_counts: built.max_travel_counts.min(travel as i32), check: true, ..built })
+    }
+
+    /// The joint it pushes, 1 or 2.
+    pub fn joint(&self) -> u32 {
+        self.joint as u32 + 1
+    }
+
+    /// How long it takes if nothing ends it, ticks.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// The duty at a tick.
+    #[inline]
+    fn duty(&self, tick: u32) -> Duty {
+        let code = match self.shape {
+            Shape::Pulse => self.code,
+            Shape::Swing if (self.ticks / 4..self.ticks / 4 * 3).contains(&tick) => -self.code,
+            Shape::Swing => self.code,
+            // At most 10⁶ ticks: 10 s at the shortest control period.
+            Shape::Ramp => self.code * S::from_i32(tick as i32).ratio(S::from_i32(self.ticks.max(1) as i32)),
+            Shape::Sine => self.code * (self.radians_per_tick * S::from_i32(tick as i32)).sin_cos().1,
+        };
+        Duty(code.limit(self.code.abs()).round_to_i32() as i16)
+    }
+}
+
+/// Refuses a number outside `[min, max]`.
+fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static str) -> Result<(), Refused<'static>> {
+    if number >= min && number <= max {
+        return Ok(());
+    }
+    Err(Refused { key, value: Value::Number(number), allowed: Allowed::Number { min, max }, unit })
+}
+
+/// How a probe ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum End {
+    /// There was none yet.
+    #[default]
+    None,
+    /// It has not.
+    Running,
+    /// Its time was over.
+    Done,
+    /// The device went as far as `probe.max_travel_counts` allows.
+    Travel,
+    /// The device was faster than `probe.max_speed_counts_per_s`.
+    Speed,
+    /// By command, or by a fault.
+    Stopped,
+}
+
+impl End {
+    /// One word for a program.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Running => "running",
+            Self::Done => "done",
+            Self::Travel => "travel",
+            Self::Speed => "speed",
+            Self::Stopped => "stopped",
+        }
+    }
+
+    /// One sentence for a person.
+    pub fn explain(self) -> &'static str {
+        match self {
+            Self::None => "there was no probe yet",
+            Self::Running => "the probe is running",
+            Self::Done => "its time was over",
+            Self::Travel => "the device went as far as the probe may",
+            Self::Speed => "the device was faster than probe.max_speed_counts_per_s",
+            Self::Stopped => "it was stopped by command or by a fault",
+        }
+    }
+}
+
+/// What a probe says about the signs of motor and encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// A push along the joint moves it along the joint.
+    Agree,
+    /// It moves the other way.
+    Disagree,
+    /// It did not move enough to tell.
+    Still,
+    /// Something else pushed too, or the probe ended early.
+    Unclear,
+}
+
+impl Verdict {
+    /// One word for a program.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Agree => "agree",
+            Self::Disagree => "disagree",
+            Self::Still => "still",
+            Self::Unclear => "unclear",
+        }
+    }
+
+    /// One sentence for a person.
+    pub fn explain(self) -> &'static str {
+        match self {
+            Self::Agree => "motor and encoder agree",
+            Self::Disagree => {
+                "motor and encoder disagree: change motor.reversed (or encoder.reversed, if the axis points the wrong way)"
+            }
+            Self::Still => {
+                "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder"
+            }
+            Self::Unclear => "something else moved it, or it went too far: let go of it, or lower probe.check_duty",
+        }
+    }
+}
+
+/// What came of a probe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Which joint, 1 or 2; 0 before the first probe.
+    pub joint: u32,
+    /// How it ended.
+    pub end: End,
+    /// Most work of the motor so far, counts; never below 0.
+    pub most_counts: i32,
+    /// Least work of the motor so far, counts; never above 0.
+    pub least_counts: i32,
+    /// Work at which a verdict is passed, counts.
+    pub verdict_counts: i32,
+    /// It was the check before arming.
+    pub check: bool,
+}
+
+impl Outcome {
+    /// The check before arming was passed.
+    pub fn passed(&self) -> bool {
+        self.check && self.verdict() == Verdict::Agree
+    }
+
+    /// What a swing says about the signs of motor and encoder.
+    pub fn verdict(&self) -> Verdict {
+        let enough = self.verdict_counts;
+        // A steady push from rest, by a hand or a slope, shows a seventh to a ninth of its most on the wrong side; right
+        // signs show no more than a count of rounding. Division by a constant: no panic.
+        let hardly = enough / 16;
+        match (self.most_counts, self.least_counts) {
+            (most, least) if most < enough && least > -enough => Verdict::Still,
+            _ if self.end != End::Done => Verdict::Unclear,
+            (most, least) if most >= enough && least >= -hardly => Verdict::Agree,
+            (most, least) if least <= -enough && most <= hardly => Verdict::Disagree,
+            _ => Verdict::Unclear,
+        }
+    }
+}
+
+/// A probe under way, and what came of the last one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Probing<S> {
+    probe: Probe<S>,
+    tick: u32,
+    /// Where the joint was when the probe began, and at the last tick, counts; none before the first tick.
+    places: Option<(i32, i32)>,
+    /// Sign of the last duty, along the joint, and for how many more ticks the force may still be the old one.
+    pushing: i32,
+    late: u32,
+    work: i32,
+    outcome: Outcome,
+}
+
+impl<S: Scalar> Probing<S> {
+    /// A probe that begins with the next tick.
+    pub(crate) fn of(probe: Probe<S>) -> Self {
+        let outcome = Outcome {
+            joint: probe.joint(),
+            end: End::Running,
+            verdict_counts: probe.verdict_counts,
+            check: probe.check,
+            ..Outcome::default()
+        };
+        Self { probe, tick: 0, places: None, pushing: 0, late: 0, work: 0, outcome }
+    }
+
+    /// What came of it.
+    pub(crate) fn outcome(&self) -> Outcome {
+        self.outcome
+    }
+
+    /// Ends it, unless it has ended.
+    pub(crate) fn end(&mut self, end: End) {
+        if self.outcome.end == End::Running {
+            self.outcome.end = end;
+        }
+    }
+
+    /// One tick, with every joint's counts; nothing when it is over.
+    #[inline]
+    pub(crate) fn step(&mut self, mut counts: impl Iterator<Item = i32>) -> Option<[Duty; AXES]> {
+        let now = counts.nth(self.probe.joint).unwrap_or_default();
+        let (start, last) = *self.places.get_or_insert((now, now));
+        self.places = Some((start, now));
+        let step = now.saturating_sub(last);
+        if self.late == 0 {
+            self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
+        }
+        self.late = self.late.saturating_sub(1);
+        self.outcome.most_counts = self.outcome.most_counts.max(self.work);
+        self.outcome.least_counts = self.outcome.least_counts.min(self.work);
+        if now.saturating_sub(start).saturating_abs() > self.probe.max_travel_counts {
+            self.end(End::Travel);
+        }
+        if step.saturating_abs() > self.probe.max_step_counts {
+            self.end(End::Speed);
+        }
+        if self.tick >= self.probe.ticks {
+            self.end(End::Done);
+        }
+        if self.outcome.end != End::Running {
+            return None;
+        }
+        let duty = self.probe.duty(self.tick);
+        self.tick += 1;
+        let pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
+        if pushing != self.pushing {
+            (self.pushing, self.late) = (pushing, LATE_TICKS);
+        }
+        let mut duties = [Duty::OFF; AXES];
+        if let Some(own) = duties.get_mut(self.probe.joint) {
+            *own = duty;
+        }
+        Some(duties)
+    }
+}

@@ -1,0 +1,53 @@
+//! Backward difference: v\[n\] = (x\[n\] − x\[n−1\])/T_c.
+//!
+//! Units: m and m/s, or rad and rad/s. Exact for uniform motion; otherwise the velocity of half a tick ago, to first
+//! order.
+//!
+//! Limits: one encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the
+//! motion.
+
+use crate::device::velocity::VelocityEstimator;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::num::StateVector;
+use crate::settings::Settings;
+
+/// The control period and one over it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference<S> {
+    period_s: S,
+    rate_hz: S,
+}
+
+/// The last position, m or rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DifferenceState<S> {
+    last: S,
+}
+
+impl<S: Scalar> StateVector<S> for DifferenceState<S> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.last);
+    }
+}
+
+impl<S: Scalar> Model<S> for Difference<S> {
+    type State = DifferenceState<S>;
+    fn build(settings: &Settings) -> Self {
+        let period_s = settings.timing.control_period_s;
+        Self { period_s: S::from_f64(period_s), rate_hz: S::from_f64(1.0 / period_s) }
+    }
+}
+
+impl<S: Scalar> VelocityEstimator<S> for Difference<S> {
+    fn start(&self, state: &mut DifferenceState<S>, at: Motion<S>) {
+        state.last = at.position - at.velocity * self.period_s;
+    }
+    #[inline]
+    fn step(&self, state: &mut DifferenceState<S>, reading: Motion<S>) -> S {
+        let velocity = (reading.position - state.last) * self.rate_hz;
+        state.last = reading.position;
+        velocity
+    }
+}

@@ -1,0 +1,65 @@
+//! Backward difference through a one-pole low pass, discretised exactly (for an input held over the tick).
+//!
+//! v ← e^(−ω·T_c)·v + (1 − e^(−ω·T_c))·(x\[n\] − x\[n−1\])/T_c, with ω = 2π·`axis.velocity_cutoff_hz`: the same rule as
+//! the wave filter's (THEORY §2). Gain one at rest, stable for every cutoff, no overshoot.
+//!
+//! Units: m and m/s, or rad and rad/s.
+//!
+//! Limits: lags a ramp by T_c/2 + T_c/(e^(ω·T_c) − 1), about 1/ω. A non-finite reading stays in the filter until
+//! `start`.
+
+use crate::device::velocity::VelocityEstimator;
+use crate::device::velocity::difference::{Difference, DifferenceState};
+use crate::device::within;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::num::StateVector;
+use crate::settings::{Allowed, Refused, Settings};
+
+/// The difference, and the share of it that a tick takes over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filtered<S> {
+    difference: Difference<S>,
+    gain: S,
+}
+
+/// The last position (m or rad) and the filtered velocity (m/s or rad/s).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilteredState<S> {
+    difference: DifferenceState<S>,
+    velocity: S,
+}
+
+impl<S: Scalar> StateVector<S> for FilteredState<S> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.difference.visit(each);
+        each(&mut self.velocity);
+    }
+}
+
+impl<S: Scalar> Model<S> for Filtered<S> {
+    type State = FilteredState<S>;
+    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+        // From half the sample rate on there is nothing left to cut off.
+        let max = 0.5 / settings.timing.control_period_s;
+        within(settings, "axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })
+    }
+    fn build(settings: &Settings) -> Self {
+        let angle = core::f64::consts::TAU * settings.axis.velocity_cutoff_hz * settings.timing.control_period_s;
+        Self { difference: Difference::build(settings), gain: S::from_f64(-libm::expm1(-angle)) }
+    }
+}
+
+impl<S: Scalar> VelocityEstimator<S> for Filtered<S> {
+    fn start(&self, state: &mut FilteredState<S>, at: Motion<S>) {
+        self.difference.start(&mut state.difference, at);
+        state.velocity = at.velocity;
+    }
+    #[inline]
+    fn step(&self, state: &mut FilteredState<S>, reading: Motion<S>) -> S {
+        let raw = self.difference.step(&mut state.difference, reading);
+        state.velocity = state.velocity + self.gain * (raw - state.velocity);
+        state.velocity
+    }
+}

@@ -1,0 +1,28 @@
+//! The velocity that comes with the reading.
+//!
+//! For devices that measure velocity and for simulated ones. m/s or rad/s, passed on unchanged, NaN included.
+
+use crate::device::velocity::VelocityEstimator;
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::settings::Settings;
+
+/// Passes the reading's velocity on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measured;
+
+impl<S: Scalar> Model<S> for Measured {
+    type State = ();
+    fn build(_: &Settings) -> Self {
+        Self
+    }
+}
+
+impl<S: Scalar> VelocityEstimator<S> for Measured {
+    fn start(&self, (): &mut (), _: Motion<S>) {}
+    #[inline]
+    fn step(&self, (): &mut (), reading: Motion<S>) -> S {
+        reading.velocity
+    }
+}

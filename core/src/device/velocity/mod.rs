@@ -1,0 +1,46 @@
+//! Joint velocity: where it comes from when only positions are measured.
+//!
+//! | name | velocity | lag | noise |
+//! |---|---|---|---|
+//! | `measured` | the one in the reading | none | the sensor's |
+//! | `difference` | (x\[n\] − x\[n−1\])/T_c | T_c/2 | one encoder count per tick |
+//! | `filtered` | the same through a one-pole low pass | about 1/(2π·cutoff) more | below √(π·cutoff·T_c) of that |
+//! | `adaptive` | slope of the longest line that fits to ± one count | half the window | one count per window |
+//!
+//! `measured` needs a device, or a simulator, that has a velocity: encoders have none, and it then reads zero.
+//!
+//! Units: m and m/s, or rad and rad/s. A non-finite reading gives a non-finite velocity, and so may the next one
+//! (`filtered`: every one until [`VelocityEstimator::start`]); [`crate::safety`] catches it.
+
+pub mod adaptive;
+pub mod difference;
+pub mod filtered;
+pub mod measured;
+
+use crate::model::{Listed, Model};
+use crate::num::Motion;
+use crate::num::Scalar;
+
+/// From the readings of a joint to its velocity.
+pub trait VelocityEstimator<S: Scalar>: Model<S> + Listed<S> {
+    /// Forgets the past: the joint has moved uniformly up to `at`, which is the reading that the next `step` takes.
+    fn start(&self, state: &mut Self::State, at: Motion<S>);
+    /// The velocity (m/s or rad/s) now, after the reading of this tick; called once per tick.
+    fn step(&self, state: &mut Self::State, reading: Motion<S>) -> S;
+}
+
+list! {
+    /// Any one of the velocity estimators.
+    VelocityEstimator: AnyVelocity, AnyVelocityState, named by VelocityName in axis.velocity {
+        /// The reading's own velocity.
+        "measured" => Measured(measured::Measured),
+        /// Backward difference.
+        "difference" => Difference(difference::Difference<S>),
+        /// Backward difference through a one-pole low pass.
+        "filtered" => Filtered(filtered::Filtered<S>),
+        /// First-order adaptive windowing.
+        "adaptive" => Adaptive(adaptive::Adaptive<S>),
+    }
+    fn start(&self, [&mut] state; at: Motion<S>);
+    fn step(&self, [&mut] state; reading: Motion<S>) -> S;
+}

@@ -1,0 +1,135 @@
+//! Passive on any network: the receiver never emits more wave energy than the sender is known to have absorbed.
+//!
+//! Every packet carries the sender's cumulative ½·T_c·Σu_out² up to its last tick. What is new in it is credit; every tick
+//! of u_in spends ½·T_c·u_in² of it, and a tick that would overdraw is scaled down to what is left. So Σ emitted ≤ Σ sent
+//! for any delay, jitter, loss, reorder and duplication, without a clock (THEORY §5): late, lost or repeated counters are
+//! only conservative. Holding the last sample through a loss is allowed for as long as there is credit.
+//!
+//! What a loss still does is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
+//! what was sent and not yet emitted is added to u_in over the next packets. It may spend only what lies above a reserve:
+//! the reserve is what holds the wave through the next loss, and a correction that eats it loses more than it mends (the
+//! same integral in fewer ticks costs more energy). Measured by `host-sim campaign`.
+//!
+//! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
+
+use super::{Packet, Sends, sends};
+use crate::num::Scalar;
+use crate::num::Sum;
+use crate::settings::{Allowed, Refused, Settings, Value};
+
+/// Most credit that is kept, J: what a hand feels as a light tap.
+pub const CAP_J: f64 = 0.1;
+
+/// Packets over which a missing part of the wave integral is made good.
+const CORRECTION_PACKETS: f64 = 4.0;
+
+/// Refuses a ledger for a law that sends no waves.
+pub(crate) fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    let coordination = &settings.coordination;
+    if sends(settings) == Sends::Waves {
+        return Ok(());
+    }
+    for (key, on) in
+        [("coordination.ledger", coordination.ledger), ("coordination.drift_correction", coordination.drift_correction)]
+    {
+        if on {
+            let allowed = Allowed::Only("false, unless coordination.comm is a kind of wave");
+            return Err(Refused { key, value: Value::Flag(true), allowed, unit: "" });
+        }
+    }
+    Ok(())
+}
+
+/// Packets of the present wave that are kept for holding through losses before anything is corrected.
+const RESERVE_PACKETS: f64 = 32.0;
+
+/// Share of what lies above the reserve that one packet's correction may cost.
+const SHARE: f64 = 0.1;
+
+/// How u_in is paid for.
+#[derive(Clone, Copy, Debug)]
+pub struct Credit<S> {
+    /// ½·T_c, s.
+    half_period: S,
+    /// 2/T_c, 1/s.
+    twice_rate: S,
+    period: S,
+    /// M·T_c, s: what one sample held for a packet adds to the integral.
+    packet_s: f64,
+    cap: S,
+    corrects: bool,
+}
+
+/// What is left to spend, and what is still owed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account<S> {
+    /// Sender's energy counter and wave integral in the newest packet, J and √W·s.
+    seen: Option<(f64, f64)>,
+    /// Wave energy that may still be emitted, J.
+    left: S,
+    /// ∫u_in dt emitted so far, √W·s.
+    emitted: Sum<S>,
+    /// ∫u dt of the sender at the point where `emitted` was 0, √W·s.
+    origin: f64,
+    /// Added to u_in until the next packet, √W.
+    correction: S,
+}
+
+impl<S: Scalar> Credit<S> {
+    /// The scene's ledger, if it asks for one (`coordination.ledger`).
+    pub fn build(settings: &Settings) -> Option<Self> {
+        let (timing, coordination) = (&settings.timing, &settings.coordination);
+        coordination.ledger.then(|| Self {
+            half_period: S::from_f64(0.5 * timing.control_period_s),
+            twice_rate: S::from_f64(2.0 / timing.control_period_s),
+            period: S::from_f64(timing.control_period_s),
+            packet_s: timing.control_period_s * f64::from(timing.ticks_per_packet),
+            cap: S::from_f64(CAP_J),
+            corrects: coordination.drift_correction,
+        })
+    }
+
+    /// Takes in the counters of a packet.
+    pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
+        let wave = packet.wave.to_f64();
+        let (energy, integral) = (packet.energy_j, packet.wave_integral);
+        let (seen, _) = *account.seen.get_or_insert_with(|| {
+            // The first packet of a session pays for itself and brings no past.
+            let own = 0.5 * self.packet_s * wave * wave;
+            account.origin = integral - self.packet_s * wave;
+            (if energy > own { energy - own } else { 0.0 }, integral)
+        });
+        if energy <= seen {
+            // Nothing new: a packet that stands through silence has been paid for, and mends nothing.
+            account.correction = S::ZERO;
+            return;
+        }
+        account.seen = Some((energy, integral));
+        account.left = (account.left + S::from_f64(energy - seen)).min(self.cap);
+        if self.corrects {
+            let missing = integral - account.origin - account.emitted.total().to_f64() - self.packet_s * wave;
+            let target = wave + missing / (CORRECTION_PACKETS * self.packet_s);
+            let price = 0.5 * self.packet_s * wave * wave;
+            let spare = SHARE * (account.left.to_f64() - RESERVE_PACKETS * price);
+            let most = libm::sqrt(wave * wave + if spare > 0.0 { spare / (0.5 * self.packet_s) } else { 0.0 });
+            account.correction = S::from_f64(target.limit(most) - wave);
+        }
+    }
+
+    /// The wave that may be emitted this tick when `held` was received last.
+    #[inline]
+    pub fn spend(&self, account: &mut Account<S>, held: S) -> S {
+        let wanted = held + account.correction;
+        let price = self.half_period * wanted * wanted;
+        let wave = if price <= account.left {
+            account.left = account.left - price;
+            wanted
+        } else {
+            let most = (account.left * self.twice_rate).sqrt();
+            account.left = S::ZERO;
+            wanted.limit(most)
+        };
+        account.emitted.add(self.period * wave);
+        wave
+    }
+}

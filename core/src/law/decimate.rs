@@ -1,0 +1,131 @@
+//! What stands between the outgoing wave at the control rate and the one sample in M that is sent.
+//!
+//! [`Newest`] sends the last sample as it is: traditional wave communications, which alias.
+//! [`OnePole`] is the paper's anti-aliasing filter, ẋ_f = −Ω_c·x_f + u_out, y = Ω_c·x_f (eq. 1), discretised exactly for
+//! a held input: y ← e^(−Ω_c·T_c)·y + (1 − e^(−Ω_c·T_c))·u_out. Unconditionally stable, unit gain at rest; passive only in
+//! the band it passes. [`Mean`] sends ū, the mean of the last M samples: held for M ticks it never emits more than was
+//! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
+
+use crate::model::Model;
+use crate::num::Scalar;
+use crate::num::StateVector;
+use crate::settings::Settings;
+
+/// One number of filter state, √W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Level<S>(pub S);
+
+impl<S> StateVector<S> for Level<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.0);
+    }
+}
+
+/// A filter in front of the decimation.
+pub trait Decimator<S: Scalar>: Model<S> {
+    /// Takes in one sample of the outgoing wave, √W.
+    fn push(&self, state: &mut Self::State, wave: S);
+    /// What would be sent now, √W.
+    fn level(&self, state: &Self::State) -> S;
+}
+
+/// No filter: the newest sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Newest;
+
+impl<S: Scalar> Model<S> for Newest {
+    type State = Level<S>;
+    fn build(_: &Settings) -> Self {
+        Self
+    }
+}
+
+impl<S: Scalar> Decimator<S> for Newest {
+    #[inline]
+    fn push(&self, level: &mut Level<S>, wave: S) {
+        level.0 = wave;
+    }
+    #[inline]
+    fn level(&self, level: &Level<S>) -> S {
+        level.0
+    }
+}
+
+/// The one-pole low-pass filter of the paper.
+#[derive(Clone, Copy, Debug)]
+pub struct OnePole<S> {
+    /// e^(−Ω_c·T_c).
+    keep: S,
+    /// 1 − e^(−Ω_c·T_c).
+    take: S,
+}
+
+impl<S: Scalar> Model<S> for OnePole<S> {
+    type State = Level<S>;
+    fn build(settings: &Settings) -> Self {
+        let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
+        Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) }
+    }
+}
+
+impl<S: Scalar> Decimator<S> for OnePole<S> {
+    #[inline]
+    fn push(&self, level: &mut Level<S>, wave: S) {
+        level.0 = self.keep * level.0 + self.take * wave;
+    }
+    #[inline]
+    fn level(&self, level: &Level<S>) -> S {
+        level.0
+    }
+}
+
+/// The mean of the samples since the last packet.
+#[derive(Clone, Copy, Debug)]
+pub struct Mean<S> {
+    samples: u32,
+    /// 1/M.
+    share: S,
+}
+
+/// A mean in the making.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeanState<S> {
+    sum: S,
+    level: S,
+    count: u32,
+}
+
+impl<S> StateVector<S> for MeanState<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.sum);
+        each(&mut self.level);
+    }
+}
+
+impl<S: Scalar> Model<S> for Mean<S> {
+    type State = MeanState<S>;
+    fn build(settings: &Settings) -> Self {
+        let samples = settings.timing.ticks_per_packet;
+        Self { samples, share: S::from_f64(1.0 / f64::from(samples)) }
+    }
+}
+
+impl<S: Scalar> Decimator<S> for Mean<S> {
+    #[inline]
+    fn push(&self, state: &mut MeanState<S>, wave: S) {
+        state.sum = state.sum + wave;
+        state.count += 1;
+        // Packets leave every M ticks, so a mean is whole when the next one is due.
+        if state.count >= self.samples {
+            state.level = state.sum * self.share;
+            state.sum = S::ZERO;
+            state.count = 0;
+        }
+    }
+    #[inline]
+    fn level(&self, state: &MeanState<S>) -> S {
+        state.level
+    }
+}

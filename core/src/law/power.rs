@@ -1,0 +1,50 @@
+//! Power-domain coordination: position and velocity of the remote copy, one packet each T_n, held between packets.
+//!
+//! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
+//! (cooperation paper §3, Fig. 2 and Fig. 4a).
+
+use super::{Coupled, Law, Packet, Sends, Spring};
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::settings::Settings;
+
+/// Virtual coupling to the last received motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Power<S> {
+    spring: Spring<S>,
+}
+
+impl<S: Scalar> Model<S> for Power<S> {
+    /// The remote copy's motion as last received: x_d, ẋ_d.
+    type State = Motion<S>;
+
+    fn build(settings: &Settings) -> Self {
+        Self { spring: Spring::build(settings) }
+    }
+}
+
+impl<S: Scalar> Law<S> for Power<S> {
+    fn sends(&self) -> Sends {
+        Sends::Motion
+    }
+
+    fn start(&self, desired: &mut Motion<S>, local: Motion<S>) {
+        *desired = local;
+    }
+
+    fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
+        *desired = packet.motion;
+    }
+
+    #[inline]
+    fn couple(&self, desired: &mut Motion<S>, local: Motion<S>) -> Coupled<S> {
+        let force = self.spring.force(*desired, local);
+        let power = force * desired.velocity;
+        Coupled { desired: *desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
+    }
+
+    fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, ..Packet::default() }
+    }
+}

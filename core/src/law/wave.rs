@@ -1,0 +1,208 @@
+//! Wave-domain coordination: each peer sends u_out and decodes the desired motion of its copy from u_in.
+//!
+//! u_in = (b·ẋ_d + F_T)/√(2b), u_out = (b·ẋ_d − F_T)/√(2b), so that F_T·ẋ_d = ½·(u_in² − u_out²): whatever the (constant)
+//! delay, the line stores energy and makes none (cooperation paper §2; symmetric form, THEORY §2).
+//!
+//! [`Line`] is the one implementation; what it does before the rate drop is its parameter: [`Wave`] sends the newest
+//! sample, [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. What comes in may
+//! have to be paid for ([`super::credit`]), which makes the line passive on any network.
+//!
+//! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
+//! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
+//! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where there
+//! is one, `host-sim/tests/analysis/bounds.rs` says. Square roots are taken once, in `build()`.
+
+use super::credit::{Account, Credit};
+use super::decimate::{Decimator, Mean, Newest, OnePole};
+use super::{Coupled, Law, LawName, Packet, Sends, Spring};
+use crate::model::Model;
+use crate::num::Motion;
+use crate::num::Scalar;
+use crate::num::StateVector;
+use crate::num::{Carry, Sum};
+use crate::settings::{Allowed, Choice, Refused, Settings, Value};
+
+/// How the algebraic loop of the wave decode is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decode {
+    /// ẋ_d\[n\] from F_T\[n−1\]; x_d\[n\] = x_d\[n−1\] + T_c·ẋ_d\[n−1\].
+    Delayed,
+    /// Backward Euler on x_d, solved in closed form.
+    Implicit,
+}
+
+impl Choice for Decode {
+    const NAMES: &'static [&'static str] = &["delayed", "implicit"];
+    const ALL: &'static [Self] = &[Self::Delayed, Self::Implicit];
+}
+
+/// Traditional wave communications: the newest sample is sent.
+pub type Wave<S> = Line<S, Newest>;
+
+/// Passive multirate wave communications: the filtered wave is sent.
+pub type PassiveWave<S> = Line<S, OnePole<S>>;
+
+/// Exactly passive multirate wave communications: the mean of a packet's waves is sent.
+pub type PassiveMean<S> = Line<S, Mean<S>>;
+
+/// One end of a wave line.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<S, D> {
+    spring: Spring<S>,
+    decimator: D,
+    decode: Decode,
+    credit: Option<Credit<S>>,
+    period: S,
+    /// √(2b)/b, to decode with the force of the tick before.
+    root_over_impedance: S,
+    /// 1/b.
+    inverse_impedance: S,
+    /// √(2b).
+    root: S,
+    /// 1/(b + B_T + K_T·T_c), to decode implicitly.
+    inverse_loop: S,
+    /// √(b/2), the part of u_out that is velocity.
+    velocity_to_wave: S,
+    /// 1/√(2b), the part of u_out that is force.
+    force_to_wave: S,
+    half: S,
+}
+
+/// State of one end of a wave line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LineState<S, D> {
+    /// x_d, ẋ_d.
+    desired: Motion<S>,
+    /// F_T of the last tick, N.
+    force: S,
+    /// u_in as last received, √W, held between packets.
+    wave_in: S,
+    /// The filter before the rate drop.
+    outgoing: D,
+    /// What u_in is paid from.
+    account: Account<S>,
+    /// ∫u_out dt, √W·s.
+    integral: Sum<S>,
+    /// What x_d could not hold: rounding, no state.
+    carry: Carry<S>,
+}
+
+impl<S, D: StateVector<S>> StateVector<S> for LineState<S, D> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.desired.visit(each);
+        each(&mut self.force);
+        each(&mut self.wave_in);
+        self.outgoing.visit(each);
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
+    type State = LineState<S, D::State>;
+
+    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+        let coordination = &settings.coordination;
+        let exact = coordination.ledger && coordination.comm == LawName::PassiveMean;
+        if coordination.drift_correction && !exact {
+            // Only the mean carries its integral exactly, and only the ledger pays for what is added.
+            return Err(Refused {
+                key: "coordination.drift_correction",
+                value: Value::Flag(true),
+                allowed: Allowed::Only(
+                    "false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true",
+                ),
+                unit: "",
+            });
+        }
+        Ok(())
+    }
+
+    fn build(settings: &Settings) -> Self {
+        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
+        let impedance = coordination.wave_impedance_n_s_per_m;
+        let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
+        let root = libm::sqrt(2.0 * impedance);
+        Self {
+            spring: Spring::build(settings),
+            decimator: D::build(settings),
+            decode: coordination.decode,
+            credit: Credit::build(settings),
+            period: S::from_f64(period),
+            root_over_impedance: S::from_f64(root / impedance),
+            inverse_impedance: S::from_f64(1.0 / impedance),
+            root: S::from_f64(root),
+            inverse_loop: S::from_f64(1.0 / loop_gain),
+            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
+            force_to_wave: S::from_f64(1.0 / root),
+            half: S::from_f64(0.5),
+        }
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Line<S, D> {
+    #[inline]
+    fn decode(&self, state: &mut LineState<S, D::State>, wave_in: S, local: Motion<S>) -> Motion<S> {
+        let before = state.desired;
+        match self.decode {
+            Decode::Delayed => Motion {
+                position: state.carry.add(before.position, self.period * before.velocity),
+                velocity: self.root_over_impedance * wave_in - self.inverse_impedance * state.force,
+            },
+            Decode::Implicit => {
+                let stretch = before.position - local.position;
+                let velocity = (self.root * wave_in - self.spring.stiffness * stretch
+                    + self.spring.damping * local.velocity)
+                    * self.inverse_loop;
+                Motion { position: state.carry.add(before.position, self.period * velocity), velocity }
+            }
+        }
+    }
+}
+
+impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
+    fn sends(&self) -> Sends {
+        Sends::Waves
+    }
+
+    fn start(&self, state: &mut LineState<S, D::State>, local: Motion<S>) {
+        // What was sent stays sent: the other peer counts on it.
+        let integral = state.integral;
+        *state = LineState { desired: Motion::at(local.position), integral, ..LineState::default() };
+    }
+
+    fn receive(&self, state: &mut LineState<S, D::State>, packet: Packet<S>) {
+        state.wave_in = packet.wave;
+        if let Some(credit) = &self.credit {
+            credit.receive(&mut state.account, &packet);
+        }
+    }
+
+    #[inline]
+    fn couple(&self, state: &mut LineState<S, D::State>, local: Motion<S>) -> Coupled<S> {
+        let wave_in = match &self.credit {
+            Some(credit) => credit.spend(&mut state.account, state.wave_in),
+            None => state.wave_in,
+        };
+        state.desired = self.decode(state, wave_in, local);
+        state.force = self.spring.force(state.desired, local);
+        let wave_out = self.velocity_to_wave * state.desired.velocity - self.force_to_wave * state.force;
+        self.decimator.push(&mut state.outgoing, wave_out);
+        if self.credit.is_some() {
+            state.integral.add(self.period * wave_out);
+        }
+        Coupled {
+            desired: state.desired,
+            force: state.force,
+            power_in: self.half * wave_in * wave_in,
+            power_out: self.half * wave_out * wave_out,
+        }
+    }
+
+    fn send(&self, state: &LineState<S, D::State>, _: Motion<S>) -> Packet<S> {
+        Packet {
+            wave: self.decimator.level(&state.outgoing),
+            wave_integral: state.integral.total().to_f64(),
+            ..Packet::default()
+        }
+    }
+}

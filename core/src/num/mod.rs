@@ -1,0 +1,11 @@
+//! Numbers: the number types and the only maths functions, motion, state as a vector, and sums of many small terms.
+
+mod motion;
+mod scalar;
+mod sum;
+mod vector;
+
+pub use motion::Motion;
+pub use scalar::*;
+pub use sum::*;
+pub use vector::*;
