@@ -10,9 +10,9 @@
 //! | 8 | u64 | ask, lend, renew, renewed: stamp, µs of the client's clock |
 //! | 8 or 16 | f64 × 4 | lend, return: x, ẋ, y, ẏ of the object, m and m/s, exact |
 
-use crate::roles::code;
+use crate::roles::{Carried, code};
 use crate::wire::bytes::{Reader, Writer};
-use crate::wire::{Error, Event};
+use crate::wire::{self, Error, Event};
 
 /// Motion of the object along two axes as it is handed over: position (m) and velocity (m/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -142,6 +142,17 @@ impl Message {
         };
         reader.end()?;
         Ok((object, message))
+    }
+}
+
+impl Carried for Message {
+    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
+        self.event(object).map(wire::Message::Event)
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let wire::Message::Event(event) = message else { return None };
+        Self::parse(event).ok()
     }
 }
 

@@ -10,9 +10,9 @@
 //! on the server's. Up to 34 bytes.
 
 use super::{Ball, Ending, Game, PLAYERS, Phase, Turn, Verdict};
-use crate::roles::code;
+use crate::roles::{Carried, code};
 use crate::wire::bytes::{Reader, Writer};
-use crate::wire::{Error, Event, PeerId};
+use crate::wire::{self, Error, Event, PeerId, Sample};
 
 /// A message of the game.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,5 +222,28 @@ impl Message {
         };
         reader.end()?;
         Ok(message)
+    }
+}
+
+/// Single events (join, leave, hit, miss) are to arrive; the rest is flow, of which the newest counts. There is one game, and its
+/// messages name no object.
+impl Carried for Message {
+    fn carry(&self, _: u16) -> Result<wire::Message, Error> {
+        let event = self.event()?;
+        Ok(match self {
+            Self::Join | Self::Leave | Self::Hit { .. } | Self::Miss { .. } => wire::Message::Event(event),
+            _ => wire::Message::Sample(Sample::new(event.code, event.payload())?),
+        })
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let said = match message {
+            wire::Message::Event(event) => Self::parse(event),
+            wire::Message::Sample(sample) => {
+                Event::new(sample.code, sample.payload()).and_then(|event| Self::parse(&event))
+            }
+            _ => return None,
+        };
+        Some((0, said.ok()?))
     }
 }

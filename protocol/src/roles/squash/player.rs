@@ -7,7 +7,7 @@ use super::{
     RoundTrips, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
 };
 use crate::clock::Clock;
-use crate::roles::Outbox;
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// What a player is told.
@@ -190,7 +190,7 @@ impl Player {
 
     /// The racket meets the ball, or serves one that lies still at its place. `None` if this player may not hit it, it is
     /// out of the court, or the two move apart. Whether racket and ball are at one place is for the caller to find out.
-    pub fn hit<const Q: usize>(&mut self, now: u64, racket: &Racket, out: &mut Outbox<Message, Q>) -> Option<Strike> {
+    pub fn hit(&mut self, now: u64, racket: &Racket, out: &mut dyn Out<Message>) -> Option<Strike> {
         let at_us = self.game_us(now)?;
         if !self.is_active() || self.flight.unseen {
             return None;
@@ -216,7 +216,7 @@ impl Player {
     }
 
     /// Takes a message of the server or another player.
-    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         match *message {
             Message::Game(game) if from == SERVER => self.learn(game),
             Message::Place { turn, life, number, racket, .. } => {
@@ -249,7 +249,7 @@ impl Player {
     }
 
     /// Lets time pass.
-    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let gone =
             self.since_hit_s(now).is_some_and(|since_s| since_s >= self.config.court.leaves_s(&self.flight.ball));
         if self.is_active() && self.flight.turn.stroke > 0 && gone {
@@ -339,7 +339,7 @@ impl Player {
     }
 
     /// What nobody has answered: a hit to each who does not know it, a miss to a server that has not said so.
-    fn say_again<const Q: usize>(&mut self, out: &mut Outbox<Message, Q>) {
+    fn say_again(&mut self, out: &mut dyn Out<Message>) {
         let Flight { turn, at_us, ball, .. } = self.flight;
         if self.game.phase != Phase::Rally || turn.rally != self.game.rally {
             return;
@@ -358,7 +358,7 @@ impl Player {
     }
 
     /// Measures how far everybody is, counted from the first sending.
-    fn ping<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn ping(&mut self, now: u64, out: &mut dyn Out<Message>) {
         for peer in self.peers() {
             let Some(other) = self.others.get_mut(usize::from(peer.0)).filter(|other| now >= other.next_us) else {
                 continue;
@@ -394,5 +394,23 @@ impl Player {
         }
         // There is room now.
         let _ = self.notices.push_back(notice);
+    }
+}
+
+impl Role for Player {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = Notice;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.receive(now_us, from, message, out);
+    }
+
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        self.poll(now_us, out);
+    }
+
+    fn take_notice(&mut self) -> Option<Notice> {
+        self.take_notice()
     }
 }

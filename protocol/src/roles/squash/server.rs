@@ -4,7 +4,7 @@ use super::{
     Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, RoundTrips, SERVER, Turn,
     Verdict, place_of,
 };
-use crate::roles::Outbox;
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// What a server is told.
@@ -61,7 +61,7 @@ impl Server {
     }
 
     /// Takes a player's message.
-    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         let Some(seat) = self.seats.get_mut(place_of(from)) else { return };
         match *message {
             Message::Join => {
@@ -111,7 +111,7 @@ impl Server {
     }
 
     /// Lets time pass.
-    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         for seat in &mut self.seats {
             seat.wants &= now.saturating_sub(seat.heard_us) < HEARTBEAT_LIMIT_US;
         }
@@ -186,7 +186,7 @@ impl Server {
         self.turn = Turn { rally, stroke: 0 };
     }
 
-    fn say<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn say(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.next_us = now.saturating_add(PLACE_EVERY_US);
         for (player, seat) in (1..).map(PeerId).zip(&self.seats) {
             // Who has just gone hears it, too.
@@ -194,5 +194,19 @@ impl Server {
                 out.send(player, Message::Game(self.game));
             }
         }
+    }
+}
+
+impl Role for Server {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = core::convert::Infallible;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.receive(now_us, from, message, out);
+    }
+
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        self.poll(now_us, out);
     }
 }

@@ -3,9 +3,9 @@
 use heapless::Deque;
 
 use super::{Copy, Lease, Message, Value};
-use crate::roles::Outbox;
 use crate::roles::collaborative::NotOwner;
 use crate::roles::collaborative::lease::Requests;
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// Where a client stands.
@@ -119,7 +119,7 @@ impl Client {
     }
 
     /// The user moves away without having got it.
-    pub fn withdraw<const Q: usize>(&mut self, out: &mut Outbox<Message, Q>) {
+    pub fn withdraw(&mut self, out: &mut dyn Out<Message>) {
         if self.phase == Phase::Asking {
             self.phase = Phase::Idle;
             out.send(self.server, Message::Release { fence: 0, value: None });
@@ -127,12 +127,7 @@ impl Client {
     }
 
     /// The user has finished. From now on it does not own the object; `None` if it left it as it was.
-    pub fn release<const Q: usize>(
-        &mut self,
-        now: u64,
-        value: Option<Value>,
-        out: &mut Outbox<Message, Q>,
-    ) -> Result<(), NotOwner> {
+    pub fn release(&mut self, now: u64, value: Option<Value>, out: &mut dyn Out<Message>) -> Result<(), NotOwner> {
         let Phase::Owner { fence, until_us } = self.phase else { return Err(NotOwner) };
         if now >= until_us {
             return Err(NotOwner);
@@ -145,7 +140,7 @@ impl Client {
     }
 
     /// Takes a message of the server.
-    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         self.expire(now);
         if from != self.server {
             return;
@@ -162,7 +157,7 @@ impl Client {
     }
 
     /// Lets time pass.
-    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.expire(now);
         if now < self.next_us {
             return;
@@ -180,7 +175,7 @@ impl Client {
         out.send(self.server, message);
     }
 
-    fn granted<const Q: usize>(&mut self, now: u64, number: u32, fence: u32, copy: Copy, out: &mut Outbox<Message, Q>) {
+    fn granted(&mut self, now: u64, number: u32, fence: u32, copy: Copy, out: &mut dyn Out<Message>) {
         let sent_us = if number >= self.first { self.asks.sent_us(number) } else { None };
         let until_us = sent_us.map(|sent_us| sent_us.saturating_add(self.lease.holder_us()));
         match (self.phase, until_us) {
@@ -245,5 +240,23 @@ impl Client {
         }
         // There is room now.
         let _ = self.notices.push_back(notice);
+    }
+}
+
+impl Role for Client {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = Notice;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.receive(now_us, from, message, out);
+    }
+
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        self.poll(now_us, out);
+    }
+
+    fn take_notice(&mut self) -> Option<Notice> {
+        self.take_notice()
     }
 }

@@ -8,10 +8,10 @@
 //! | 4 | | follow: known u32. ask: incarnation, number, known u32. release: fence u32, value if any. grant: incarnation, number, fence, version u32, value. state: version u32, value. answer: fence u32 |
 
 use super::Copy;
-use crate::roles::code;
 use crate::roles::collaborative::Value;
+use crate::roles::{Carried, code};
 use crate::wire::bytes::{Reader, Writer};
-use crate::wire::{Error, Event};
+use crate::wire::{self, Error, Event};
 
 /// A message about one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,5 +127,16 @@ impl Message {
         };
         reader.end()?;
         Ok((object, message))
+    }
+}
+
+impl Carried for Message {
+    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
+        self.event(object).map(wire::Message::Event)
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let wire::Message::Event(event) = message else { return None };
+        Self::parse(event).ok()
     }
 }

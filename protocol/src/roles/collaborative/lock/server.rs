@@ -3,7 +3,7 @@
 use heapless::{Deque, Vec};
 
 use super::{Copy, Lease, Message, Value};
-use crate::roles::Outbox;
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// What a server must still know after a crash. Store it before sending what came with the change.
@@ -74,7 +74,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
     }
 
     /// Takes a client's message.
-    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         self.expire(now);
         match *message {
             Message::Follow { known } => self.follow(now, from, known, out),
@@ -91,13 +91,13 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
     }
 
     /// Lets time pass.
-    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.expire(now);
         self.grant(now, out);
     }
 
     /// A client is there, and has this version.
-    fn follow<const Q: usize>(&mut self, now: u64, from: PeerId, known: u32, out: &mut Outbox<Message, Q>) {
+    fn follow(&mut self, now: u64, from: PeerId, known: u32, out: &mut dyn Out<Message>) {
         match self.followers.iter_mut().find(|(client, _)| *client == from) {
             Some((_, heard_us)) => *heard_us = now,
             None => {
@@ -114,7 +114,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
         }
     }
 
-    fn asked<const Q: usize>(&mut self, asked: Turn, out: &mut Outbox<Message, Q>) {
+    fn asked(&mut self, asked: Turn, out: &mut dyn Out<Message>) {
         let same = |turn: &Turn| turn.client == asked.client && turn.incarnation == asked.incarnation;
         if let Some(holder) = self.holder.as_mut().filter(|holder| same(holder)) {
             // A repetition, or an ask that was overtaken, renews nothing.
@@ -136,13 +136,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
         let _ = self.waiting.push_back(asked);
     }
 
-    fn released<const Q: usize>(
-        &mut self,
-        from: PeerId,
-        fence: u32,
-        value: Option<Value>,
-        out: &mut Outbox<Message, Q>,
-    ) {
+    fn released(&mut self, from: PeerId, fence: u32, value: Option<Value>, out: &mut dyn Out<Message>) {
         if fence == self.record.fence && self.record.open == Some(from) {
             self.record.open = None;
             self.holder = None;
@@ -181,7 +175,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
     }
 
     /// The next in the queue gets it, if it is free.
-    fn grant<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn grant(&mut self, now: u64, out: &mut dyn Out<Message>) {
         if self.holder.is_some() || now < self.closed_until_us {
             return;
         }
@@ -196,5 +190,19 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
     fn granted(&self, turn: &Turn) -> Message {
         let Turn { incarnation, number, .. } = *turn;
         Message::Grant { incarnation, number, fence: self.record.fence, copy: self.record.copy }
+    }
+}
+
+impl<const CLIENTS: usize> Role for Server<CLIENTS> {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = core::convert::Infallible;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.receive(now_us, from, message, out);
+    }
+
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        self.poll(now_us, out);
     }
 }

@@ -1,7 +1,7 @@
 //! Candidate: how a lost token is made anew, never two of them.
 
 use super::{Ballot, Message, Part, Ring, Roster, State};
-use crate::roles::Outbox;
+use crate::roles::Out;
 
 /// What a candidate has heard.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl Ring {
     pub(super) const NO_VOTE: u32 = 0;
 
     /// Stands for a new token, with an epoch that is higher than any heard of and nobody else's.
-    pub(super) fn stand<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub(super) fn stand(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let Some(round) = (self.highest >> 4).checked_add(1).filter(|round| *round < 1 << 28) else { return };
         let epoch = round << 4 | u32::from(self.config.seat);
         self.step_back();
@@ -41,14 +41,14 @@ impl Ring {
     }
 
     /// A vote, with what the voter knows.
-    pub(super) fn voted<const Q: usize>(
+    pub(super) fn voted(
         &mut self,
         now: u64,
         from: u8,
         epoch: u32,
         ballot: Ballot,
         state: State,
-        out: &mut Outbox<Message, Q>,
+        out: &mut dyn Out<Message>,
     ) {
         if epoch == Self::NO_VOTE {
             self.told_off(ballot, state);
@@ -67,7 +67,7 @@ impl Ring {
     }
 
     /// The token is this one's when the majorities agree, by what the newest state says about who the members are.
-    fn count<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn count(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let Part::Candidate(Candidacy { votes, ballot, state }) = self.part else { return };
         if !state.roster.contains(self.config.seat) {
             self.told_off(ballot, state);

@@ -1,7 +1,7 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
 use super::{Ballot, Message, Notice, Part, Ring, Roster, SEATS, State, Value};
-use crate::roles::Outbox;
+use crate::roles::Out;
 use crate::wire::PeerId;
 
 /// Turns and leases of silence after which a member is left out.
@@ -61,7 +61,7 @@ impl Ring {
     }
 
     /// The token is here; whether anybody may edit, the others say.
-    pub(super) fn take_token<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub(super) fn take_token(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let held = [None; SEATS as usize];
         self.part = Part::Holder(Holding { held, stage: Stage::Settling { publishes: false }, used: false });
         self.supported = Some(self.config.seat);
@@ -69,7 +69,7 @@ impl Ring {
     }
 
     /// Says that the token is here, to everybody who has a say.
-    pub(super) fn say_hold<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub(super) fn say_hold(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let number = self.holds.send(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
         let (ballot, state) = (self.record.ballot, self.record.state);
@@ -109,13 +109,7 @@ impl Ring {
     }
 
     /// The next version: this value, and the members as they want to be.
-    pub(super) fn propose<const Q: usize>(
-        &mut self,
-        now: u64,
-        value: Value,
-        publishes: bool,
-        out: &mut Outbox<Message, Q>,
-    ) {
+    pub(super) fn propose(&mut self, now: u64, value: Value, publishes: bool, out: &mut dyn Out<Message>) {
         let roster = self.next_roster(now);
         let Part::Holder(holding) = &mut self.part else { return };
         let State { version, roster: before, .. } = self.record.state;
@@ -145,7 +139,7 @@ impl Ring {
     }
 
     /// Does whatever can be done now.
-    pub(super) fn settle<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub(super) fn settle(&mut self, now: u64, out: &mut dyn Out<Message>) {
         if !matches!(self.part, Part::Holder(_)) {
             return;
         }
@@ -189,7 +183,7 @@ impl Ring {
     }
 
     /// The state is kept by a majority: what next?
-    fn go_on<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn go_on(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let (next, live) = (self.next_in_turn(now), now < self.lease_until_us(now));
         let Part::Holder(holding) = &mut self.part else { return };
         if self.wants && !(holding.used && next.is_some()) {
@@ -234,7 +228,7 @@ impl Ring {
         })
     }
 
-    fn pass<const Q: usize>(&mut self, now: u64, to: u8, out: &mut Outbox<Message, Q>) {
+    fn pass(&mut self, now: u64, to: u8, out: &mut dyn Out<Message>) {
         let Ballot { epoch, turn } = self.record.ballot;
         let (Part::Holder(holding), Some(turn)) = (&self.part, turn.checked_add(1)) else { return };
         let roster = self.record.state.roster;

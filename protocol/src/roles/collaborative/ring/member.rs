@@ -1,19 +1,19 @@
 //! What a member does for the others: keeps the state, supports one holder at a time, votes.
 
 use super::{Ballot, Message, Notice, Part, Ring, State};
-use crate::roles::Outbox;
+use crate::roles::Out;
 use crate::wire::PeerId;
 
 impl Ring {
     /// Somebody has the token.
-    pub(super) fn hold<const Q: usize>(
+    pub(super) fn hold(
         &mut self,
         now: u64,
         from: u8,
         ballot: Ballot,
         state: State,
         number: u32,
-        out: &mut Outbox<Message, Q>,
+        out: &mut dyn Out<Message>,
     ) {
         self.highest = self.highest.max(ballot.epoch);
         if ballot.epoch < self.record.promised {
@@ -32,14 +32,7 @@ impl Ring {
     }
 
     /// The token comes here. Only the first time: a ballot that is kept is one that has been heard.
-    pub(super) fn passed<const Q: usize>(
-        &mut self,
-        now: u64,
-        from: u8,
-        ballot: Ballot,
-        state: State,
-        out: &mut Outbox<Message, Q>,
-    ) {
+    pub(super) fn passed(&mut self, now: u64, from: u8, ballot: Ballot, state: State, out: &mut dyn Out<Message>) {
         self.highest = self.highest.max(ballot.epoch);
         if ballot.epoch < self.record.promised {
             out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
@@ -80,7 +73,7 @@ impl Ring {
     }
 
     /// Somebody thinks that the token is lost.
-    pub(super) fn elect<const Q: usize>(&mut self, now: u64, from: u8, epoch: u32, out: &mut Outbox<Message, Q>) {
+    pub(super) fn elect(&mut self, now: u64, from: u8, epoch: u32, out: &mut dyn Out<Message>) {
         if epoch & 0xf != u32::from(from) {
             return;
         }
@@ -101,7 +94,7 @@ impl Ring {
     }
 
     /// Tells somebody whose voice counts no more, for it may not know.
-    pub(super) fn tell_off<const Q: usize>(&self, to: u8, out: &mut Outbox<Message, Q>) {
+    pub(super) fn tell_off(&self, to: u8, out: &mut dyn Out<Message>) {
         let (ballot, state) = (self.record.ballot, self.record.state);
         if !state.everybody().contains(to) {
             out.send(PeerId(to), Message::Vote { epoch: Self::NO_VOTE, ballot, state });

@@ -10,9 +10,9 @@
 //! A ballot is epoch u32, turn u32; a state is version u32, roster u16, roster before u16, value 24 bytes. Up to 48 bytes.
 
 use super::{Ballot, Roster, State};
-use crate::roles::code;
+use crate::roles::{Carried, code};
 use crate::wire::bytes::{Reader, Writer};
-use crate::wire::{Error, Event};
+use crate::wire::{self, Error, Event};
 
 /// A message about one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,5 +166,16 @@ impl Message {
         };
         reader.end()?;
         Ok((object, message))
+    }
+}
+
+impl Carried for Message {
+    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
+        self.event(object).map(wire::Message::Event)
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let wire::Message::Event(event) = message else { return None };
+        Self::parse(event).ok()
     }
 }

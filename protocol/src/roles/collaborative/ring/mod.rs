@@ -28,7 +28,7 @@ use heapless::Deque;
 
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};
-use crate::roles::Outbox;
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 mod candidate;
@@ -230,7 +230,7 @@ impl Ring {
     }
 
     /// The user moves away, or has changed nothing.
-    pub fn give_up<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn give_up(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.wants = false;
         self.end_turn();
         self.poll(now, out);
@@ -248,12 +248,7 @@ impl Ring {
     }
 
     /// The user has finished: this is what the object is now. From now on it does not own the object.
-    pub fn publish<const Q: usize>(
-        &mut self,
-        now: u64,
-        value: Value,
-        out: &mut Outbox<Message, Q>,
-    ) -> Result<(), NotOwner> {
+    pub fn publish(&mut self, now: u64, value: Value, out: &mut dyn Out<Message>) -> Result<(), NotOwner> {
         if !self.owns(now) {
             return Err(NotOwner);
         }
@@ -263,7 +258,7 @@ impl Ring {
     }
 
     /// Takes a message of another member.
-    pub fn receive<const Q: usize>(&mut self, now: u64, from: PeerId, message: &Message, out: &mut Outbox<Message, Q>) {
+    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         let seat = from.0;
         if seat >= SEATS || seat == self.config.seat {
             return;
@@ -290,7 +285,7 @@ impl Ring {
     }
 
     /// Lets time pass.
-    pub fn poll<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.settle(now, out);
         let member = self.record.state.roster.contains(self.config.seat);
         if member
@@ -307,7 +302,7 @@ impl Ring {
     }
 
     /// What has not been answered is said again.
-    fn repeat<const Q: usize>(&mut self, now: u64, out: &mut Outbox<Message, Q>) {
+    fn repeat(&mut self, now: u64, out: &mut dyn Out<Message>) {
         match &self.part {
             Part::Member if self.leaving && !self.has_left() => self.tell(self.config.contacts, Message::Leave, out),
             Part::Member if self.leaving || self.record.state.roster.contains(self.config.seat) => {}
@@ -324,7 +319,7 @@ impl Ring {
     }
 
     /// To each of these but oneself.
-    fn tell<const Q: usize>(&self, to: Roster, message: Message, out: &mut Outbox<Message, Q>) {
+    fn tell(&self, to: Roster, message: Message, out: &mut dyn Out<Message>) {
         for seat in to.without(self.config.seat).seats() {
             out.send(PeerId(seat), message);
         }
@@ -359,6 +354,24 @@ impl Ring {
         }
         // There is room now.
         let _ = self.notices.push_back(notice);
+    }
+}
+
+impl Role for Ring {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = Notice;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.receive(now_us, from, message, out);
+    }
+
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        self.poll(now_us, out);
+    }
+
+    fn take_notice(&mut self) -> Option<Notice> {
+        self.take_notice()
     }
 }
 
