@@ -24,8 +24,7 @@
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
 use haptic_core::law::Packet;
-use haptic_core::num::Motion;
-use haptic_core::num::StateVector;
+use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, State};
 use haptic_core::scene::Models;
 

@@ -1,25 +1,25 @@
 //! Instructions of every numerical choice, exactly: each is replayed under valgrind's callgrind, which counts nothing but
 //! the call.
 //!
-//! `cargo bench --package host-sim --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds;
+//! `cargo bench --package host-sim --bench choices` prints the table that `src/studies/accuracy/instructions-x86-64.txt` holds;
 //! `-- --check` compares with it (each count within 2 %, as `cargo xtask bench-check` does for the ticks of core) and
 //! `-- --bless` rewrites it. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
 //! after each case [`case_done`] makes callgrind write what it counted. The same binary gives the same counts on every run.
 //!
 //! Counted: `measured_call` with everything it calls, so loading parameters, storing state and the call itself are in it;
-//! mean over the calls of a case. What is called and on which data, `host_sim::accuracy::cases` says.
+//! mean over the calls of a case. What is called and on which data, `haptic_cases` says.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use haptic_cases::{Case, Meter};
 use haptic_core::num::Fixed;
-use host_sim::accuracy::cases::{self, Case, Meter};
-use host_sim::accuracy::counts::{Processor, SCALARS, parse};
+use host_sim::studies::accuracy::counts::{Processor, SCALARS, parse};
 
 /// Where the reviewed counts are.
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/accuracy/instructions-x86-64.txt");
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/studies/accuracy/instructions-x86-64.txt");
 /// Largest accepted change, either way, as a fraction.
 const TOLERANCE: f64 = 0.02;
 
@@ -47,9 +47,9 @@ impl Meter for Callgrind {
 /// The cases of the number type called `scalar`.
 fn cases_of(scalar: &str) -> Box<dyn Iterator<Item = Case>> {
     match scalar {
-        "f32" => Box::new(cases::all::<f32, Callgrind>()),
-        "f64" => Box::new(cases::all::<f64, Callgrind>()),
-        _ => Box::new(cases::all::<Fixed, Callgrind>()),
+        "f32" => Box::new(haptic_cases::all::<f32, Callgrind>()),
+        "f64" => Box::new(haptic_cases::all::<f64, Callgrind>()),
+        _ => Box::new(haptic_cases::all::<Fixed, Callgrind>()),
     }
 }
 

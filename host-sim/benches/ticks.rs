@@ -4,18 +4,15 @@
 //! peers, their devices, the network), without recording anything. Throughput is in ticks; a two-peer tick is one tick of
 //! both. `cargo xtask bench` prints them as the tables of the README.
 
-#[path = "../../core/benches/cases/mod.rs"]
-mod cases;
-
-use cases::Measure;
-use cases::recording::{Recording, TICKS};
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use haptic_cases::ticks::recording::{Recording, TICKS};
+use haptic_cases::ticks::{self, Measure};
 use haptic_core::num::Scalar;
 use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
-use host_sim::harness::Pair;
-use host_sim::scenes;
+use haptic_sim::pair::Pair;
+use haptic_sim::scenes;
 use std::time::Duration;
 
 /// Two-peer ticks in one measurement: a second at the papers' rate.
@@ -32,7 +29,7 @@ impl Measure for Time<'_> {
     fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
         let recording = Recording::<M>::new(settings);
         self.0
-            .bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| cases::replay(&recording)));
+            .bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| ticks::replay(&recording)));
     }
 }
 
@@ -40,7 +37,7 @@ fn one_tick(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("tick");
     group.throughput(Throughput::Elements(TICKS as u64));
     let mut time = Time(group);
-    cases::measure_all(&mut time);
+    ticks::measure_all(&mut time);
     time.0.finish();
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::sync::LazyLock;
 
+use haptic_cases::{Meter, reach};
 use haptic_core::device::kinematics::five_bar::HOME_RAD;
 use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::device::velocity::VelocityName;
@@ -11,14 +12,13 @@ use haptic_core::law::wave::Decode;
 use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Choice, Settings};
-use host_sim::accuracy::cases::{self, Meter, reach};
-use host_sim::accuracy::counts::{Processor, parse};
-use host_sim::accuracy::filters::{Exact, Filter};
-use host_sim::accuracy::integrators::{Test, closed_form, energy_error, errors};
-use host_sim::accuracy::{
+use haptic_sim::scenes;
+use host_sim::studies::accuracy::counts::{Processor, parse};
+use host_sim::studies::accuracy::filters::{Exact, Filter};
+use host_sim::studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
+use host_sim::studies::accuracy::{
     Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair, pareto,
 };
-use host_sim::scenes;
 use proptest::prelude::{prop, prop_assert, proptest};
 use serde_json::Value;
 
@@ -273,13 +273,13 @@ fn every_case_was_counted() {
             body(input)
         }
     }
-    let names: BTreeSet<String> = cases::all::<f32, Nothing>().map(|case| case.name).collect();
+    let names: BTreeSet<String> = haptic_cases::all::<f32, Nothing>().map(|case| case.name).collect();
     for processor in PROCESSORS {
         let counted: BTreeSet<String> = parse(processor.reviewed()).into_keys().map(str::to_owned).collect();
         let (missing, stale) = (&names - &counted, &counted - &names);
         assert!(
             missing.is_empty() && stale.is_empty(),
-            "{processor:?}: not counted are {missing:?}, no cases any more {stale:?}; host-sim/src/accuracy/counts.rs says how to \
+            "{processor:?}: not counted are {missing:?}, no cases any more {stale:?}; host-sim/src/studies/accuracy/counts.rs says how to \
              count"
         );
     }

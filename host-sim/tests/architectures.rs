@@ -4,9 +4,9 @@
 //! linear hand lags behind its reach is, as an integral over time, the distance times b/k: the damping of the device over the
 //! stiffness of its arm (the derivative of its transfer function at 0), and a minimum-jerk reach is half-way for half of its time.
 
-use host_sim::architectures::hand::REST_S;
-use host_sim::architectures::together::unbounded_radius;
-use host_sim::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};
+use host_sim::studies::architectures::hand::REST_S;
+use host_sim::studies::architectures::together::unbounded_radius;
+use host_sim::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};
 
 /// Damping of the device, N·s/m, and stiffness of the contact, N/m: the scene's defaults.
 const DAMPING: f64 = 1.0;
@@ -76,7 +76,7 @@ fn in_a_row(one: f64, two: f64) -> f64 {
 #[test]
 fn bodies_rest_where_the_springs_balance() {
     use Architecture::*;
-    let row = |architecture, delay_ms| host_sim::architectures::row(architecture, delay_ms).expect("a run");
+    let row = |architecture, delay_ms| host_sim::studies::architectures::row(architecture, delay_ms).expect("a run");
     let arm = TASK.arm_stiffness_n_per_m;
     let own = arm.map(|arm| in_a_row(arm, CONTACT));
     for delay_ms in [0.0, 4.0, 20.0] {
@@ -117,7 +117,7 @@ fn to_go(distance_m: f64, reach_s: f64, user: usize) -> f64 {
 #[test]
 fn mean_discrepancies_are_those_of_the_way_and_the_time() {
     use Architecture::*;
-    let row = |architecture, delay_ms| host_sim::architectures::row(architecture, delay_ms).expect("a run");
+    let row = |architecture, delay_ms| host_sim::studies::architectures::row(architecture, delay_ms).expect("a run");
     let [first, second] = TASK.goals_m;
     let apart = 1e3 * (first - second) * TASK.duration_s;
     let alone = apart - to_go(first, TASK.reach_s, 0) + to_go(second, TASK.reach_s, 1);
@@ -138,8 +138,9 @@ fn mean_discrepancies_are_those_of_the_way_and_the_time() {
 /// first turn, the release that user 2 waits for, and the one that user 1 is told of in the end.
 #[test]
 fn a_lock_costs_three_delays() {
-    let placed =
-        |delay_ms| host_sim::architectures::row(Architecture::CollaborativeLock, delay_ms).expect("a run").placed_s;
+    let placed = |delay_ms| {
+        host_sim::studies::architectures::row(Architecture::CollaborativeLock, delay_ms).expect("a run").placed_s
+    };
     let prompt = placed(0.0);
     for delay_ms in [20.0, 80.0, 200.0] {
         near(placed(delay_ms) - prompt, 3e-3 * delay_ms, 0.01);
@@ -151,7 +152,8 @@ fn a_lock_costs_three_delays() {
 #[test]
 fn the_engine_without_bounder_needs_the_papers_200_hz() {
     for (delay_ms, radius) in [(0.0, 1.042_147), (10.0, 1.248_479), (20.0, 1.234_453), (200.0, 1.082_598)] {
-        let row = host_sim::architectures::row(Architecture::CooperativeServerUnbounded, delay_ms).expect("a run");
+        let row =
+            host_sim::studies::architectures::row(Architecture::CooperativeServerUnbounded, delay_ms).expect("a run");
         assert!(!row.stable);
         near(row.spectral_radius, radius, 2e-6);
     }
@@ -163,7 +165,7 @@ fn the_engine_without_bounder_needs_the_papers_200_hz() {
 /// Bytes against the layouts: 125 packets a second of flow (36), push (32) and state (48), 32 around each.
 #[test]
 fn bytes_are_those_of_the_wire() {
-    let row = |architecture| host_sim::architectures::row(architecture, 20.0).expect("a run");
+    let row = |architecture| host_sim::studies::architectures::row(architecture, 20.0).expect("a run");
     near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 68.0, 1.0);
     let cooperative = row(Architecture::CooperativeServer);
     near(cooperative.user_bytes_per_s, 125.0 * 64.0, 1.0);

@@ -2,12 +2,12 @@
 //! forms with noise, and what is refused instead of guessed.
 
 use haptic_core::settings::Value;
-use host_sim::calibrate::board::{Board, Joint, Run, Tick};
-use host_sim::calibrate::counts::{self, Distance};
-use host_sim::calibrate::motor::{self, Known};
-use host_sim::calibrate::simulated::Shared;
-use host_sim::calibrate::{Found, Person, Task, friction, inertia, motion, settings_file, sign};
-use host_sim::scene::SceneFile;
+use haptic_sim::board::calibrate::board::{Board, Joint, Run, Tick};
+use haptic_sim::board::calibrate::counts::{self, Distance};
+use haptic_sim::board::calibrate::motor::{self, Known};
+use haptic_sim::board::calibrate::simulated::Shared;
+use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, motion, settings_file, sign};
+use haptic_sim::scene::SceneFile;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -235,7 +235,7 @@ fn ticks_that_get_lost_are_noticed() {
 fn the_settings_file_grows() {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("grows.toml");
     std::fs::write(&path, "[object]\nmass_kg = 0.25\n[encoder]\ncounts_per_m = 1000.0\n").expect("a file");
-    let estimate = host_sim::calibrate::Estimate { value: 123_456.0, within: 10.0 };
+    let estimate = haptic_sim::board::calibrate::Estimate { value: 123_456.0, within: 10.0 };
     settings_file::add(
         &path,
         &[Found::number("encoder.counts_per_m", estimate, ""), Found::flag("motor.reversed", true)],
@@ -249,7 +249,7 @@ fn the_settings_file_grows() {
     assert_eq!(settings_file::give(&mut board, &path), Ok(3));
     assert_eq!(board.settings().get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     // What is outside a key's range never reaches the file.
-    let far = host_sim::calibrate::Estimate { value: 1e12, within: 1.0 };
+    let far = haptic_sim::board::calibrate::Estimate { value: 1e12, within: 1.0 };
     let before = std::fs::read_to_string(&path).expect("a file");
     refused(settings_file::add(&path, &[Found::number("encoder.counts_per_m", far, "")]), "encoder.counts_per_m");
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), before);

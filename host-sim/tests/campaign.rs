@@ -1,6 +1,6 @@
 //! The fault campaign: what passive communications promise on any network, and a reviewed snapshot of the whole table.
 
-use host_sim::experiment::campaign::{COMMS, Cell, campaign};
+use host_sim::studies::campaign::{COMMS, Cell, campaign};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt");
 

@@ -1,15 +1,15 @@
 //! The cooperative environment: the paper's limits without the bounder, none up to 200 ms with it, the engine that moves, and
 //! N wave peers around a node.
 
+use haptic_analysis::rendering::{Body, Renderer, Rendering};
 use haptic_core::contact::bounder::Bounder;
-use host_sim::analysis::rendering::{Body, Renderer, Rendering};
-use host_sim::cooperative::limits::{bounded_radius, stiffest, table};
-use host_sim::cooperative::run::run;
-use host_sim::cooperative::waves::Waves;
-use host_sim::cooperative::world::World;
-use host_sim::cooperative::{Collision, Engine, Setup};
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
+use host_sim::shared::cooperative::limits::{bounded_radius, stiffest, table};
+use host_sim::shared::cooperative::run::run;
+use host_sim::shared::cooperative::waves::Waves;
+use host_sim::shared::cooperative::world::World;
+use host_sim::shared::cooperative::{Collision, Engine, Setup};
 use rayon::prelude::*;
 
 /// The cooperation paper's §5 forces: a push of each, taps of one and a sine of the other.

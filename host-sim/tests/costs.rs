@@ -1,6 +1,6 @@
 //! What passivity costs, against closed forms: how late a sample is, and that a late line is heavy.
 
-use host_sim::experiment::costs::{CHOICES, Cost, costs};
+use host_sim::studies::costs::{CHOICES, Cost, costs};
 
 const PACKET_MS: f64 = 8.0;
 const TICK_MS: f64 = 1.0;

@@ -2,8 +2,8 @@
 //!
 //! Judged by the peers' state and their own time, so that a machine that is busy with other things finds the same.
 
-use host_sim::live::flood::{Options, run};
-use host_sim::scenes;
+use haptic_sim::scenes;
+use host_sim::trials::flood::{Options, run};
 
 #[test]
 fn a_flood_of_forged_datagrams_changes_nothing() {

@@ -4,8 +4,8 @@
 //! a change of any hash is a change of behaviour and belongs into the changelog.
 
 use haptic_core::num::{Fixed, Scalar};
-use host_sim::experiment::{Options, run};
-use host_sim::scenes;
+use haptic_sim::run::{Options, run};
+use haptic_sim::scenes;
 use rayon::prelude::*;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden.txt");

@@ -13,8 +13,8 @@ use haptic_protocol::lines::Lines;
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
-use host_sim::live::key_file;
-use host_sim::live::operator::Operator;
+use haptic_sim::board::operator::Operator;
+use haptic_sim::key_file;
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);

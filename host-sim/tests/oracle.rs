@@ -1,7 +1,7 @@
 //! The simulator against the independent model in `tests/oracle` (Python, written from the equations alone).
 
-use host_sim::experiment::{Options, run};
-use host_sim::scene::SceneFile;
+use haptic_sim::run::{Options, run};
+use haptic_sim::scene::SceneFile;
 
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/oracle/simulations.csv");
 

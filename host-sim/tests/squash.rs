@@ -4,11 +4,11 @@
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use host_sim::network::fate::Jitter;
-use host_sim::scene::Network;
-use host_sim::squash::bot::MOTION;
-use host_sim::squash::sweep::ROUND_TRIPS_MS;
-use host_sim::squash::{Change, Options, Report, play};
+use haptic_sim::network::rule::Jitter;
+use haptic_sim::scene::Network;
+use host_sim::shared::squash::bot::MOTION;
+use host_sim::shared::squash::sweep::ROUND_TRIPS_MS;
+use host_sim::shared::squash::{Change, Options, Report, play};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 

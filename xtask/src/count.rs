@@ -11,7 +11,8 @@ use crate::run::{self, Failure, step};
 use crate::setup;
 
 /// Programs of tests/count, and where what they print was reviewed.
-const TABLES: [(&str, &str); 2] = [("count", "host-sim/src/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
+const TABLES: [(&str, &str); 2] =
+    [("count", "host-sim/src/studies/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
 /// The reviewed counts of the wire.
 pub(crate) const WIRE: &str = "protocol/instructions-cortex-m7.txt";
 /// Largest accepted change, either way, as a fraction.

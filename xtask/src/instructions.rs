@@ -1,6 +1,6 @@
-//! `cargo xtask bench-check`: the instructions of one tick against the reviewed `core/benches/instructions.txt`.
+//! `cargo xtask bench-check`: the instructions of one tick against the reviewed `host-sim/cases/benches/instructions.txt`.
 //!
-//! The counts come from the bench `instructions` of haptic-core, under callgrind: exact, the same on every run of the same
+//! The counts come from the bench `instructions` of haptic-cases, under callgrind: exact, the same on every run of the same
 //! binary. The tolerance is for C libraries that copy memory differently; what the compiler or a change to the tick does
 //! beyond it is for review (`--bless`, then the difference is in the commit).
 
@@ -10,7 +10,7 @@ use crate::run::{self, Failure, cargo};
 use crate::setup;
 
 /// Where the reviewed counts are.
-const FILE: &str = "core/benches/instructions.txt";
+const FILE: &str = "host-sim/cases/benches/instructions.txt";
 /// Largest accepted change, either way, as a fraction.
 const TOLERANCE: f64 = 0.02;
 /// Number types, in the order of the table's columns.
@@ -83,7 +83,7 @@ pub(crate) fn obstacle() -> Result<Option<String>, Failure> {
 
 /// Counts now.
 pub(crate) fn count() -> Result<Counts, Failure> {
-    let mut bench = cargo(&["bench", "--locked", "--quiet", "--package", "haptic-core", "--bench", "instructions"]);
+    let mut bench = cargo(&["bench", "--locked", "--quiet", "--package", "haptic-cases", "--bench", "instructions"]);
     eprintln!("    {}", run::spelled(&bench));
     parse(run::output(&mut bench)?)
 }

@@ -4,10 +4,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
-use crate::board;
 use crate::provision::CHIP;
 use crate::run::{self, Failure, command, step};
-use crate::setup;
+use crate::{board, setup};
 
 /// Where the log goes.
 const FILE: &str = "out/board.log";

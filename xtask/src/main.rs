@@ -43,7 +43,7 @@ Usage: cargo xtask COMMAND [--help]
   test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
   board-test   the release image on virtual boards: same bits as the simulator, budgets, faults (builds an emulator)
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
-  bench-check  compare the instructions of one tick with core/benches/instructions.txt
+  bench-check  compare the instructions of one tick with host-sim/cases/benches/instructions.txt
   count        count instructions on the board's processor (QEMU), compare with the reviewed tables
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
   fuzz         run every fuzz target of the protocol for a minute, keep what it finds
@@ -74,7 +74,7 @@ Usage: cargo xtask test
   set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
   without warnings, all tests in debug (documentation tests and what of the image needs no chip included), the golden
   traces in release as well, no panic in the tick, README.md against what its commands print, the instructions of one tick against
-  core/benches/instructions.txt (needs valgrind, which apt-get installs if it can), the memory that interrupt and tasks
+  host-sim/cases/benches/instructions.txt (needs valgrind, which apt-get installs if it can), the memory that interrupt and tasks
   share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on virtual boards
   (board-test), whose emulator takes minutes to build.
 ";
@@ -89,7 +89,7 @@ Usage: cargo xtask bench [--quick]
 ";
 
 const BENCH_CHECK_HELP: &str = "\
-Counts the instructions of one tick under callgrind and compares them with core/benches/instructions.txt: each may
+Counts the instructions of one tick under callgrind and compares them with host-sim/cases/benches/instructions.txt: each may
 differ by 2 %. x86-64 Linux only, where it installs valgrind if apt-get can.
 
 Usage: cargo xtask bench-check [--bless]
@@ -113,7 +113,7 @@ Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S]
 const COUNT_HELP: &str = "\
 Counts instructions on the board's processor, a Cortex-M7 under QEMU: every numerical choice of the tick, and sealing,
 opening, refusing and joining on the wire. Prints the tables and compares them with the reviewed ones
-(host-sim/src/accuracy and protocol, instructions-cortex-m7.txt): each count may differ by 2 % or 3 instructions.
+(host-sim/src/studies/accuracy and protocol, instructions-cortex-m7.txt): each count may differ by 2 % or 3 instructions.
 
 Usage: cargo xtask count [--bless]
 

@@ -6,12 +6,9 @@
 
 use std::time::Instant;
 
-use crate::board;
-use crate::instructions;
-use crate::no_panic;
-use crate::qemu;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
+use crate::{board, instructions, no_panic, qemu};
 
 /// Rooms that must compile for the microcontroller, with their packages; a room that is not there yet is left out.
 const ON_THE_MICROCONTROLLER: [(&str, &str); 2] = [("core", "haptic-core"), ("protocol", "haptic-protocol")];

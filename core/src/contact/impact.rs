@@ -25,8 +25,7 @@
 //! [`crate::num::Fixed`] sees a time of impact only above 0.1 mm/s and to about 1e-7 m.
 //! Units: m, m/s, kg, N·s, J. NaN in: no impact.
 
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 
 /// Impacts that one step may hold.
 pub const MOST: u32 = 64;

@@ -15,13 +15,11 @@
 //! command and booked beside what was wanted ([`super::Impacts`]): the object always takes the whole of ΔQ, and the hand
 //! feels the rest of it never, or as the next impact. One-sided contacts only; units N, N·s, m.
 
-use super::contact::Contact;
+use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
 use super::{Impacts, Rendering, Touch};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::Sum;
+use crate::num::{Motion, Scalar, Sum};
 use crate::settings::{Allowed, Refused, Settings, Value};
 
 /// Ticks after an impact until the device's velocity tells of its pulse: one of delay, one of pulse.

@@ -2,23 +2,22 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`contact`] | continuous rendering: a spring and a damper |
+//! | [`continuous`] | continuous rendering: a spring and a damper |
 //! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of one tick |
 //! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
 //! | [`bounder`] | stiffness and damping that follow the measured round trip |
 //! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |
 
 pub mod bounder;
-pub mod contact;
+pub mod continuous;
 pub mod impact;
 pub mod impulsive;
 pub mod shape;
 
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 
-pub use contact::{Contact, Side};
+pub use continuous::{Contact, Side};
 pub use impulsive::Strikes;
 
 /// What contact does in one tick.

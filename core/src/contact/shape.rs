@@ -18,8 +18,7 @@
 //! Units: m, m/s, N. NaN in: no contact.
 
 use super::Contact;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 
 /// A straight piece of an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]

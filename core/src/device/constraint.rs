@@ -8,8 +8,7 @@
 //! Limits: sampled every T_c, without delay and on a mass m, it is stable exactly for k·T_c/2 < b < 2m/T_c; a delay
 //! narrows that. The force is unlimited here, [`crate::safety`] limits it. NaN in, NaN out.
 
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// A spring and a damper between an axis and position zero.

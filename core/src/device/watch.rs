@@ -18,8 +18,7 @@
 
 use crate::device::AXES;
 use crate::device::motor::Duty;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// What is not believed.

@@ -13,8 +13,7 @@
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
 
 use super::{Packet, Sends, sends};
-use crate::num::Scalar;
-use crate::num::Sum;
+use crate::num::{Scalar, Sum};
 use crate::settings::{Allowed, Refused, Settings, Value};
 
 /// Most credit that is kept, J: what a hand feels as a light tap.

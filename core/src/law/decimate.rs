@@ -7,8 +7,7 @@
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
 use crate::model::Model;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Scalar, StateVector};
 use crate::settings::Settings;
 
 /// One number of filter state, √W.

@@ -2,8 +2,7 @@
 
 use super::{Coupled, Law, Packet, Sends};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// The law that does nothing.

@@ -11,8 +11,7 @@
 //! started anew, and must not be measured by the old one's counters.
 
 use super::Packet;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings, Value};
 
 /// How long each rung is.

@@ -4,8 +4,7 @@
 //! at a few ulp of the sum, whatever the number of terms.
 
 use super::Coupled;
-use crate::num::Scalar;
-use crate::num::Sum;
+use crate::num::{Scalar, Sum};
 
 /// Energy that crossed the network port of one peer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -18,9 +18,7 @@ pub mod power;
 pub mod wave;
 
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Motion, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.

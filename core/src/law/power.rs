@@ -5,8 +5,7 @@
 
 use super::{Coupled, Law, Packet, Sends, Spring};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// Virtual coupling to the last received motion.

@@ -16,10 +16,7 @@ use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::{Coupled, Law, LawName, Packet, Sends, Spring};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
-use crate::num::{Carry, Sum};
+use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
 use crate::settings::{Allowed, Choice, Refused, Settings, Value};
 
 /// How the algebraic loop of the wave decode is opened.

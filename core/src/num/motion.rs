@@ -1,7 +1,6 @@
 //! Position and velocity of one degree of freedom.
 
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Scalar, StateVector};
 
 /// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,7 @@
 
 use super::{Before, Integrator};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// A mass with damping under piecewise constant force.

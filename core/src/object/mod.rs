@@ -8,10 +8,7 @@ pub mod forward_euler;
 pub mod semi_implicit;
 
 use crate::model::Model;
-use crate::num::Carry;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// Advances a mass by one tick.

@@ -4,8 +4,7 @@
 
 use super::{Before, Euler, Integrator};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// New velocity moves the position.

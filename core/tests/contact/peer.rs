@@ -3,8 +3,7 @@
 use haptic_core::contact::{RenderingName, Side};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::LawName;
-use haptic_core::num::Motion;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::IntegratorName;
 use haptic_core::peer::{self, Sensors, State};
 use haptic_core::safety::{Command, Mode};

@@ -1,10 +1,9 @@
 //! A shape of springs and dampers: against the one-dimensional contact, against geometry, against energy.
 
-use haptic_core::contact::contact::Contact;
+use haptic_core::contact::continuous::Contact;
 use haptic_core::contact::shape::{Edge, Shape, edges};
 use haptic_core::model::Model;
-use haptic_core::num::Motion;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::Integrator;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::settings::Settings;

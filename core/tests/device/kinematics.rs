@@ -3,8 +3,7 @@
 use haptic_core::device::kinematics::five_bar::MIN_SINE;
 use haptic_core::device::kinematics::{AnyKinematics, Kinematics, Pose};
 use haptic_core::model::Model;
-use haptic_core::num::Motion;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 use proptest::prelude::*;
 

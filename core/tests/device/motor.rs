@@ -2,8 +2,7 @@
 
 use haptic_core::device::constraint::Hold;
 use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::num::Motion;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::Value;
 use proptest::prelude::*;
 

@@ -5,9 +5,7 @@ use core::f64::consts::TAU;
 use haptic_core::device::velocity::adaptive::SLACK;
 use haptic_core::device::velocity::{AnyVelocity, AnyVelocityState, VelocityEstimator};
 use haptic_core::model::Model;
-use haptic_core::num::Motion;
-use haptic_core::num::StateVector;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
 use haptic_core::settings::{Settings, Value};
 use proptest::prelude::*;
 

@@ -4,8 +4,7 @@ mod parting;
 mod safety;
 
 use haptic_core::device::Reading;
-use haptic_core::num::Motion;
-use haptic_core::num::Scalar;
+use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{self, Actuators, Sensors, State};
 use haptic_core::safety::Command;
 use haptic_core::scene::{Any, Scene};

@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::accuracy::counts::{Processor, SCALARS};
-use crate::accuracy::{self, Comparison, Family, Point, cost, picture};
-use crate::report::text::{TextTable, significant};
+use crate::studies::accuracy::counts::{Processor, SCALARS};
+use crate::studies::accuracy::{self, Comparison, Family, Point, cost, picture};
+use haptic_sim::report::text::{TextTable, significant};
 
 /// Arguments of `accuracy`.
 #[derive(Debug, Args)]

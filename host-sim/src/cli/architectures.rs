@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::stability::{folder, tell, write};
 use super::{Failure, print_json, progress_bar};
-use crate::architectures::together::unbounded_radius;
-use crate::architectures::{Architecture, DELAYS_MS, Row, TASK, picture, rows};
-use crate::report::plot::draw;
-use crate::report::table::Table;
-use crate::report::text::{TextTable, significant};
+use crate::studies::architectures::together::unbounded_radius;
+use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, picture, rows};
+use haptic_plot::draw;
+use haptic_sim::report::table::Table;
+use haptic_sim::report::text::{TextTable, significant};
 
 /// Arguments of `architectures`.
 #[derive(Debug, Args)]

@@ -3,9 +3,9 @@
 use clap::Args;
 
 use super::{Failure, print_json};
-use crate::experiment::campaign::campaign;
-use crate::experiment::costs::costs;
-use crate::report::text::TextTable;
+use crate::studies::campaign::campaign;
+use crate::studies::costs::costs;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]

@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::collaborate::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
-use crate::report::text::TextTable;
+use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
+use haptic_sim::report::text::TextTable;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SchemeName {
@@ -72,7 +72,7 @@ impl Collaborate {
             .flat_map(|scheme| users.iter().map(move |users| (*scheme, *users)))
             .map(|(scheme, users)| {
                 let trial = Trial { scheme, users, seed: self.seed, mistake };
-                Row { scheme, users, verdict: collaborate::campaign(&trial, each, &|| bar.inc(1)) }
+                Row { scheme, users, verdict: collaborative::campaign(&trial, each, &|| bar.inc(1)) }
             })
             .collect();
         bar.finish_and_clear();

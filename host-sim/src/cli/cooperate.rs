@@ -8,14 +8,13 @@ use haptic_core::num::Fixed;
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json, progress_bar};
-use crate::analysis;
-use crate::experiment::figures;
-use crate::experiment::run::{PortEnergy, Spread, Struck};
-use crate::experiment::{Options, Outcome, apparent_mass, run};
-use crate::report::files;
-use crate::report::text::TextTable;
-use crate::scene::SceneFile;
-use crate::user::User;
+use crate::studies::figures;
+use haptic_sim::measure::apparent_mass;
+use haptic_sim::report::files;
+use haptic_sim::report::text::TextTable;
+use haptic_sim::run::{Options, Outcome, PortEnergy, Spread, Struck, run};
+use haptic_sim::scene::SceneFile;
+use haptic_sim::user::User;
 
 /// The number type the peers compute in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -140,9 +139,9 @@ impl Cooperate {
 
 impl Report {
     fn new(name: String, scene: &SceneFile, outcome: &Outcome, wall_s: f64) -> Result<Self, Failure> {
-        let verdict = analysis::verdict(scene)?;
+        let verdict = haptic_analysis::verdict(scene)?;
         let stable = outcome.bounded && (verdict.stable || !scene.is_linear());
-        let mut warnings = if verdict.stable { Vec::new() } else { vec![analysis::advice(scene)?] };
+        let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(scene)?] };
         if !scene.users.iter().any(pushes) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
         }

@@ -10,14 +10,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::cooperative::limits::{self, Stiffest, bounded_radius};
-use crate::cooperative::run::{Outcome, run};
-use crate::cooperative::waves::{self, Waves};
-use crate::cooperative::{Collision, Engine, Setup};
-use crate::report::files;
-use crate::report::plot::draw;
-use crate::report::text::{TextTable, significant};
-use crate::scene::SceneFile;
+use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
+use crate::shared::cooperative::run::{Outcome, run};
+use crate::shared::cooperative::waves::{self, Waves};
+use crate::shared::cooperative::{Collision, Engine, Setup};
+use haptic_plot::draw;
+use haptic_sim::report::files;
+use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::scene::SceneFile;
 
 /// One-way delays of the sweep, ms.
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];

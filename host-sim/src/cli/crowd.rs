@@ -6,11 +6,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::live::crowd;
-use crate::report::text::TextTable;
-use crate::visit::PACKET_US;
-use crate::visit::host::MOST_LINES;
-use crate::world;
+use crate::shared::visit::PACKET_US;
+use crate::shared::visit::host::MOST_LINES;
+use crate::shared::world;
+use crate::trials::crowd;
+use haptic_sim::report::text::TextTable;
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::{Failure, SceneArgs, print_json};
-use crate::live::flood::{Options, run};
-use crate::report::text::TextTable;
+use crate::trials::flood::{Options, run};
+use haptic_sim::report::text::TextTable;
 
 /// Most forged datagrams per second that may be asked for.
 const MOST_PER_S: f64 = 1e7;

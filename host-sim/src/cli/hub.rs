@@ -7,9 +7,10 @@ use clap::Args;
 
 use super::live::check_time;
 use super::{Failure, SceneArgs, granted, print_json};
-use crate::cooperative::MOST_USERS;
-use crate::live::{key_file, meet};
-use crate::report::text::{TextTable, significant};
+use crate::live::meet;
+use crate::shared::cooperative::MOST_USERS;
+use haptic_sim::key_file;
+use haptic_sim::report::text::{TextTable, significant};
 
 /// The scene without `--scene`.
 const SCENE: &str = "any-network";

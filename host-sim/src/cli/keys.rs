@@ -5,8 +5,8 @@ use haptic_core::settings::Value;
 use serde::Serialize;
 
 use super::{Failure, print_json};
-use crate::report::text::TextTable;
-use crate::scene::SceneFile;
+use haptic_sim::report::text::TextTable;
+use haptic_sim::scene::SceneFile;
 
 /// Arguments of `keys`.
 #[derive(Debug, Args)]

@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, SceneArgs, granted, print_json};
-use crate::live::{key_file, peer, relay};
-use crate::network::fate::NetworkTrace;
-use crate::visit::host::MOST_LINES;
+use crate::live::{peer, relay};
+use crate::shared::visit::host::MOST_LINES;
+use haptic_sim::key_file;
+use haptic_sim::network::rule::NetworkTrace;
 
 /// Arguments of `keygen`.
 #[derive(Debug, Args)]

@@ -41,8 +41,8 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::scene::{SceneError, SceneFile};
-use crate::scenes;
+use haptic_sim::scene::{SceneError, SceneFile};
+use haptic_sim::scenes;
 
 /// What a command may fail with.
 pub(super) type Failure = Box<dyn std::error::Error>;

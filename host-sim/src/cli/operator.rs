@@ -8,11 +8,11 @@ use std::time::Duration;
 use clap::Args;
 
 use super::Failure;
-use crate::calibrate::board::say;
-use crate::calibrate::settings_file;
-use crate::live::operator::{Operator, PORT};
-use crate::live::recording;
-use crate::report::files::write_csv;
+use haptic_sim::board::calibrate::board::say;
+use haptic_sim::board::calibrate::settings_file;
+use haptic_sim::board::operator::{Operator, PORT};
+use haptic_sim::board::recording;
+use haptic_sim::report::files::write_csv;
 
 /// Arguments of `operator`.
 #[derive(Debug, Args)]

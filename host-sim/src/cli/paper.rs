@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, print_json, progress_bar};
-use crate::experiment::figures;
-use crate::experiment::paper::{Experiment, Gain, experiments, gains};
-use crate::report::text::TextTable;
+use crate::studies::figures;
+use crate::studies::paper::{Experiment, Gain, experiments, gains};
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `paper`.
 #[derive(Debug, Default, Args)]

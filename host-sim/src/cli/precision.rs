@@ -4,9 +4,9 @@ use clap::Args;
 use rayon::prelude::*;
 
 use super::{Failure, SceneArgs, print_json};
-use crate::experiment::precision::measure;
-use crate::report::text::TextTable;
-use crate::scenes;
+use crate::studies::precision::measure;
+use haptic_sim::report::text::TextTable;
+use haptic_sim::scenes;
 
 /// Arguments of `precision`.
 #[derive(Debug, Args)]

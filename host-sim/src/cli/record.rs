@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Failure, SceneArgs};
-use crate::experiment::record::record;
-use crate::scenes;
+use crate::studies::record::record;
+use haptic_sim::scenes;
 
 /// Arguments of `record`.
 #[derive(Debug, Args)]

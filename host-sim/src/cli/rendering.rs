@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::stability::{folder, tell, write};
 use super::{Failure, print_json, progress_bar};
-use crate::analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
-use crate::analysis::rendering::maps::{self, Curve, POINTS, Sweep};
-use crate::analysis::rendering::{Body, Rendering as Setup, picture};
-use crate::report::plot::draw;
-use crate::report::text::{TextTable, significant};
+use haptic_analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
+use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
+use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
+use haptic_plot::draw;
+use haptic_sim::report::text::{TextTable, significant};
 
 /// Masses for which the paper's device is found, kg.
 const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{Failure, SceneArgs, print_json};
-use crate::live::restarts::{PATIENCE_S, run};
+use crate::trials::restarts::{PATIENCE_S, run};
 
 /// The scene without `--scene`.
 const SCENE: &str = "paper-5.2-passive-wave-16ms";

@@ -4,13 +4,13 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_protocol::key::Key;
 
 use super::live::check_time;
 use super::{Failure, granted, print_json};
-use crate::live::{key_file, serve};
-use crate::visit::host::{Host, MOST_LINES};
-use crate::world;
+use crate::live::serve;
+use crate::shared::visit::host::{Host, MOST_LINES};
+use crate::shared::world;
+use haptic_sim::key_file;
 
 /// Arguments of `serve`.
 #[derive(Debug, Args)]
@@ -60,12 +60,8 @@ impl Serve {
             }
         };
         let key = key_file::read(&self.key_file)?;
-        let entropy = || {
-            let mut bytes = [0; Key::LEN];
-            // A link refuses entropy that nobody has drawn.
-            let _ = getrandom::fill(&mut bytes);
-            bytes
-        };
+        // A link refuses entropy that nobody has drawn.
+        let entropy = || key_file::entropy().unwrap_or_default();
         let objects = world.objects().len();
         let mut host = Host::new(key, number, self.lines, *world, region, entropy)?;
         let socket = serve::listen(self.listen)?;

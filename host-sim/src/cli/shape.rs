@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::stability::{folder, tell, write};
 use super::{Failure, print_json};
-use crate::report::text::{TextTable, significant};
-use crate::world::stroke::{Energy, Options, Part, stroke};
-use crate::world::{self, picture};
+use crate::shared::world::stroke::{Energy, Options, Part, stroke};
+use crate::shared::world::{self, picture};
+use haptic_sim::report::text::{TextTable, significant};
 
 /// Arguments of `shape`.
 #[derive(Debug, Args)]

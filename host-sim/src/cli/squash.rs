@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use super::stability::{folder, tell};
 use super::{Failure, SceneArgs, print_json};
-use crate::report::text::{TextTable, significant};
-use crate::squash::sweep::{Cell, sweep};
-use crate::squash::{Options, Report, picture, play};
+use crate::shared::squash::sweep::{Cell, sweep};
+use crate::shared::squash::{Options, Report, picture, play};
+use haptic_sim::report::text::{TextTable, significant};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Switch {

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::Failure;
-use crate::report::table::Table;
-use crate::report::{ReportError, files};
+use haptic_sim::report::table::Table;
+use haptic_sim::report::{ReportError, files};
 
 /// Arguments of `stability`.
 #[derive(Debug, Args)]

@@ -5,8 +5,8 @@ use haptic_core::num::Scalar;
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, print_json, progress_bar};
-use crate::analysis::tune::{self, BEYOND, Proposal};
-use crate::report::text::{TextTable, significant};
+use haptic_analysis::tune::{self, BEYOND, Proposal};
+use haptic_sim::report::text::{TextTable, significant};
 
 /// Simulated time that a proposal is tried for, s: eight of the paper's pulses.
 const TRIAL_S: f64 = 20.0;

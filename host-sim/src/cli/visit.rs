@@ -7,8 +7,9 @@ use clap::Args;
 
 use super::live::{check_time, nobody};
 use super::{Failure, print_json};
-use crate::live::{key_file, visit};
-use crate::visit::host::MOST_LINES;
+use crate::live::visit;
+use crate::shared::visit::host::MOST_LINES;
+use haptic_sim::key_file;
 
 /// Arguments of `visit`.
 #[derive(Debug, Args)]

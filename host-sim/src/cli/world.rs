@@ -7,8 +7,8 @@ use haptic_protocol::database::{Field, Shape};
 use serde::Serialize;
 
 use super::{Failure, print_json};
-use crate::report::text::TextTable;
-use crate::world;
+use crate::shared::world;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `world`.
 #[derive(Debug, Args)]

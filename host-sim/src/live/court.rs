@@ -1,6 +1,7 @@
 //! Squash in real time: one process for the server and one for each player, a sealed link between any two ([`super::post`]).
-//! The bots are those of the simulated game ([`crate::squash`]).
+//! The bots are those of the simulated game ([`crate::shared::squash`]).
 
+use haptic_sim::key_file::entropy;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
@@ -14,7 +15,7 @@ use serde::Serialize;
 
 use super::pace::{Pace, Punctuality};
 use super::post::{Met, Post};
-use crate::squash::contestant::{Contestant, TICK_S};
+use crate::shared::squash::contestant::{Contestant, TICK_S};
 
 /// Who this is, and where the others are.
 #[derive(Clone, Debug)]
@@ -101,9 +102,7 @@ pub fn run(key: &Key, options: &Options) -> Result<Report, String> {
         ));
     }
     let mut post = Post::new(key, options.number, &options.addresses)?;
-    let mut random = [0; 8];
-    getrandom::fill(&mut random).map_err(|cause| format!("no randomness: {cause}"))?;
-    let seed = u64::from_le_bytes(random);
+    let seed = entropy()?.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte));
     let mut part = if options.number == SERVER.0 {
         let players = (count - 1) as u8;
         Part::Server(Box::new(Server::new(ServerConfig { players, rallies: RALLIES, bounder: options.bounder })))

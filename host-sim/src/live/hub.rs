@@ -20,11 +20,11 @@ use haptic_protocol::key::Key;
 use haptic_protocol::link::{Incoming, Link, Notice, Stage};
 use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, PeerId, Telemetry};
 
-use super::flows::{Inbox, flow_of, packet_of};
-use super::node::{TELEMETRY_S, open_link};
-use crate::cooperative::MOST_USERS;
-use crate::cooperative::junction::{Junction, Port};
-use crate::scene::SceneFile;
+use crate::shared::cooperative::MOST_USERS;
+use crate::shared::cooperative::junction::{Junction, Port};
+use haptic_sim::flows::{Inbox, flow_of, packet_of};
+use haptic_sim::node::{TELEMETRY_S, open_link};
+use haptic_sim::scene::SceneFile;
 
 /// The hub's end of one line.
 #[derive(Debug)]

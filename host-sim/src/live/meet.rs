@@ -12,10 +12,11 @@ use serde::Serialize;
 
 use super::hub::{Hub, Line, number_on};
 use super::pace::{Pace, Punctuality};
-use super::peer::{Other, entropy};
+use super::peer::Other;
 use super::socket::{drain, open};
-use crate::cooperative::junction::{Energy, Port};
-use crate::scene::SceneFile;
+use crate::shared::cooperative::junction::{Energy, Port};
+use haptic_sim::key_file::entropy;
+use haptic_sim::scene::SceneFile;
 
 /// Where, for how many and how long.
 #[derive(Clone, Debug)]

@@ -31,7 +31,7 @@ impl Punctuality {
 }
 
 /// Asks for a real-time priority for this thread, and says whether it got one.
-pub(super) fn realtime() -> bool {
+pub(crate) fn realtime() -> bool {
     let priority = thread_priority::ThreadPriority::Crossplatform(50.try_into().unwrap_or_default());
     thread_priority::set_thread_priority_and_policy(
         thread_priority::thread_native_id(),

@@ -4,6 +4,7 @@
 //! end, newest flow only. Emptying stops half a period after the beat began, so that no flood of datagrams, forged or not,
 //! can hold up the tick; what is left waits for the next beat or is dropped by the system, as on any full line.
 
+use haptic_sim::key_file::entropy;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
@@ -13,10 +14,10 @@ use haptic_protocol::link::{Notice, Stage};
 use haptic_protocol::wire::Telemetry;
 use serde::Serialize;
 
-use super::node::Node;
 use super::pace::{Pace, Punctuality};
 use super::socket::{drain, open};
-use crate::scene::SceneFile;
+use haptic_sim::node::Node;
+use haptic_sim::scene::SceneFile;
 
 /// Where and how long.
 #[derive(Clone, Debug)]
@@ -99,16 +100,6 @@ impl Other {
             energy_sent_j: said.energy_sent,
         }
     }
-}
-
-/// Fresh randomness for a link.
-///
-/// # Errors
-/// The system has none, in one line.
-pub(super) fn entropy() -> Result<[u8; Key::LEN], String> {
-    let mut entropy = [0; Key::LEN];
-    getrandom::fill(&mut entropy).map_err(|cause| format!("no randomness: {cause}"))?;
-    Ok(entropy)
 }
 
 /// Runs one peer to the end of its experiment.

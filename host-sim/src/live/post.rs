@@ -4,6 +4,7 @@
 //! the state of the game) as samples, which are lost if they are lost; a role drops what is old by itself. What a link has no
 //! room for is dropped, too: the role says it again.
 
+use haptic_sim::key_file::entropy;
 use std::fmt;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Instant;
@@ -12,13 +13,12 @@ use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Incoming, Link, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::roles::Outbox;
-use haptic_protocol::roles::code;
 use haptic_protocol::roles::squash::{Court, Message, SERVER};
+use haptic_protocol::roles::{Outbox, code};
 use haptic_protocol::wire::{Event, MAX_DATAGRAM, PeerId, Sample};
 use serde::Serialize;
 
-use super::{peer, socket};
+use super::socket;
 
 /// Packet period of the links, µs: a link ends after 12 of them in silence.
 const PACKET_US: u32 = 50_000;
@@ -93,7 +93,7 @@ impl Post {
                 ends: Ends { local: PeerId(number), remote: PeerId(other) },
                 packet_period_us: PACKET_US,
                 parameters,
-                entropy: peer::entropy()?,
+                entropy: entropy()?,
             })
             .map_err(|error| error.to_string())?;
             let met = Met {

@@ -5,9 +5,9 @@ use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use super::socket::{drain, open};
-use crate::network::datagrams::{Datagrams, Relayed};
-use crate::network::fate::Direction;
-use crate::scene::SceneFile;
+use haptic_sim::network::datagrams::{Datagrams, Relayed};
+use haptic_sim::network::rule::Direction;
+use haptic_sim::scene::SceneFile;
 
 /// How long the relay sleeps when it has nothing to do: what it adds to the delay at the most.
 const NAP: Duration = Duration::from_micros(200);

@@ -2,7 +2,7 @@
 //!
 //! **Turnaround** is measured in two ways. `answer`: from the datagram in hand to its last answer handed to the system.
 //! `turnaround`: the same, and how long it may have waited in the socket's queue at the most. A queue is first in, first out,
-//! so a datagram came after the queue was last known to be empty; where it is known when its client sent it ([`super::crowd`]), that
+//! so a datagram came after the queue was last known to be empty; where it is known when its client sent it ([`crate::trials::crowd`]), that
 //! is taken instead.
 //! Real-time priority is asked for and reported; the thread is not pinned (`taskset` does that).
 
@@ -14,8 +14,8 @@ use serde::Serialize;
 
 use super::histogram::{Histogram, Quantiles};
 use super::pace::realtime;
-use crate::visit::PACKET_US;
-use crate::visit::host::{Counts, Host};
+use crate::shared::visit::PACKET_US;
+use crate::shared::visit::host::{Counts, Host};
 
 /// A socket that takes longer than this had nothing, and the datagram came right then, ns.
 const WAITED_NS: u64 = 20_000;
@@ -47,7 +47,7 @@ pub struct Report {
 }
 
 /// Time that this thread has computed so far, s.
-pub(super) fn computed_s() -> Option<f64> {
+pub(crate) fn computed_s() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
 }

@@ -8,14 +8,14 @@ use std::time::Instant;
 ///
 /// # Errors
 /// It cannot be opened, in one line.
-pub(super) fn open(listen: SocketAddr) -> Result<UdpSocket, String> {
+pub(crate) fn open(listen: SocketAddr) -> Result<UdpSocket, String> {
     let socket = UdpSocket::bind(listen).map_err(|cause| format!("cannot listen on {listen}: {cause}"))?;
     socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
     Ok(socket)
 }
 
 /// Takes what has come until there is nothing left or it is `until`, oldest first.
-pub(super) fn drain(socket: &UdpSocket, until: Instant, mut each: impl FnMut(SocketAddr, &mut [u8])) {
+pub(crate) fn drain(socket: &UdpSocket, until: Instant, mut each: impl FnMut(SocketAddr, &mut [u8])) {
     let mut came = [0; 2048];
     // An error other than "nothing there" is about one datagram, or about one that was sent: the next may be good.
     while Instant::now() < until {

@@ -3,6 +3,7 @@
 //! The hand goes to and fro between two points (a sine in time), as a person who strokes along something; what it feels is
 //! what the visitor renders. Datagrams are taken by the address they come from and believed by their seal only.
 
+use haptic_sim::key_file::entropy;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
@@ -15,9 +16,9 @@ use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
 use super::pace::{Pace, Punctuality};
-use crate::visit::visitor::{Party, Setup, Visitor};
-use crate::visit::{PACKET_US, TICKS_PER_PACKET, parameters};
-use crate::world::{CONTROL_PERIOD_S, OBJECTS};
+use crate::shared::visit::visitor::{Party, Setup, Visitor};
+use crate::shared::visit::{PACKET_US, TICKS_PER_PACKET, parameters};
+use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS};
 
 /// Another client that is told straight where this one is.
 #[derive(Clone, Debug)]
@@ -103,12 +104,6 @@ pub struct Report {
     pub round_trip_us: Option<u32>,
     /// How well the 1 kHz beat was kept.
     pub punctuality: Punctuality,
-}
-
-fn entropy() -> Result<[u8; Key::LEN], String> {
-    let mut bytes = [0; Key::LEN];
-    getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
-    Ok(bytes)
 }
 
 /// Visits until the time is over.

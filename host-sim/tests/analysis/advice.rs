@@ -1,10 +1,10 @@
 //! Advice names one gain, and following it mends the scene with the margin that is promised.
 
+use haptic_analysis::advice::{MARGIN, advice, change};
+use haptic_analysis::verdict;
 use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
-use host_sim::analysis::advice::{MARGIN, advice, change};
-use host_sim::analysis::verdict;
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 use rayon::prelude::*;
 
 use super::random;

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use haptic_analysis::lifted::agreement::agreement;
+use haptic_analysis::verdict::{is_symmetric, pair_matrix};
+use haptic_analysis::{lifted, verdict};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::Choice;
-use host_sim::analysis::lifted::agreement::agreement;
-use host_sim::analysis::verdict::{is_symmetric, pair_matrix};
-use host_sim::analysis::{lifted, verdict};
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 use rayon::prelude::*;
 
 use super::random;

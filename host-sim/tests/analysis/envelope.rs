@@ -3,10 +3,10 @@
 //! 1,000 random scenes with |ρ − 1| > 1e-3 start from a random state of 2⁻²⁰⁰ units, so that no limit is touched however
 //! much grows. Watched are velocities and forces: positions keep the translation of a rest mode.
 
+use haptic_analysis::{Analyser, Verdict};
 use haptic_core::num::StateVector;
-use host_sim::analysis::{Analyser, Verdict};
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 use rayon::prelude::*;
 
 use super::random::{self, Dice};

@@ -1,7 +1,7 @@
 //! Every row of `tests/oracle/spectral.csv`: the spectral radius to 1e-8, the verdict, and that no row is skipped.
 
-use host_sim::analysis::verdict;
-use host_sim::scene::SceneFile;
+use haptic_analysis::verdict;
+use haptic_sim::scene::SceneFile;
 
 #[test]
 fn every_row_of_the_oracle() {

@@ -5,7 +5,7 @@ use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
 pub(crate) struct Dice(u64);

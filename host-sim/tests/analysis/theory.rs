@@ -1,8 +1,8 @@
 //! The numbers of THEORY §3, each within 1 % (most within 0.1 %).
 
+use haptic_analysis::{Effort, Range, figure4, limit};
 use haptic_core::law::LawName;
-use host_sim::analysis::{Effort, Range, figure4, limit};
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 
 const K_T: &str = "coordination.stiffness_n_per_m";
 const K_LC: &str = "contact.stiffness_n_per_m";
@@ -90,7 +90,7 @@ fn crossings_are_crossings() {
     for (at, crossing) in crossings(&scene, K_T, 10.0, 13_000.0).into_iter().enumerate() {
         for (factor, stable) in [(1.0 - 2e-4, at % 2 == 0), (1.0 + 2e-4, at % 2 == 1)] {
             scene.peer.coordination.stiffness_n_per_m = factor * crossing;
-            assert_eq!(host_sim::analysis::verdict(&scene).unwrap().stable, stable, "{crossing} · {factor}");
+            assert_eq!(haptic_analysis::verdict(&scene).unwrap().stable, stable, "{crossing} · {factor}");
         }
     }
 }
@@ -116,7 +116,7 @@ fn rest_modes_are_counted() {
     for (comm, free, both_held, one_held) in table {
         let mut scene = SceneFile::default();
         scene.peer.coordination.comm = comm;
-        let rest_modes = |scene: &SceneFile| host_sim::analysis::verdict(scene).unwrap().rest_modes;
+        let rest_modes = |scene: &SceneFile| haptic_analysis::verdict(scene).unwrap().rest_modes;
         assert_eq!(rest_modes(&scene), free, "{comm:?}");
         scene.users[1].settings.user.arm_stiffness_n_per_m = 100.0;
         assert_eq!(rest_modes(&scene), if comm == LawName::Power { 0 } else { one_held }, "{comm:?}, one arm");

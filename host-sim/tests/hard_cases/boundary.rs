@@ -1,8 +1,8 @@
 //! Gains at the boundary.
 
+use haptic_analysis::{Effort, Range, limit, verdict};
 use haptic_core::num::Fixed;
-use host_sim::analysis::{Effort, Range, limit, verdict};
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 
 use super::setup::{COMMS, growth, scene};
 

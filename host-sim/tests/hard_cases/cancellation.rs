@@ -1,11 +1,11 @@
 //! Equal and opposite pushes.
 
+use haptic_analysis::verdict;
 use haptic_core::law::LawName;
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Choice;
-use host_sim::analysis::verdict;
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 
 use super::setup::scene;
 

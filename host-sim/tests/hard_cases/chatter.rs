@@ -1,9 +1,9 @@
 //! One-sided contact: at rest on the surface, across a gap, and at the edge of chatter.
 
+use haptic_analysis::{Effort, Range, limit};
 use haptic_core::num::{Fixed, Scalar};
-use host_sim::analysis::{Effort, Range, limit};
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 
 use super::setup::{COMMS, scene};
 

@@ -2,9 +2,9 @@
 
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
-use host_sim::experiment::{Options, Outcome, run};
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::run::{Options, Outcome, run};
+use haptic_sim::scene::SceneFile;
 
 use super::setup::{COMMS, scene};
 

@@ -1,10 +1,9 @@
 //! Gains, masses and delays over all that a scene accepts.
 
-use haptic_core::num::StateVector;
-use haptic_core::num::{Fixed, Scalar};
-use host_sim::analysis::{Verdict, verdict};
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_analysis::{Verdict, verdict};
+use haptic_core::num::{Fixed, Scalar, StateVector};
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 
 use super::setup::{COMMS, scene};
 

@@ -1,8 +1,8 @@
 //! What the hard cases share: scenes from overrides, and how fast a linear pair grows.
 
 use haptic_core::num::Scalar;
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 
 /// Every way to communicate that the papers compare, with a gain of its own at which the default scene is stable.
 pub(crate) const COMMS: [(&str, f64); 3] = [("power", 200.0), ("wave", 1000.0), ("passive-wave", 2000.0)];

@@ -1,8 +1,7 @@
 //! States that decay below the smallest normal number.
 
-use haptic_core::num::Scalar;
-use haptic_core::num::StateVector;
-use host_sim::harness::Pair;
+use haptic_core::num::{Scalar, StateVector};
+use haptic_sim::pair::Pair;
 
 use super::setup::{COMMS, scene};
 

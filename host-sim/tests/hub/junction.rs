@@ -3,8 +3,8 @@
 use haptic_core::law::Packet;
 use haptic_core::law::node::Node;
 use haptic_core::settings::Settings;
-use host_sim::cooperative::junction::Junction;
-use host_sim::scenes;
+use haptic_sim::scenes;
+use host_sim::shared::cooperative::junction::Junction;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
-use host_sim::cooperative::waves::Waves;
+use haptic_sim::network::datagrams::Datagrams;
+use haptic_sim::network::rule::Direction;
+use haptic_sim::node::Node;
+use haptic_sim::plant::Plant;
+use haptic_sim::scene::SceneFile;
+use haptic_sim::scenes;
 use host_sim::live::hub::{Hub, number_on};
-use host_sim::live::node::Node;
-use host_sim::network::datagrams::Datagrams;
-use host_sim::network::fate::Direction;
-use host_sim::plant::Plant;
-use host_sim::scene::SceneFile;
-use host_sim::scenes;
+use host_sim::shared::cooperative::waves::Waves;
 
 fn scene(keys: &[String]) -> SceneFile {
     let mut scene = scenes::load("any-network").expect("a built-in scene");

@@ -8,8 +8,8 @@ use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::roles::static_scene::Download;
 use haptic_protocol::wire::PeerId;
-use host_sim::world::render::Renderer;
-use host_sim::world::{OBJECTS, World, load, parse};
+use host_sim::shared::world::render::Renderer;
+use host_sim::shared::world::{OBJECTS, World, load, parse};
 
 use crate::sim::Sim;
 use crate::world_file::TWO_ROOMS;

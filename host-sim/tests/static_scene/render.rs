@@ -2,7 +2,7 @@
 
 use haptic_core::num::Motion;
 use haptic_protocol::database::{Block, Body, Object, Shape, Strip, Wall};
-use host_sim::world::render::Renderer;
+use host_sim::shared::world::render::Renderer;
 
 type Hand = [Motion<f64>; 2];
 

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
-use host_sim::network::fate::{Arrival, Direction, Fates};
-use host_sim::scene::SceneFile;
-use host_sim::visit::host::Host;
-use host_sim::visit::visitor::{Party, Setup, Visitor};
-use host_sim::world::World;
+use haptic_sim::network::rule::{Arrival, Direction, Fates};
+use haptic_sim::scene::SceneFile;
+use host_sim::shared::visit::host::Host;
+use host_sim::shared::visit::visitor::{Party, Setup, Visitor};
+use host_sim::shared::world::World;
 
 /// Who sends or gets a datagram: a server, or a client by its line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,9 +2,8 @@
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::format`]).
 
 use haptic_protocol::link::{Error, Incoming, Link, Stage};
-use haptic_protocol::replay;
-use haptic_protocol::session;
 use haptic_protocol::wire::{self, Flow, MAX_DATAGRAM, Message};
+use haptic_protocol::{replay, session};
 
 use crate::format::{GREETING, Session, hello};
 use crate::world::{CLEAN, PERIOD, Rng, World, config};

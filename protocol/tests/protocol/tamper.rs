@@ -4,9 +4,8 @@
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::replay;
-use haptic_protocol::session;
 use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
+use haptic_protocol::{replay, session};
 
 use crate::world::{PERIOD, Rng, World, config, state};
 

@@ -4,8 +4,8 @@
 //! [`Node`]'s, the lines that `host-sim peer` runs.
 
 use haptic_protocol::key::Key;
-use host_sim::live::node::Node;
-use host_sim::scene::SceneFile;
+use haptic_sim::node::Node;
+use haptic_sim::scene::SceneFile;
 
 use crate::pc::{board_ip, board_mac, key, resolved, udp};
 

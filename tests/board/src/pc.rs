@@ -5,7 +5,7 @@
 use firmware_parts::record::{CODE, Record};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::MAX_DATAGRAM;
-use host_sim::live::operator::{PORT, Session};
+use haptic_sim::board::operator::{PORT, Session};
 
 /// The PC's address.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];

@@ -8,11 +8,10 @@ use std::time::Instant;
 
 use firmware_parts::record::{RECEIVED, Record, SENT};
 use haptic_core::safety::Fault;
-use host_sim::experiment::run::{PortEnergy, Spread};
-use host_sim::experiment::{Options, Outcome};
-use host_sim::network::fate::{Direction, Fates};
-use host_sim::report::table::{Column, Table};
-use host_sim::scene::SceneFile;
+use haptic_sim::network::rule::{Direction, Fates};
+use haptic_sim::report::table::{Column, Table};
+use haptic_sim::run::{Options, Outcome, PortEnergy, Spread};
+use haptic_sim::scene::SceneFile;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
 use crate::cost;
@@ -95,7 +94,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<
     let line = line(&scene)?;
     let impaired = Fates::new(&scene, Direction::OneToTwo).is_some();
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
-    let host_sim = host_sim::experiment::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
+    let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
         .map_err(|refused| refused.to_string())?;
     let wall = Instant::now();
     let mut bench = Bench::start(firmware, 2, line);

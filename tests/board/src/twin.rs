@@ -7,17 +7,17 @@
 //! motor duties included.
 
 use firmware_parts::record::{self, Record, digest};
+use haptic_core::contact::Contact;
 use haptic_core::device::Reading;
 use haptic_core::device::encoder::Counts;
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
 use haptic_core::peer::{self, Sensors, State};
-use haptic_core::contact::Contact;
 use haptic_core::safety::Command;
 use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;
-use host_sim::harness::Pair;
-use host_sim::scene::SceneFile;
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
 
 /// How far two runs are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,8 +6,8 @@
 
 use std::collections::VecDeque;
 
-use host_sim::network::fate::{Arrival, Direction, Fates};
-use host_sim::scene::SceneFile;
+use haptic_sim::network::rule::{Arrival, Direction, Fates};
+use haptic_sim::scene::SceneFile;
 
 use crate::pc::{MAC, board_mac};
 

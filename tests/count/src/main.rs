@@ -1,6 +1,6 @@
 //! Instructions of every numerical choice on the processor of the board, a Cortex-M7 with its double-precision FPU.
 //!
-//! The cases are those that callgrind counts on a PC (`host-sim/src/accuracy/cases`, the same files). Here they run on
+//! The cases are those that callgrind counts on a PC (`haptic-cases`). Here they run on
 //! QEMU, where a timer counts instructions (`machine.rs`). `cargo xtask count` runs this and compares.
 //!
 //! Needs `qemu-system-arm` (Debian's 7.2 will do). Instructions, not cycles: QEMU has no pipeline and no memory latency.
@@ -9,9 +9,6 @@
 
 extern crate alloc;
 
-#[path = "../../../host-sim/src/accuracy/cases/mod.rs"]
-#[allow(dead_code, missing_docs, reason = "host-sim uses and documents the rest")]
-mod cases;
 mod heap;
 mod machine;
 
@@ -20,9 +17,9 @@ use alloc::vec::Vec;
 use core::fmt::Write;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use cases::{Case, Meter};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
+use haptic_cases::{Case, Meter};
 use haptic_core::num::Fixed;
 
 #[global_allocator]
@@ -63,7 +60,7 @@ fn count(cases: impl Iterator<Item = Case>) -> Vec<(String, u32)> {
 fn main() -> ! {
     machine::start();
     let columns =
-        [count(cases::all::<f32, Timer>()), count(cases::all::<f64, Timer>()), count(cases::all::<Fixed, Timer>())];
+        [count(haptic_cases::all::<f32, Timer>()), count(haptic_cases::all::<f64, Timer>()), count(haptic_cases::all::<Fixed, Timer>())];
     hprintln!("# Instructions per call, Cortex-M7 (thumbv7em, QEMU), release build; tick/… per tick of a whole peer.");
     hprintln!("# Counted by `cargo xtask count`. Instructions, not cycles.");
     hprintln!("# {:<32} {:>7} {:>7} {:>7}", "case", "f32", "f64", "i32f32");

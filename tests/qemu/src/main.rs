@@ -13,7 +13,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../../host-sim/src/experiment/replay.rs"]
+#[path = "../../../host-sim/cases/src/replay.rs"]
 #[allow(dead_code, reason = "host-sim uses the rest")]
 mod replay;
 

@@ -10,8 +10,7 @@
 use crate::device::kinematics::{Kinematics, Pose};
 use crate::device::{AXES, within};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// Metres along the arc per radian of the motor.

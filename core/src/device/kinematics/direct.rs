@@ -5,8 +5,7 @@
 use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Pose};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// No mechanism between joints and axes.

@@ -28,8 +28,7 @@
 use crate::device::kinematics::{Kinematics, Maths, Pose};
 use crate::device::{AXES, within};
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// Angle between base and proximal links at home, rad: 60°.

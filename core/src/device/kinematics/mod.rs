@@ -17,8 +17,7 @@ pub mod five_bar;
 
 use crate::device::AXES;
 use crate::model::{Listed, Model};
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::{Choice, Settings};
 
 /// Where the axes are, and how the joints move them.

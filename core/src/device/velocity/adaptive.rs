@@ -24,9 +24,7 @@
 use crate::device::kinematics::Joints;
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Motion, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// Longest window, ticks.

@@ -8,9 +8,7 @@
 
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Motion, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// The control period and one over it.

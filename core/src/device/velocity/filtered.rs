@@ -12,9 +12,7 @@ use crate::device::velocity::VelocityEstimator;
 use crate::device::velocity::difference::{Difference, DifferenceState};
 use crate::device::within;
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
-use crate::num::StateVector;
+use crate::num::{Motion, Scalar, StateVector};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// The difference, and the share of it that a tick takes over.

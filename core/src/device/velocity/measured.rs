@@ -4,8 +4,7 @@
 
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
 /// Passes the reading's velocity on.

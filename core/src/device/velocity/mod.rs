@@ -18,8 +18,7 @@ pub mod filtered;
 pub mod measured;
 
 use crate::model::{Listed, Model};
-use crate::num::Motion;
-use crate::num::Scalar;
+use crate::num::{Motion, Scalar};
 
 /// From the readings of a joint to its velocity.
 pub trait VelocityEstimator<S: Scalar>: Model<S> + Listed<S> {

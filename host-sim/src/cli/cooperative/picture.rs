@@ -1,9 +1,9 @@
 //! Pictures of `cooperative`: one run over time, and a sweep of delays.
 
 use super::Row;
-use crate::cooperative::run::Outcome;
-use crate::cooperative::{Collision, Engine};
-use crate::report::plot::{Figure, Panel, Series};
+use crate::shared::cooperative::run::Outcome;
+use crate::shared::cooperative::{Collision, Engine};
+use haptic_plot::{Figure, Panel, Series};
 
 /// A run over time.
 pub(super) fn over_time(row: &Row) -> Figure {

@@ -8,8 +8,8 @@ use clap::Args;
 use super::Rules;
 use crate::cli::{Failure, print_json};
 use crate::live::court::{self, Options, Report};
-use crate::live::key_file;
-use crate::report::text::TextTable;
+use haptic_sim::key_file;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `squash live`.
 #[derive(Debug, Args)]

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::super::{Failure, print_json};
-use crate::analysis::speed;
-use crate::report::text::TextTable;
+use haptic_analysis::speed;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability bench`.
 #[derive(Debug, Args)]

@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::super::{Failure, SceneArgs, print_json};
-use crate::analysis::limit::{Effort, Limit as Crossings, limit};
-use crate::analysis::sweep::Range;
-use crate::report::text::TextTable;
+use haptic_analysis::limit::{Effort, Limit as Crossings, limit};
+use haptic_analysis::sweep::Range;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability limit`.
 #[derive(Debug, Args)]

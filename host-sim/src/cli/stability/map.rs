@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use super::super::{Failure, SceneArgs, print_json, progress_bar};
 use super::{folder, tell, write};
-use crate::analysis::limit::Effort;
-use crate::analysis::map::{Axis, Column, map};
-use crate::analysis::picture;
-use crate::report::plot::draw;
-use crate::report::text::TextTable;
+use haptic_analysis::limit::Effort;
+use haptic_analysis::map::{Axis, Column, map};
+use haptic_analysis::picture;
+use haptic_plot::draw;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability map`.
 #[derive(Debug, Args)]

@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use super::super::{Failure, print_json, progress_bar};
 use super::{folder, tell, write};
-use crate::analysis::figure4::{self, Curve};
-use crate::analysis::picture;
-use crate::report::plot::draw;
-use crate::report::text::TextTable;
+use haptic_analysis::figure4::{self, Curve};
+use haptic_analysis::picture;
+use haptic_plot::draw;
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability paper`.
 #[derive(Debug, Args)]

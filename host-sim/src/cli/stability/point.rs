@@ -4,9 +4,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::super::{Failure, SceneArgs, print_json};
-use crate::analysis::lifted::agreement::{Agreement, agreement};
-use crate::analysis::{Verdict, advice, verdict};
-use crate::report::text::TextTable;
+use haptic_analysis::lifted::agreement::{Agreement, agreement};
+use haptic_analysis::{Verdict, advice, verdict};
+use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability point`.
 #[derive(Debug, Args)]

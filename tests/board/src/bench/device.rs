@@ -5,8 +5,8 @@ use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::peer::Actuators;
-use host_sim::plant::Plant;
-use host_sim::scene::SceneFile;
+use haptic_sim::plant::Plant;
+use haptic_sim::scene::SceneFile;
 
 use crate::part::Bridges;
 

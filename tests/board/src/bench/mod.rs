@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use firmware_parts::record::Record;
-use host_sim::scene::SceneFile;
+use haptic_sim::scene::SceneFile;
 
 use crate::cost::Meter;
 use crate::image::Firmware;

@@ -10,8 +10,8 @@ use firmware_parts::record::ENGAGED;
 use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
-use host_sim::plant::Plant;
-use host_sim::scene::SceneFile;
+use haptic_sim::plant::Plant;
+use haptic_sim::scene::SceneFile;
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};

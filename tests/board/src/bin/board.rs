@@ -7,10 +7,11 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
+use haptic_sim::report::files;
+use haptic_sim::report::text::TextTable;
+use haptic_sim::run::Outcome;
 use host_sim::cli::SceneArgs;
-use host_sim::experiment::{Outcome, figures};
-use host_sim::report::files;
-use host_sim::report::text::TextTable;
+use host_sim::studies::figures;
 use serde_json::json;
 
 /// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.

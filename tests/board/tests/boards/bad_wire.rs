@@ -6,7 +6,7 @@ use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial::{self, Trial};
 use firmware_parts::record::Record;
-use host_sim::scenes;
+use haptic_sim::scenes;
 
 const SECONDS: f64 = 10.0;
 

@@ -13,7 +13,7 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
-use host_sim::scenes;
+use haptic_sim::scenes;
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {

@@ -4,14 +4,13 @@
 use std::sync::Arc;
 
 use board_bench::bench::{Bench, for_boards};
-use board_bench::docs;
 use board_bench::image::Firmware;
-use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
+use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
-use host_sim::live::recording;
-use host_sim::scenes;
+use haptic_sim::board::recording;
+use haptic_sim::scenes;
 
 fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
     records.windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f32::max)

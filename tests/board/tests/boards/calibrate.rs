@@ -9,11 +9,11 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, PWM_STEPS};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
-use host_sim::calibrate::board::{Board, Tick};
-use host_sim::calibrate::counts::{self, Distance};
-use host_sim::calibrate::motor::{self, Known};
-use host_sim::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
-use host_sim::scene::SceneFile;
+use haptic_sim::board::calibrate::board::{Board, Tick};
+use haptic_sim::board::calibrate::counts::{self, Distance};
+use haptic_sim::board::calibrate::motor::{self, Known};
+use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
+use haptic_sim::scene::SceneFile;
 
 /// The bench with one board, as its operator and the person at its device share it.
 #[derive(Clone)]

@@ -10,7 +10,7 @@ use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
-use host_sim::scenes;
+use haptic_sim::scenes;
 
 use crate::impostor::Impostor;
 

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
-use board_bench::log;
 use board_bench::node::{Inputs, Node};
 use board_bench::pc::{Pc, board_ip, board_mac, key, key_in_flash, udp};
-use board_bench::reviewed;
 use board_bench::wire::{Line, PC, Wire};
+use board_bench::{log, reviewed};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::MAX_DATAGRAM;
-use host_sim::live::operator::Session;
+use haptic_sim::board::operator::Session;
 
 /// What a board that starts with this flash sends in 2 s while the PC asks for its address and calls; and whether the PC's
 /// session is answered. `works`: its noise source.

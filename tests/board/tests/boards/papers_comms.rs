@@ -6,7 +6,7 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial::{self, Trial};
-use host_sim::scenes;
+use haptic_sim::scenes;
 
 const SECONDS: f64 = 20.0;
 

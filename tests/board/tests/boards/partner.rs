@@ -9,7 +9,7 @@ use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use firmware_parts::record::ENGAGED;
 use haptic_core::safety::Mode;
-use host_sim::scenes;
+use haptic_sim::scenes;
 
 fn hold_one_object(set: &[&str]) {
     let firmware = Arc::new(Firmware::release());

@@ -6,9 +6,9 @@ use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
-use host_sim::scenes;
+use haptic_sim::scenes;
 
-fn run(scene: &host_sim::scene::SceneFile, seconds: u64) -> Bench {
+fn run(scene: &haptic_sim::scene::SceneFile, seconds: u64) -> Bench {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 2, Line::default());
     bench.set_up(scene).expect("the boards take the scene");

@@ -1,0 +1,120 @@
+//! Continuous contact: F_LC = K_LC·δ + B_LC·δ̇, the force on the object; the device feels its reaction.
+//!
+//! δ is how far the device is past where contact begins. Two-sided, as in the papers' analysis, the device is held to
+//! the object in both directions; with play it moves freely within ±gap; one-sided, it pushes from its own side only
+//! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
+//! A scene with neither gap nor side has no contact detection at all.
+
+use super::{Rendering, Strikes, Touch};
+use crate::model::Model;
+use crate::num::{Motion, Scalar};
+use crate::settings::{Choice, Settings};
+
+/// The side of the object that the device is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Pushes toward positive x.
+    Left,
+    /// Pushes toward negative x.
+    Right,
+}
+
+impl Choice for Side {
+    const NAMES: &'static [&'static str] = &["left", "right"];
+    const ALL: &'static [Self] = &[Self::Left, Self::Right];
+}
+
+/// Where contact begins.
+#[derive(Clone, Copy, Debug)]
+enum Surface<S> {
+    /// Always in contact.
+    Held,
+    /// Free within ± this distance, m.
+    Play(S),
+    /// In contact where the device is past the surface; the sign points from device to object.
+    OneSided { sign: S },
+}
+
+/// Spring and damper between device and object.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<S> {
+    stiffness: S,
+    damping: S,
+    surface: Surface<S>,
+    /// How far from a device at rest an object is put, one-sided; 0 otherwise.
+    clearance: S,
+}
+
+impl<S: Scalar> Contact<S> {
+    /// The contact that the scene describes.
+    pub fn build(settings: &Settings) -> Self {
+        let contact = &settings.contact;
+        let gap = S::from_f64(contact.gap_m);
+        let sign = match contact.side {
+            Side::Left => S::ONE,
+            Side::Right => -S::ONE,
+        };
+        Self {
+            stiffness: S::from_f64(contact.stiffness_n_per_m),
+            damping: S::from_f64(contact.damping_n_s_per_m),
+            surface: match (contact.one_sided, contact.gap_m > 0.0) {
+                (true, _) => Surface::OneSided { sign },
+                (false, true) => Surface::Play(gap),
+                (false, false) => Surface::Held,
+            },
+            clearance: if contact.one_sided { sign * gap } else { S::ZERO },
+        }
+    }
+
+    /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
+    pub fn clear_of(&self, position: S) -> S {
+        position + self.clearance
+    }
+
+    /// The same contact with another stiffness (N/m) and damping (N·s/m).
+    #[must_use]
+    pub fn with_gains(self, stiffness: S, damping: S) -> Self {
+        Self { stiffness, damping, ..self }
+    }
+
+    /// How far a device at this distance (m) from the object is past the surface, where contact has a side; or how fast.
+    pub(super) fn past(&self, distance: S) -> S {
+        match self.surface {
+            Surface::OneSided { sign } => sign * distance,
+            Surface::Held | Surface::Play(_) => distance,
+        }
+    }
+
+    /// F_LC on the object, N.
+    #[inline]
+    pub fn force(&self, device: Motion<S>, object: Motion<S>) -> S {
+        let distance = device.position - object.position;
+        let speed = device.velocity - object.velocity;
+        let depth = match self.surface {
+            Surface::Held => distance,
+            Surface::Play(gap) if distance > gap => distance - gap,
+            Surface::Play(gap) if distance < -gap => distance + gap,
+            Surface::OneSided { sign } if sign * distance > S::ZERO => distance,
+            Surface::Play(_) | Surface::OneSided { .. } => return S::ZERO,
+        };
+        self.stiffness * depth + self.damping * speed
+    }
+}
+
+impl<S: Scalar> Model<S> for Contact<S> {
+    type State = ();
+    fn build(settings: &Settings) -> Self {
+        Self::build(settings)
+    }
+}
+
+impl<S: Scalar> Rendering<S> for Contact<S> {
+    fn clear_of(&self, position: S) -> S {
+        self.clear_of(position)
+    }
+    #[inline]
+    fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, _: S) -> Touch<S> {
+        let force = self.force(device, *object);
+        Touch { pushing: force, felt: force }
+    }
+}

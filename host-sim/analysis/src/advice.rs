@@ -1,0 +1,141 @@
+//! What to change in a scene that lies outside its region: the smallest change of one gain that brings it back, with a
+//! margin, or where no gain does, the settings that would.
+//!
+//! Gains are tried in this order: coordination stiffness K_T (it costs coherency, not feel), contact stiffness K_LC. Of each
+//! the nearest stable interval is taken and entered by [`MARGIN`] of the gain at its edge, or to its middle where it is
+//! narrower. What is proposed has been checked: the scene with it is stable.
+
+use haptic_core::law::wave::Decode;
+use haptic_core::settings::{Allowed, Key};
+use serde::Serialize;
+
+use super::AnalysisError;
+use super::limit::{Effort, Limit, along};
+use super::sweep::{Range, Sweep};
+use super::verdict::{Verdict, verdict};
+use haptic_sim::scene::SceneFile;
+
+/// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
+pub const MARGIN: f64 = 0.1;
+
+/// The gains, in the order in which they are tried.
+const GAINS: [&str; 2] = ["coordination.stiffness_n_per_m", "contact.stiffness_n_per_m"];
+
+/// A change of one gain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// `table.key`.
+    pub key: &'static str,
+    /// Its value now.
+    pub from: f64,
+    /// The value proposed.
+    pub to: f64,
+    /// The edge of the region between the two.
+    pub limit: f64,
+    /// Unit of all three.
+    pub unit: &'static str,
+    /// Spectral radius with the value proposed.
+    pub spectral_radius: f64,
+}
+
+/// One line of advice on a scene: that it is stable, or which gain to change and to what.
+///
+/// # Errors
+/// Settings that the peer refuses; eigenvalues that do not converge.
+pub fn advice(scene: &SceneFile) -> Result<String, AnalysisError> {
+    let now = verdict(scene)?;
+    if now.stable {
+        return Ok(format!("inside its stability region (spectral radius {:.6})", now.spectral_radius));
+    }
+    let place = match now.spectral_radius {
+        radius if radius < 1e3 => format!("outside its stability region (spectral radius {radius:.6})"),
+        _ => "far outside its stability region".to_owned(),
+    };
+    if let Some(change) = change(scene)? {
+        let Change { key, from, to, limit, unit, .. } = change;
+        let verb = if to < from { "lower" } else { "raise" };
+        return Ok(format!("{place}: {verb} {key} from {from} to {to} {unit} (its limit here is {limit:.4})"));
+    }
+    let others = others(scene)?;
+    Ok(if others.is_empty() {
+        format!("{place}: no single stiffness mends it; try less delay or more damping")
+    } else {
+        format!("{place}: no single stiffness mends it, but {} does", others.join(", or "))
+    })
+}
+
+/// The change of one gain that brings an unstable scene back, if there is one.
+///
+/// # Errors
+/// Settings that the peer refuses; eigenvalues that do not converge.
+pub fn change(scene: &SceneFile) -> Result<Option<Change>, AnalysisError> {
+    for (name, key) in SceneFile::keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
+        let now = gain(scene, &name);
+        let Allowed::Number { max, .. } = key.allowed else { continue };
+        let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
+        let sweep = Sweep::new(scene, range)?;
+        let limit = along(&sweep, Effort::default())?;
+        if let Some(change) = nearest(&sweep, &limit, now, key)? {
+            return Ok(Some(change));
+        }
+    }
+    Ok(None)
+}
+
+fn gain(scene: &SceneFile, name: &str) -> f64 {
+    let settings = &scene.peer;
+    if name == GAINS[0] { settings.coordination.stiffness_n_per_m } else { settings.contact.stiffness_n_per_m }
+}
+
+/// The nearest value that is stable with a margin.
+fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &'static Key) -> Result<Option<Change>, AnalysisError> {
+    let range = sweep.range();
+    let mut edges = vec![range.from];
+    edges.extend(&limit.crossings);
+    edges.push(range.to);
+    let mut candidates: Vec<(f64, f64)> = Vec::new();
+    for (at, pair) in edges.windows(2).enumerate() {
+        let (low, high) = (pair[0], pair[1]);
+        let stable = limit.stable_at_start == (at % 2 == 0);
+        if stable && high < now {
+            candidates.push((high, (high * (1.0 - MARGIN)).max(0.5 * (low + high))));
+        } else if stable && low > now {
+            candidates.push((low, (low * (1.0 + MARGIN)).min(0.5 * (low + high))));
+        }
+    }
+    candidates.sort_by(|a, b| (a.0 - now).abs().total_cmp(&(b.0 - now).abs()));
+    for (edge, inside) in candidates {
+        let to = short(inside);
+        let Verdict { stable, spectral_radius, .. } = verdict(&sweep.at(to)?)?;
+        if stable && edge > 0.0 {
+            return Ok(Some(Change { key: key.name, from: now, to, limit: edge, unit: key.unit, spectral_radius }));
+        }
+    }
+    Ok(None)
+}
+
+/// Three significant digits: a gain is not known better.
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// Other settings that make the scene stable as it is.
+fn others(scene: &SceneFile) -> Result<Vec<&'static str>, AnalysisError> {
+    let mut implicit = scene.clone();
+    implicit.peer.coordination.decode = Decode::Implicit;
+    let mut prompt = scene.clone();
+    prompt.peer.object.force_delay_ticks = 0.0;
+    let mut both = implicit.clone();
+    both.peer.object.force_delay_ticks = 0.0;
+    let named = [
+        (implicit, "coordination.decode = \"implicit\""),
+        (prompt, "object.force_delay_ticks = 0"),
+        (both, "coordination.decode = \"implicit\" with object.force_delay_ticks = 0"),
+    ];
+    for (scene, name) in named {
+        if verdict(&scene)?.stable {
+            return Ok(vec![name]);
+        }
+    }
+    Ok(Vec::new())
+}

@@ -1,0 +1,92 @@
+//! Figure 4 of the cooperation paper: the largest stable coordination stiffness K_T against contact stiffness K_LC, for
+//! three ways to communicate and four one-way delays.
+//!
+//! Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every force one tick late, delayed
+//! decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
+
+use haptic_core::law::LawName;
+use haptic_core::object::IntegratorName;
+use haptic_core::settings::Choice;
+use serde::Serialize;
+
+use super::AnalysisError;
+use super::limit::Effort;
+use super::map::{Axis, Map, map};
+use super::sweep::Range;
+use haptic_sim::report::ReportError;
+use haptic_sim::report::table::Table;
+use haptic_sim::scene::SceneFile;
+
+/// The panels, in the paper's order (a), (b), (c).
+pub const COMMS: [LawName; 3] = [LawName::Power, LawName::Wave, LawName::PassiveWave];
+
+/// One-way delays, packets.
+pub const DELAYS: [u32; 4] = [0, 1, 2, 3];
+
+/// Contact stiffnesses in a curve.
+pub const POINTS: usize = 100;
+
+/// The paper's axes.
+pub fn axes() -> [Axis; 2] {
+    let axis = |key: &str, to: f64| Axis { range: Range { key: key.to_owned(), from: 0.0, to }, count: POINTS };
+    [axis("contact.stiffness_n_per_m", 2500.0), axis("coordination.stiffness_n_per_m", 12_000.0)]
+}
+
+/// The scene behind one curve.
+pub fn scene(comm: LawName, one_way_delay_packets: u32) -> SceneFile {
+    let mut scene = SceneFile::default();
+    scene.peer.object.mass_kg = 0.6;
+    scene.peer.object.integrator = IntegratorName::Exact;
+    scene.peer.coordination.comm = comm;
+    scene.world.network.one_way_delay_packets = one_way_delay_packets;
+    scene
+}
+
+/// One curve of the figure.
+#[derive(Clone, Debug, Serialize)]
+pub struct Curve {
+    /// How the peers communicate.
+    pub comm: &'static str,
+    /// n_t.
+    pub one_way_delay_packets: u32,
+    /// Crossings of K_T for every K_LC.
+    pub columns: Vec<super::map::Column>,
+}
+
+/// All twelve curves; `done` is called once for every point of a curve.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
+pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError> {
+    // Steps of 150 N/m find every pocket of this figure; 0.1 % is ten times finer than it is drawn.
+    let effort = Effort { steps: 80, tolerance: 1e-3 };
+    let mut curves = Vec::new();
+    for comm in COMMS {
+        for delay in DELAYS {
+            let map = map(&scene(comm, delay), axes(), effort, &done)?;
+            let curve = Curve { comm: comm.name(), one_way_delay_packets: delay, columns: map.columns.clone() };
+            curves.push((curve, map));
+        }
+    }
+    Ok(curves)
+}
+
+/// One row for every crossing: comm (0, 1, 2 for panels a, b, c), n_t, K_LC, K_T, and whether it is stable just below.
+///
+/// # Errors
+/// None: the columns are named apart.
+pub fn table(curves: &[(Curve, Map)]) -> Result<Table, ReportError> {
+    let names = ["panel", "one_way_delay_packets", "contact_n_per_m", "coordination_n_per_m", "stable_below"];
+    let mut table = Table::with_names(&names)?;
+    for (at, (curve, map)) in curves.iter().enumerate() {
+        let panel = (at / DELAYS.len()) as f64;
+        for column in &map.columns {
+            for (at, crossing) in column.limit.crossings.iter().enumerate() {
+                let below = column.limit.stable_at_start == (at % 2 == 0);
+                let delay = f64::from(curve.one_way_delay_packets);
+                table.push_row(&[panel, delay, column.x, *crossing, f64::from(u8::from(below))])?;
+            }
+        }
+    }
+    Ok(table)
+}

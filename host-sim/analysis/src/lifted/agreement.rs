@@ -1,0 +1,143 @@
+//! How far apart the two constructions of the lifted matrix are, entry by entry.
+//!
+//! Both are brought to the states that matter ([`super::prune`]; which these are must agree too) and to common units: the
+//! powers of two that balance the constructed matrix ([`super::super::spectrum::balance`]). The difference is the largest
+//! |entry of one − entry of the other| in these units over the largest |entry|, or over 1 where all are smaller.
+
+use haptic_core::law::{LawName, Packet};
+use haptic_core::num::StateVector;
+
+use super::super::AnalysisError;
+use super::super::matrix::Matrix;
+use super::super::spectrum::balance;
+use super::super::verdict::{Analyser, delays_packets, pair_matrix};
+use super::constructed::network::Place;
+use super::constructed::peer::State;
+use super::constructed::{Constructed, construct};
+use super::driven::TOO_LARGE;
+use super::{Lifted, prune};
+use haptic_sim::scene::SceneFile;
+
+/// Rounding may put one on this side of the limit and the other on that.
+const ALMOST: f64 = 1e-6;
+
+/// What the comparison gave.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Agreement {
+    /// Largest difference of balanced entries, relative to the largest entry; infinite where other states matter.
+    pub matrix: f64,
+    /// Difference of the spectral radii (driven by halves where the pair is symmetric), relative to the larger of it and 1.
+    pub spectral_radius: f64,
+}
+
+/// Compares the two constructions on a linear scene; `None` where the scene has a model without a second construction.
+///
+/// # Errors
+/// Settings that the peer refuses; eigenvalues that do not converge.
+pub fn agreement(linear: &SceneFile) -> Result<Option<Agreement>, AnalysisError> {
+    let Some(constructed) = construct(linear) else { return Ok(None) };
+    let driven = pair_matrix(linear)?;
+    if !driven.matrix.is_finite() {
+        // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
+        let grown = !constructed.lifted.matrix.entries().iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST);
+        let apart = if grown { 0.0 } else { f64::INFINITY };
+        return Ok(Some(Agreement { matrix: apart, spectral_radius: apart }));
+    }
+    let matrix = compare(linear, &driven, &constructed);
+    let mut analyser = Analyser::default();
+    let first = analyser.verdict(linear)?.spectral_radius;
+    let devices = devices(&constructed.places);
+    let second = analyser.judge(constructed.lifted, &devices)?.spectral_radius;
+    let spectral_radius = if first == second { 0.0 } else { (first - second).abs() / first.max(second).max(1.0) };
+    Ok(Some(Agreement { matrix, spectral_radius }))
+}
+
+/// One state of each device.
+fn devices(places: &[Place]) -> Vec<usize> {
+    let device = |place: &Place| matches!(place, Place::Local { state: State::DevicePosition, .. });
+    (0..places.len()).filter(|at| device(&places[*at])).collect()
+}
+
+fn compare(linear: &SceneFile, driven: &Lifted, constructed: &Constructed) -> f64 {
+    let locals = driven_order(linear);
+    let second = (driven.matrix.rows() - packets(linear)) / 2;
+    let kept = prune::kept(&constructed.lifted.matrix, &devices(&constructed.places));
+    let same: Vec<Option<usize>> =
+        kept.iter().map(|at| driven_place(linear, constructed.places[*at], &locals, second)).collect();
+    let mut ours: Vec<usize> = same.iter().flatten().copied().collect();
+    ours.sort_unstable();
+    if ours != prune::kept(&driven.matrix, &[0, second]) {
+        return f64::INFINITY;
+    }
+    let pick = |matrix: &Matrix, places: &[usize]| {
+        let mut picked = Lifted::default();
+        prune::copy(&Lifted { matrix: matrix.clone(), rest_modes: Vec::new() }, places, &mut picked);
+        picked.matrix
+    };
+    let order: Vec<usize> = same.into_iter().flatten().collect();
+    let (mut first, mut other) = (pick(&driven.matrix, &order), pick(&constructed.lifted.matrix, &kept));
+    let mut units = vec![1.0; kept.len()];
+    balance(&mut other, |at, factor| units[at] *= factor);
+    let (mut largest, mut apart) = (1.0_f64, 0.0_f64);
+    for (j, unit) in units.iter().enumerate() {
+        for (i, entry) in first.column_mut(j).iter_mut().enumerate() {
+            *entry *= unit / units[i];
+            largest = largest.max(other[(i, j)].abs());
+            apart = apart.max((*entry - other[(i, j)]).abs());
+        }
+    }
+    apart / largest
+}
+
+/// Core's order of a peer's states, as far as they are known here.
+fn driven_order(linear: &SceneFile) -> Vec<Option<State>> {
+    use State::{
+        CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity,
+        FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
+    };
+    let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
+    let law: &[Option<State>] = match linear.peer.coordination.comm {
+        LawName::Wave | LawName::PassiveWave => {
+            // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
+            &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, Some(Outgoing)]
+        }
+        // The sum before the mean is zero at every exchange.
+        LawName::PassiveMean => {
+            &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
+        }
+        LawName::Power => &[None, None],
+        _ => &[],
+    };
+    let estimator = [Some(LastReading), Some(FilteredVelocity)];
+    body.into_iter().map(Some).chain(law.iter().copied()).chain(estimator).collect()
+}
+
+/// Numbers on their way in the driven pair.
+fn packets(linear: &SceneFile) -> usize {
+    delays_packets(linear).iter().sum::<usize>() * packet()
+}
+
+/// Numbers in a packet: position, velocity, wave, and what else core has come to send.
+fn packet() -> usize {
+    let mut numbers = 0;
+    Packet::<f64>::default().visit(&mut |_| numbers += 1);
+    numbers
+}
+
+/// Where a place of the construction is in the driven pair.
+fn driven_place(linear: &SceneFile, place: Place, locals: &[Option<State>], second: usize) -> Option<usize> {
+    match place {
+        Place::Local { peer, state } => {
+            locals.iter().position(|known| *known == Some(state)).map(|at| peer * second + at)
+        }
+        Place::InFlight { to, slot, state } => {
+            let field = match state {
+                State::ObjectPosition => 0,
+                State::ObjectVelocity => 1,
+                _ => 2,
+            };
+            let before = if to == 0 { 0 } else { delays_packets(linear)[0] };
+            Some(2 * second + (before + slot) * packet() + field)
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The coordination laws as feedback rows: what F_T, ẋ_d and u_out of a tick depend on.
+//!
+//! Equations: THEORY §2; cooperation paper (1), (2), (4)–(7), (13), (14).
+
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
+
+use super::peer::Input::{Coordination, Decoded, Wave};
+use super::peer::State::{
+    CoordinationForce, DesiredPosition, DesiredVelocity, ObjectPosition, ObjectVelocity, Outgoing,
+};
+use super::peer::{Peer, decay};
+use haptic_sim::scene::SceneFile;
+
+impl Peer {
+    /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
+    pub(super) fn power(&mut self, scene: &SceneFile) {
+        let (k, b) = (scene.peer.coordination.stiffness_n_per_m, scene.peer.coordination.damping_n_s_per_m);
+        for (held, (state, gain)) in [(ObjectPosition, k), (ObjectVelocity, b)].into_iter().enumerate() {
+            let at = self.at(state);
+            self.f[(Coordination as usize, at)] = -gain;
+            self.h[(Coordination as usize, held)] = gain;
+        }
+    }
+
+    pub(super) fn wave(&mut self, scene: &SceneFile) {
+        let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
+        let (k, damping) = (coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
+        let impedance = coordination.wave_impedance_n_s_per_m;
+        let root = (2.0 * impedance).sqrt();
+        let [x_d, v_d, force, out] =
+            [DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing].map(|state| self.at(state));
+        let [x_o, v_o] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
+        let [coordination_row, decoded, wave] = [Coordination, Decoded, Wave].map(|input| input as usize);
+
+        // ẋ_d = (√(2b)·u_in − F_T)/b with F_T of the tick before, or of this one.
+        self.h[(decoded, 0)] = root / impedance;
+        self.a[(x_d, x_d)] = 1.0;
+        self.f[(coordination_row, x_d)] = k;
+        match coordination.decode {
+            Decode::Delayed => {
+                self.f[(decoded, force)] = -1.0 / impedance;
+                self.a[(x_d, v_d)] = period;
+                self.f[(coordination_row, v_d)] = k * period;
+                self.g[(coordination_row, decoded)] = damping;
+            }
+            Decode::Implicit => {
+                self.g[(decoded, coordination_row)] = -1.0 / impedance;
+                self.b[(x_d, decoded)] = period;
+                self.g[(coordination_row, decoded)] = damping + k * period;
+            }
+        }
+        self.f[(coordination_row, x_o)] = -k;
+        self.f[(coordination_row, v_o)] = -damping;
+        self.b[(v_d, decoded)] = 1.0;
+        self.b[(force, coordination_row)] = 1.0;
+
+        // u_out = (b·ẋ_d − F_T)/√(2b), straight out, through ẋ_f = −Ω·x_f + u_out, y = Ω·x_f, or as the mean of M.
+        self.g[(wave, decoded)] = impedance / root;
+        self.g[(wave, coordination_row)] = -1.0 / root;
+        let (keep, take) = match scene.peer.coordination.comm {
+            LawName::PassiveWave => {
+                let keep = decay(coordination.cutoff_hz, period);
+                (keep, 1.0 - keep)
+            }
+            LawName::PassiveMean => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
+            _ => (0.0, 1.0),
+        };
+        self.a[(out, out)] = keep;
+        self.b[(out, wave)] = take;
+    }
+}

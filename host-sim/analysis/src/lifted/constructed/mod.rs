@@ -1,0 +1,39 @@
+//! The lifted matrix built as the cooperation paper builds it (§4), from the equations and from nothing of `haptic_core`.
+//!
+//! | step | paper | here |
+//! |---|---|---|
+//! | continuous open loop of device and object, discretised | (8)–(11) | [`hold`] |
+//! | augmented with x_d, ẋ_d, waves, filter, delayed inputs | (13)–(19), (22)–(23) | [`peer`]: A, B |
+//! | forces and decoded velocity as feedback of states | F_D, (3)–(7) | [`peer`], `law`: F, G, H |
+//! | lifted over the M ticks of a packet, loop closed | (12), (24) | [`lift`] |
+//! | packets and communication delay | last paragraph of §4.2 | [`network`] |
+//!
+//! Only the parameters are shared with [`super::driven`]. A law, integrator or estimator whose equations are not written
+//! here gives `None`: core's lists may grow, this file need not.
+
+pub mod hold;
+mod law;
+pub mod lift;
+pub mod network;
+pub mod peer;
+
+use super::Lifted;
+use haptic_sim::scene::SceneFile;
+use network::Place;
+
+/// The pair's lifted matrix, with the place of each of its states.
+#[derive(Clone, Debug)]
+pub struct Constructed {
+    /// Matrix and rest modes.
+    pub lifted: Lifted,
+    /// What each row and column stands for.
+    pub places: Vec<Place>,
+}
+
+/// Builds the pair of a linear scene ([`SceneFile::linear`]), without using symmetry; `None` where the scene names a
+/// model that this construction has no equations for.
+pub fn construct(linear: &SceneFile) -> Option<Constructed> {
+    let peers = [peer::Peer::new(linear, 0)?, peer::Peer::new(linear, 1)?];
+    let periods = peers.each_ref().map(|peer| lift::close(peer, linear.peer.timing.ticks_per_packet as usize));
+    Some(network::join(linear, &peers, &periods))
+}

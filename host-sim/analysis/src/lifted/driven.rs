@@ -1,0 +1,227 @@
+//! What one peer with its device answers to one packet period, found by driving the code that flies.
+//!
+//! [`Response::measure`] puts the peer into a unit state, lets [`haptic_core::peer::exchange`] and M times
+//! [`haptic_core::peer::tick`] run in `f64` against the exact plant, and reads the state back: one column of a matrix. No
+//! equation of the peer is repeated here; a coordination law, integrator or estimator that is new to core's lists is
+//! analysed without a change, as long as it is linear and its `StateVector` visits all of its state.
+//!
+//! **Small signals.** Unit states are 2⁻³⁰⁰ units: a power of two, so every product with them is exact as before, and far
+//! below any limit, so that no guard acts. A period that grows beyond 2²⁵⁰ counts as infinite.
+//!
+//! **Order of the local state**: x_h, ẋ_h, motor force of the tick before; then what `State::visit` visits (object,
+//! integrator, law, velocity estimators). Units: m, m/s, N, √W.
+
+use haptic_core::device::AXES;
+use haptic_core::law::Packet;
+use haptic_core::num::{Motion, StateVector};
+use haptic_core::peer::{self, State};
+use haptic_core::safety::{Command, Mode};
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::Refused;
+
+use super::super::matrix::Matrix;
+use haptic_sim::plant::Plant;
+use haptic_sim::scene::SceneFile;
+
+/// 2⁻³⁰⁰: what stands for one unit of a state.
+const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
+
+/// 2²⁵⁰: an answer above it may have met a limit on its way.
+pub const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
+
+/// How exactly a translation must come back to be a rest mode, m.
+const UNMOVED_M: f64 = 1e-12;
+
+/// States of the device: position, velocity, motor force of the tick before.
+const DEVICE_STATES: usize = 3;
+
+/// The answer of one peer to one packet period.
+#[derive(Clone, Debug, Default)]
+pub struct Response {
+    /// Local state after the period for each local state before, when the packet that arrives is all zeros.
+    pub own: Matrix,
+    /// Local state after the period for each number of the packet that arrives at its start, from rest.
+    pub heard: Matrix,
+    /// Each number of the packet sent at the start of the period, for each local state before.
+    pub sent: Matrix,
+    /// The local state of this peer at rest one metre away.
+    pub translation: Vec<f64>,
+    /// The packet it sends there.
+    pub translation_sent: Vec<f64>,
+    /// Whether it stays there while it hears that packet: times 0, +1 and −1.
+    pub stays: [bool; 3],
+}
+
+impl Response {
+    /// Local states.
+    pub fn states(&self) -> usize {
+        self.own.rows()
+    }
+
+    /// Numbers in a packet.
+    pub fn packet(&self) -> usize {
+        self.sent.rows()
+    }
+
+    /// Drives peer `index` (0 or 1) of a scene that is linear ([`SceneFile::linear`]).
+    ///
+    /// # Errors
+    /// What the peer's `build()` refuses.
+    pub fn measure(&mut self, linear: &SceneFile, index: usize) -> Result<(), Refused<'static>> {
+        let mut seat = Seat::new(linear, index)?;
+        let (states, packet) = (seat.local.len(), seat.packet.len());
+        self.own.reset(states, states);
+        self.heard.reset(states, packet);
+        self.sent.reset(packet, states);
+        for at in 0..states {
+            seat.rest();
+            seat.local[at] = 1.0;
+            seat.send(self.sent.column_mut(at));
+            seat.period(self.own.column_mut(at));
+        }
+        for at in 0..packet {
+            // What is never sent need not be heard.
+            if (0..states).all(|state| self.sent[(at, state)] == 0.0) {
+                continue;
+            }
+            seat.rest();
+            seat.packet[at] = 1.0;
+            seat.period(self.heard.column_mut(at));
+        }
+        self.translate(&mut seat);
+        Ok(())
+    }
+
+    /// Finds what a translation of this peer is, and whether the peer stays there.
+    fn translate(&mut self, seat: &mut Seat) {
+        self.translation.clear();
+        self.translation.resize(seat.local.len(), 0.0);
+        self.translation_sent.clear();
+        self.translation_sent.resize(seat.packet.len(), 0.0);
+        seat.translation(&mut self.translation);
+        seat.rest();
+        seat.local.copy_from_slice(&self.translation);
+        seat.send(&mut self.translation_sent);
+        let mut after = vec![0.0; seat.local.len()];
+        for (sign, stays) in [0.0, 1.0, -1.0].into_iter().zip(&mut self.stays) {
+            seat.local.copy_from_slice(&self.translation);
+            for (number, sent) in seat.packet.iter_mut().zip(&self.translation_sent) {
+                *number = sign * sent;
+            }
+            seat.period(&mut after);
+            *stays = after.iter().zip(&self.translation).all(|(after, before)| (after - before).abs() <= UNMOVED_M);
+        }
+    }
+
+    /// The local state after a period from `local`, hearing `packet`; a check of superposition needs no more.
+    ///
+    /// # Errors
+    /// What the peer's `build()` refuses.
+    pub fn drive(
+        linear: &SceneFile,
+        index: usize,
+        local: &[f64],
+        packet: &[f64],
+    ) -> Result<Vec<f64>, Refused<'static>> {
+        let mut seat = Seat::new(linear, index)?;
+        seat.local.copy_from_slice(local);
+        seat.packet.copy_from_slice(packet);
+        let mut after = vec![0.0; local.len()];
+        seat.period(&mut after);
+        Ok(after)
+    }
+}
+
+/// A peer in front of its device, and the state and packet it is to start from, in units.
+struct Seat {
+    scene: Scene<Any<f64>>,
+    armed: State<Any<f64>>,
+    plant: Plant,
+    local: Vec<f64>,
+    packet: Vec<f64>,
+}
+
+impl Seat {
+    fn new(linear: &SceneFile, index: usize) -> Result<Self, Refused<'static>> {
+        let scene = Scene::build(&linear.peers()[index])?;
+        let mut armed = State::new(&scene, [Motion::REST; AXES]);
+        armed.command(&scene, Command::Arm);
+        let mut states = DEVICE_STATES;
+        armed.visit(&mut |_| states += 1);
+        let mut numbers = 0;
+        Packet::<f64>::default().visit(&mut |_| numbers += 1);
+        let plant = Plant::new(linear, index);
+        Ok(Self { scene, armed, plant, local: vec![0.0; states], packet: vec![0.0; numbers] })
+    }
+
+    /// Everything at zero.
+    fn rest(&mut self) {
+        self.local.fill(0.0);
+        self.packet.fill(0.0);
+    }
+
+    /// The peer's share of the state, in the unit that is driven.
+    fn loaded(&self) -> State<Any<f64>> {
+        let mut state = self.armed;
+        let mut numbers = self.local[DEVICE_STATES..].iter();
+        state.visit(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+        state
+    }
+
+    /// What the peer would send.
+    fn send(&self, sent: &mut [f64]) {
+        let mut packet = peer::outgoing(&self.scene, &self.loaded());
+        let mut sent = sent.iter_mut();
+        packet.visit(&mut |number| {
+            if let Some(sent) = sent.next() {
+                *sent = *number / UNIT;
+            }
+        });
+    }
+
+    /// One exchange and M ticks.
+    fn period(&mut self, after: &mut [f64]) {
+        let mut state = self.loaded();
+        let (motion, motor) = self.plant.free_axis();
+        *motion = Motion { position: self.local[0] * UNIT, velocity: self.local[1] * UNIT };
+        *motor = self.local[2] * UNIT;
+        let mut packet = Packet::default();
+        let mut numbers = self.packet.iter();
+        packet.visit(&mut |number: &mut f64| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+
+        peer::exchange(&self.scene, &mut state, Some(packet));
+        for _ in 0..self.scene.ticks_per_packet() {
+            let sensors = self.plant.sensors();
+            let actuators = peer::tick(&self.scene, &mut state, &sensors);
+            self.plant.step(0.0, &actuators);
+        }
+
+        let (motion, motor) = self.plant.free_axis();
+        let mut within = state.mode() == Mode::Armed;
+        let mut after = after.iter_mut();
+        let mut store = |number: f64| {
+            within &= number.abs() < TOO_LARGE * UNIT;
+            if let Some(after) = after.next() {
+                *after = if within { number / UNIT } else { f64::INFINITY };
+            }
+        };
+        [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
+        state.visit(&mut |number| store(*number));
+    }
+
+    /// Writes the local state of this peer at rest at one metre.
+    fn translation(&self, local: &mut [f64]) {
+        let [free, held @ ..] = [Motion::REST; AXES];
+        let mut axes = [Motion::at(1.0), free];
+        axes[1..].copy_from_slice(&held);
+        let mut there = State::new(&self.scene, axes);
+        there.command(&self.scene, Command::Arm);
+        local[0] = 1.0;
+        let mut numbers = local[DEVICE_STATES..].iter_mut();
+        there.visit(&mut |number| {
+            if let Some(out) = numbers.next() {
+                *out = *number;
+            }
+        });
+    }
+}

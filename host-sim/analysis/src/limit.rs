@@ -1,0 +1,183 @@
+//! Every value of one key at which a scene changes between stable and unstable.
+//!
+//! A scan of the range finds changes from point to point; between them, the largest |eigenvalue| is followed up every
+//! hump that stays below 1 and down every dip that stays above it, so that a pocket narrower than a step is still found
+//! if it makes its neighbours bulge. Each change is then closed in by bisection. A pocket that no scan point feels can be
+//! missed: `step` in the result says how wide the widest step was.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::AnalysisError;
+use super::sweep::{Range, Sweep};
+use super::verdict::Analyser;
+use haptic_sim::scene::SceneFile;
+
+/// How hard to look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Steps of the first scan.
+    pub steps: usize,
+    /// How closely a crossing is found, relative to its value.
+    pub tolerance: f64,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { steps: 400, tolerance: 1e-4 }
+    }
+}
+
+/// Golden-section steps up a hump or down a dip.
+const CLIMB_STEPS: usize = 24;
+
+/// All crossings along one key.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Limit {
+    /// Whether the scene is stable at the first value.
+    pub stable_at_start: bool,
+    /// Values at which that changes, ascending; for a key of whole numbers, halfway between two neighbours.
+    pub crossings: Vec<f64>,
+    /// Spectral radii that were computed.
+    pub evaluations: usize,
+    /// Widest step of the scan.
+    pub step: f64,
+}
+
+impl Limit {
+    /// Whether the scene is stable at `value`.
+    pub fn is_stable(&self, value: f64) -> bool {
+        self.stable_at_start == (self.crossings.iter().filter(|crossing| **crossing < value).count() % 2 == 0)
+    }
+}
+
+/// Finds all crossings of the scene along a range.
+///
+/// # Errors
+/// A key or value that the scene refuses; eigenvalues that do not converge.
+pub fn limit(scene: &SceneFile, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
+    along(&Sweep::new(scene, range)?, effort)
+}
+
+/// A value of the key and the spectral radius there.
+type Point = (f64, f64);
+
+/// Finds all crossings along a sweep.
+///
+/// # Errors
+/// A value that the scene refuses; eigenvalues that do not converge.
+pub fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
+    let radius = |analyser: &mut Analyser, value: f64| Ok(sweep.verdict(analyser, value)?.spectral_radius);
+    crossings(&sweep.points(effort.steps), sweep.is_whole(), effort.tolerance, Analyser::default, radius)
+}
+
+/// Finds all crossings of any spectral radius, given as a function of one number: scanned at `points` (ascending), found to
+/// `tolerance` (relative). `memory` makes what the function may keep from one call to the next; `whole` where only whole
+/// numbers may be asked for.
+///
+/// # Errors
+/// Those of the function.
+pub fn crossings<A>(
+    points: &[f64],
+    whole: bool,
+    tolerance: f64,
+    memory: impl Fn() -> A + Send + Sync,
+    radius: impl Fn(&mut A, f64) -> Result<f64, AnalysisError> + Send + Sync,
+) -> Result<Limit, AnalysisError> {
+    let radius = |memory: &mut A, value: f64| Ok((value, radius(memory, value)?));
+    let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let scanned: Vec<Point> = points
+        .par_iter()
+        .map_init(&memory, |memory, value| radius(memory, *value))
+        .collect::<Result<_, AnalysisError>>()?;
+    let mut evaluations = scanned.len();
+
+    let extremes: Vec<Vec<Point>> = scanned
+        .par_windows(3)
+        .filter(|three| !whole && is_bulge(three))
+        .map_init(&memory, |memory, three| climb(three, |value| radius(memory, value)))
+        .collect::<Result<_, AnalysisError>>()?;
+    evaluations += extremes.iter().map(Vec::len).sum::<usize>();
+    let mut all: Vec<Point> = scanned.into_iter().chain(extremes.into_iter().flatten()).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+
+    let found: Vec<(f64, usize)> = all
+        .par_windows(2)
+        .filter(|pair| stable(pair[0]) != stable(pair[1]))
+        .map_init(&memory, |memory, pair| close_in(pair[0], pair[1], whole, tolerance, |value| radius(memory, value)))
+        .collect::<Result<_, AnalysisError>>()?;
+    evaluations += found.iter().map(|(_, spent)| spent).sum::<usize>();
+    Ok(Limit {
+        stable_at_start: all.first().is_some_and(|point| stable(*point)),
+        crossings: found.into_iter().map(|(value, _)| value).collect(),
+        evaluations,
+        step,
+    })
+}
+
+fn stable((_, radius): Point) -> bool {
+    radius <= 1.0 + super::verdict::ROUNDING
+}
+
+/// All three on the same side, and the middle one nearest to the other side.
+fn is_bulge(three: &[Point]) -> bool {
+    let [before, middle, after] = [three[0], three[1], three[2]];
+    let same = stable(before) == stable(middle) && stable(middle) == stable(after);
+    let (low, high) = (before.1.min(after.1), before.1.max(after.1));
+    same && if stable(middle) { middle.1 >= high } else { middle.1 <= low }
+}
+
+/// Golden-section search for the extreme between three points; stops where the other side is reached.
+fn climb(
+    three: &[Point],
+    mut radius: impl FnMut(f64) -> Result<Point, AnalysisError>,
+) -> Result<Vec<Point>, AnalysisError> {
+    const GOLDEN: f64 = 0.381_966_011_250_105_1;
+    let up = stable(three[1]);
+    let nearer = |a: Point, b: Point| if up { a.1 > b.1 } else { a.1 < b.1 };
+    let (mut low, mut best, mut high) = (three[0].0, three[1], three[2].0);
+    let mut seen = Vec::new();
+    for _ in 0..CLIMB_STEPS {
+        // A new point in the wider half.
+        let value = if high - best.0 > best.0 - low {
+            best.0 + GOLDEN * (high - best.0)
+        } else {
+            best.0 - GOLDEN * (best.0 - low)
+        };
+        let point = radius(value)?;
+        seen.push(point);
+        if stable(point) != up {
+            break;
+        }
+        let (edge, inner) = if nearer(point, best) { (best.0, point) } else { (value, best) };
+        if edge < inner.0 {
+            low = edge
+        } else {
+            high = edge
+        }
+        best = inner;
+    }
+    Ok(seen)
+}
+
+/// Bisection between a point on either side; the crossing and how many radii it took.
+fn close_in(
+    mut low: Point,
+    mut high: Point,
+    whole: bool,
+    tolerance: f64,
+    mut radius: impl FnMut(f64) -> Result<Point, AnalysisError>,
+) -> Result<(f64, usize), AnalysisError> {
+    let mut spent = 0;
+    // Sixty halvings take any range below the spacing of f64.
+    while spent < 60 && if whole { high.0 - low.0 > 1.0 } else { high.0 - low.0 > tolerance * high.0.abs() } {
+        let mut value = 0.5 * (low.0 + high.0);
+        if whole {
+            value = value.floor();
+        }
+        let middle = radius(value)?;
+        spent += 1;
+        if stable(middle) == stable(low) { low = middle } else { high = middle }
+    }
+    Ok((0.5 * (low.0 + high.0), spent))
+}

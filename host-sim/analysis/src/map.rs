@@ -1,0 +1,143 @@
+//! Stability regions over two keys of a scene: for every value of x, all crossings along y.
+//!
+//! Columns of the map are independent, and are found in parallel. Along y a crossing is as exact as
+//! [`super::limit::Effort`] says; along x the region is known at the values of x only.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::AnalysisError;
+use super::limit::{Effort, Limit, along};
+use super::sweep::{Range, Sweep};
+use haptic_sim::report::ReportError;
+use haptic_sim::report::table::Table;
+use haptic_sim::scene::SceneFile;
+
+/// A range and how many values of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Key and ends.
+    pub range: Range,
+    /// Values, both ends included; 2 or more.
+    pub count: usize,
+}
+
+impl Axis {
+    /// Equally spaced values.
+    pub fn values(&self) -> Vec<f64> {
+        let Range { from, to, .. } = self.range;
+        (0..self.count).map(|at| from + (to - from) * at as f64 / (self.count - 1).max(1) as f64).collect()
+    }
+}
+
+/// `key=A..B:N`
+impl std::str::FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong =
+            || format!("{text}: write it as table.key=A..B:N, for example coordination.stiffness_n_per_m=0..12000:100");
+        let (key, rest) = text.split_once('=').ok_or_else(wrong)?;
+        let (range, count) = rest.rsplit_once(':').ok_or_else(wrong)?;
+        let (from, to) = range.split_once("..").ok_or_else(wrong)?;
+        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+        let range = Range { key: key.trim().to_owned(), from: number(from)?, to: number(to)? };
+        let count = count.trim().parse::<usize>().map_err(|_| wrong())?;
+        if !(2..=10_000).contains(&count) {
+            return Err(format!("{text}: {count} values are not allowed: it must be a whole number from 2 to 10000"));
+        }
+        Ok(Self { range, count })
+    }
+}
+
+/// One column of a map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Column {
+    /// Value of the x key.
+    pub x: f64,
+    /// All crossings along the y key.
+    #[serde(flatten)]
+    pub limit: Limit,
+}
+
+/// A region in two keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// What x and y are.
+    pub axes: [Axis; 2],
+    /// One for every value of x.
+    pub columns: Vec<Column>,
+}
+
+/// Maps the scene. `done` is called once for every column, in any order, from any thread.
+///
+/// # Errors
+/// A key or value that the scene refuses; eigenvalues that do not converge.
+pub fn map(scene: &SceneFile, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
+    let [x, y] = &axes;
+    let across = Sweep::new(scene, x.range.clone())?;
+    // The range of y must be possible whatever x is: better said before the work than in the middle of it.
+    Sweep::new(scene, y.range.clone())?;
+    let column = |x: &f64| {
+        let limit = along(&Sweep::new(&across.at(*x)?, y.range.clone())?, effort)?;
+        done();
+        Ok(Column { x: *x, limit })
+    };
+    let columns = x.values().par_iter().map(column).collect::<Result<_, AnalysisError>>()?;
+    Ok(Map { axes, columns })
+}
+
+impl Map {
+    /// One row for every crossing: x, y, and whether the scene is stable just below and just above it. A column without
+    /// crossings is one row with NaN for y.
+    ///
+    /// # Errors
+    /// Two keys of the same name.
+    pub fn table(&self) -> Result<Table, ReportError> {
+        let [x, y] = self.axes.each_ref().map(|axis| axis.range.key.as_str());
+        let mut table = Table::with_names(&[x, y, "stable_below", "stable_above"])?;
+        for column in &self.columns {
+            let Limit { stable_at_start, crossings, .. } = &column.limit;
+            let flag = |stable: bool| f64::from(u8::from(stable));
+            if crossings.is_empty() {
+                table.push_row(&[column.x, f64::NAN, flag(*stable_at_start), flag(*stable_at_start)])?;
+            }
+            for (at, crossing) in crossings.iter().enumerate() {
+                let below = *stable_at_start == (at % 2 == 0);
+                table.push_row(&[column.x, *crossing, flag(below), flag(!below)])?;
+            }
+        }
+        Ok(table)
+    }
+
+    /// Whether the scene is stable at every x (columns) and y (rows) of the axes, row by row.
+    pub fn cells(&self) -> Vec<bool> {
+        self.axes[1]
+            .values()
+            .iter()
+            .flat_map(|y| self.columns.iter().map(|column| column.limit.is_stable(*y)))
+            .collect()
+    }
+
+    /// Spectral radii that were computed.
+    pub fn evaluations(&self) -> usize {
+        self.columns.iter().map(|column| column.limit.evaluations).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_is_written_as_key_range_count() {
+        let axis: Axis = "contact.stiffness_n_per_m=0..2.5e3:6".parse().unwrap();
+        assert_eq!(axis.range, Range { key: "contact.stiffness_n_per_m".to_owned(), from: 0.0, to: 2500.0 });
+        assert_eq!(axis.values(), [0.0, 500.0, 1000.0, 1500.0, 2000.0, 2500.0]);
+        for wrong in ["a.b", "a.b=1..2", "a.b=1-2:3", "a.b=x..2:3", "a.b=1..2:x"] {
+            let message = wrong.parse::<Axis>().unwrap_err();
+            assert!(message.starts_with(wrong) && message.contains("table.key=A..B:N"), "{message}");
+        }
+        assert!("a.b=1..2:1".parse::<Axis>().unwrap_err().contains("from 2 to 10000"));
+    }
+}

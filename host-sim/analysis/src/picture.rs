@@ -1,0 +1,75 @@
+//! Stability regions as pictures: tinted where stable, with the crossings as lines.
+
+use haptic_core::settings::Key;
+
+use super::figure4::{self, Curve};
+use super::map::Map;
+use super::outline::outline;
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use haptic_sim::scene::SceneFile;
+
+/// Key and unit, for an axis.
+fn label(key: &str) -> String {
+    let unit = SceneFile::keys().into_iter().find(|(name, _)| name == key).map(|(_, Key { unit, .. })| *unit);
+    match unit {
+        Some(unit) if !unit.is_empty() => format!("{key} ({unit})"),
+        _ => key.to_owned(),
+    }
+}
+
+/// The outline of a region; the first path carries the name.
+fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> impl Iterator<Item = Series> {
+    let named = move |at| if at == 0 { name.to_owned() } else { String::new() };
+    outline(map).into_iter().enumerate().map(move |(at, path)| Series::dashed(named(at), color, dash, path))
+}
+
+/// One region.
+pub fn region(title: &str, map: &Map) -> Figure {
+    let [x, y] = &map.axes;
+    let mut series = vec![Series::cells("stable", 0, x.values(), y.values(), map.cells())];
+    series.extend(lines(map, "", 0, Dash::Solid));
+    let panel = Panel {
+        title: String::new(),
+        x_label: label(&x.range.key),
+        y_label: label(&y.range.key),
+        x_range: Some((x.range.from, x.range.to)),
+        y_range: Some((y.range.from, y.range.to)),
+        series,
+        ..Panel::default()
+    };
+    Figure { title: title.to_owned(), columns: 1, panels: vec![panel], ..Figure::default() }
+}
+
+/// The cooperation paper's Figure 4.
+pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
+    let titles = ["(a) Power-domain", "(b) Traditional wave", "(c) Passive wave"];
+    let dashes = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Solid];
+    let per_panel = figure4::DELAYS.len();
+    let panel = |(title, curves): (&str, &[(Curve, Map)])| Panel {
+        title: title.to_owned(),
+        x_label: "K_LC (N/m)".to_owned(),
+        y_label: "K_T (N/m)".to_owned(),
+        x_range: Some((0.0, 2500.0)),
+        y_range: Some((0.0, 12_000.0)),
+        series: curves
+            .iter()
+            .enumerate()
+            .flat_map(|(at, (curve, map))| {
+                let name = format!("n_t = {}", curve.one_way_delay_packets);
+                lines(map, &name, at, dashes[at % dashes.len()]).collect::<Vec<_>>()
+            })
+            .collect(),
+        ..Panel::default()
+    };
+    Figure {
+        title: "Stability regions for two-user haptic cooperation (Rakhsha & Constantinescu 2012, Figure 4)".to_owned(),
+        caption: "Lines are outlines of stable regions: one holds the lower left corner; in (b) a second one lies above \
+                  5017 N/m; in (c) a line that folds back encloses an unstable pocket. One-way delay n_t packets of 8 ms; \
+                  every force one tick late; parameters of the paper's section 4.3."
+            .to_owned(),
+        columns: 3,
+        share_y: ShareY::Rows,
+        panels: titles.into_iter().zip(curves.chunks(per_panel)).map(panel).collect(),
+        ..Figure::default()
+    }
+}

@@ -1,0 +1,138 @@
+//! One number of a scene, swept: which key, between which values, at which points first.
+//!
+//! Values are set on the scene as it is and the result is made linear, so that a sweep of a key that the linear scene has no
+//! use for (a gap, a push) is flat rather than wrong.
+
+use haptic_core::settings::{Allowed, Value};
+
+use super::AnalysisError;
+use super::verdict::{Analyser, Verdict};
+use haptic_sim::scene::SceneFile;
+
+/// A key and the values it runs through.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// `table.key`, any number of a scene.
+    pub key: String,
+    /// First value, in the key's unit.
+    pub from: f64,
+    /// Last value, larger than the first.
+    pub to: f64,
+}
+
+/// A scene in which one key changes.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// As the user wrote it, but for recordings.
+    scene: SceneFile,
+    range: Range,
+    whole: bool,
+}
+
+impl Sweep {
+    /// Checks that the key is a number and that the scene accepts both ends of the range.
+    ///
+    /// # Errors
+    /// Which of the two it is not, and what would be.
+    pub fn new(scene: &SceneFile, range: Range) -> Result<Self, AnalysisError> {
+        let mut scene = scene.clone();
+        // Recordings are no part of the linear scene, and long.
+        scene.network_trace = None;
+        scene.users.iter_mut().for_each(|user| user.trace = None);
+        let keys = SceneFile::keys();
+        let allowed = keys.iter().find(|(name, _)| *name == range.key).map(|(_, key)| key.allowed);
+        let whole = match (scene.get(&range.key), allowed) {
+            (Some(Value::Number(_)), Some(Allowed::Whole { .. })) => true,
+            // An unknown key is what setting it will complain about, with a hint.
+            (Some(Value::Number(_)) | None, _) | (_, None) => false,
+            (Some(_), Some(allowed)) => return Err(AnalysisError::NoNumber { key: range.key, allowed }),
+        };
+        if !(range.from < range.to && range.from.is_finite() && range.to.is_finite()) {
+            return Err(AnalysisError::Range { key: range.key, from: range.from, to: range.to });
+        }
+        let sweep = Self { scene, range, whole };
+        sweep.at(sweep.range.from)?;
+        sweep.at(sweep.range.to)?;
+        Ok(sweep)
+    }
+
+    /// The range.
+    pub fn range(&self) -> &Range {
+        &self.range
+    }
+
+    /// The key takes whole numbers only.
+    pub fn is_whole(&self) -> bool {
+        self.whole
+    }
+
+    /// The linear scene with this value of the key (the nearest whole one, for a key that takes no others).
+    ///
+    /// # Errors
+    /// A value that the scene refuses.
+    pub fn at(&self, value: f64) -> Result<SceneFile, AnalysisError> {
+        let mut scene = self.scene.clone();
+        scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
+        Ok(scene.linear())
+    }
+
+    /// The verdict at this value.
+    ///
+    /// # Errors
+    /// A value that the scene refuses; eigenvalues that do not converge.
+    pub fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, AnalysisError> {
+        analyser.verdict(&self.at(value)?)
+    }
+
+    /// Values to look at first, ascending, both ends included: half of them equally spaced, half by equal ratios (down to
+    /// a millionth of the far end, where the near end is 0), or every whole number where there are few enough.
+    pub fn points(&self, count: usize) -> Vec<f64> {
+        let Range { from, to, .. } = self.range;
+        let share = |at: usize, of: usize| at as f64 / of as f64;
+        let mut points: Vec<f64> = if self.whole {
+            let (first, last) = (from.round(), to.round());
+            let steps = ((last - first) as usize).clamp(1, count.max(1));
+            (0..=steps).map(|at| (first + (last - first) * share(at, steps)).round()).collect()
+        } else {
+            let half = (count / 2).max(1);
+            let near = if from > 0.0 { from } else { 1e-6 * to };
+            let linear = (0..=half).map(|at| from + (to - from) * share(at, half));
+            let ratios =
+                (0..half).map(|at| near * (to / near).powf(share(at, half))).filter(|_| to > 0.0 && from >= 0.0);
+            linear.chain(ratios).filter(|value| *value >= from && *value <= to).collect()
+        };
+        points.sort_by(f64::total_cmp);
+        points.dedup();
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep(key: &str, from: f64, to: f64) -> Result<Sweep, AnalysisError> {
+        Sweep::new(&SceneFile::default(), Range { key: key.to_owned(), from, to })
+    }
+
+    #[test]
+    fn what_cannot_be_swept_is_named() {
+        let says = |key, from, to| sweep(key, from, to).unwrap_err().to_string();
+        assert!(says("coordination.comm", 0.0, 1.0).contains("coordination.comm is no number"));
+        assert!(
+            says("coordination.stifness_n_per_m", 0.0, 1.0).contains("did you mean coordination.stiffness_n_per_m?")
+        );
+        assert!(says("coordination.stiffness_n_per_m", 5.0, 5.0).contains("from 5 to 5"));
+        assert!(says("coordination.stiffness_n_per_m", -1.0, 5.0).contains("= -1 is not allowed"));
+        assert!(says("network.one_way_delay_packets", 0.0, 2000.0).contains("= 2000 is not allowed"));
+    }
+
+    #[test]
+    fn points_are_ascending_and_hold_both_ends() {
+        let points = sweep("coordination.stiffness_n_per_m", 0.0, 12000.0).unwrap().points(40);
+        assert!(points.len() > 35 && points[0] == 0.0 && points.last() == Some(&12000.0));
+        assert!(points.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!(sweep("network.one_way_delay_packets", 0.0, 3.0).unwrap().points(400), [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(sweep("timing.ticks_per_packet", 1.0, 1000.0).unwrap().points(10).len(), 11);
+    }
+}

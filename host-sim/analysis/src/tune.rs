@@ -1,0 +1,241 @@
+//! Gains for a scene: the stiffest contact and coordination that leave a margin.
+//!
+//! **Margin** m: every pair of gains from (0, 0) up to (1 + m) times the proposal is stable. Both gains, or either, may be
+//! raised by m, or lowered to nothing, as an adaptive bounder does, without meeting a boundary or a pocket.
+//!
+//! **Stiffest**: of all such proposals the one through which one hand feels the other as stiffly as gains can make it: two
+//! contacts and the coordination in a row yield 2/K_LC + 1/K_T metres per newton, and that is least. A coordination
+//! [`ENOUGH`] times as stiff as the stiffest contact adds next to nothing, so no stiffer one is looked for: it would only
+//! make rounding louder.
+//!
+//! Found on a grid of contact stiffnesses: at each the first K_T that is unstable, pockets followed
+//! ([`mod@super::limit`]), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
+//! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
+//! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
+//! ([`haptic_sim::scene::SceneFile::linear`]); [`try_out`] runs the scene itself.
+
+use haptic_core::num::Scalar;
+use haptic_core::settings::Allowed;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::AnalysisError;
+use super::limit::{Effort, along};
+use super::sweep::{Range, Sweep};
+use super::verdict::{Analyser, Verdict, verdict};
+use haptic_sim::run::{Options, Outcome, run};
+use haptic_sim::scene::SceneFile;
+use haptic_sim::user::User;
+
+/// Contact stiffness K_LC.
+pub const CONTACT: &str = "contact.stiffness_n_per_m";
+/// Coordination stiffness K_T.
+pub const COORDINATION: &str = "coordination.stiffness_n_per_m";
+
+/// Coordination this many times as stiff as the stiffest contact is stiff enough: 1/K_T is then 1/40 of 2/K_LC.
+pub const ENOUGH: f64 = 20.0;
+
+/// Margins that make sense.
+pub const MARGINS: [f64; 2] = [0.0, 10.0];
+
+/// Contact stiffnesses that are tried.
+const COLUMNS: usize = 48;
+
+/// How far beyond the proposal (times 1 + m) limits are looked for.
+pub const BEYOND: f64 = 4.0;
+
+/// Times 2 % is taken off before giving up.
+const RETREATS: usize = 50;
+
+/// What is proposed for a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Proposal {
+    /// K_LC, N/m.
+    pub contact_stiffness_n_per_m: f64,
+    /// K_T, N/m.
+    pub coordination_stiffness_n_per_m: f64,
+    /// m: every pair of gains up to (1 + m) times these is stable.
+    pub margin: f64,
+    /// Spectral radius with the proposal.
+    pub spectral_radius: f64,
+    /// The largest at the three raised corners: either gain, or both, times 1 + m.
+    pub raised_spectral_radius: f64,
+    /// First unstable K_LC with the proposed K_T; absent where there is none up to [`BEYOND`] times the proposal.
+    pub contact_limit_n_per_m: Option<f64>,
+    /// First unstable K_T with the proposed K_LC; absent where there is none up to [`BEYOND`] times the proposal.
+    pub coordination_limit_n_per_m: Option<f64>,
+    /// 2/K_LC + 1/K_T, mm/N: what the gains let one hand yield against the other.
+    pub compliance_mm_per_n: f64,
+}
+
+impl Proposal {
+    /// The overrides that set it.
+    pub fn overrides(&self) -> [String; 2] {
+        [
+            format!("{CONTACT}={}", self.contact_stiffness_n_per_m),
+            format!("{COORDINATION}={}", self.coordination_stiffness_n_per_m),
+        ]
+    }
+
+    /// The scene with the proposal, both gains times `factor`.
+    ///
+    /// # Errors
+    /// Gains that the scene refuses.
+    pub fn applied(&self, scene: &SceneFile, factor: f64) -> Result<SceneFile, AnalysisError> {
+        with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
+    }
+}
+
+/// The scene with these gains, N/m.
+fn with(scene: &SceneFile, contact: f64, coordination: f64) -> Result<SceneFile, AnalysisError> {
+    let mut scene = scene.clone();
+    scene.set_number(CONTACT, contact)?;
+    scene.set_number(COORDINATION, coordination)?;
+    Ok(scene)
+}
+
+/// Proposes gains; `None` where not even the softest contact is stable. `done` is called once for every contact stiffness
+/// tried, of which there are at most [`steps`].
+///
+/// # Errors
+/// A margin out of range; settings that the peer refuses; eigenvalues that do not converge.
+pub fn tune(scene: &SceneFile, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
+    AnalysisError::within("--margin", margin, MARGINS, "")?;
+    let linear = scene.linear();
+    let raised = 1.0 + margin;
+    let stiffest = first(&with(&linear, 0.0, 0.0)?, CONTACT, largest(CONTACT))?.unwrap_or(largest(CONTACT));
+    let enough = (ENOUGH * stiffest).min(largest(COORDINATION));
+    // The first unstable K_T of every contact; stable up to there for every softer contact too, once the minimum runs.
+    let ends = (0..=COLUMNS)
+        .into_par_iter()
+        .map(|at| {
+            let contact = stiffest * at as f64 / COLUMNS as f64;
+            let end = first(&with(&linear, contact, 0.0)?, COORDINATION, enough)?.unwrap_or(enough);
+            done();
+            Ok((contact, end))
+        })
+        .collect::<Result<Vec<_>, AnalysisError>>()?;
+    let mut lowest = f64::INFINITY;
+    let corners = ends.into_iter().map(|(contact, end)| {
+        lowest = lowest.min(end);
+        (contact / raised, lowest / raised)
+    });
+    let stiffness = |(contact, coordination): &(f64, f64)| 1.0 / (2.0 / contact + 1.0 / coordination);
+    let Some(mut gains) = corners.max_by(|a, b| stiffness(a).total_cmp(&stiffness(b))) else { return Ok(None) };
+    for _ in 0..RETREATS {
+        let (contact, coordination) = (rounded_down(gains.0), rounded_down(gains.1));
+        if contact > 0.0
+            && coordination > 0.0
+            && let Some(proposal) = verified(&linear, contact, coordination, margin)?
+        {
+            return Ok(Some(proposal));
+        }
+        gains = (0.98 * gains.0, 0.98 * gains.1);
+    }
+    Ok(None)
+}
+
+/// Calls of `done` that [`tune`] makes.
+pub fn steps() -> u64 {
+    COLUMNS as u64 + 1
+}
+
+/// The proposal, if all of it holds.
+fn verified(
+    linear: &SceneFile,
+    contact: f64,
+    coordination: f64,
+    margin: f64,
+) -> Result<Option<Proposal>, AnalysisError> {
+    let raised = 1.0 + margin;
+    let point = verdict(&with(linear, contact, coordination)?)?;
+    let corners = [(raised, 1.0), (1.0, raised), (raised, raised)]
+        .into_iter()
+        .map(|(a, b)| verdict(&with(linear, a * contact, b * coordination)?))
+        .collect::<Result<Vec<Verdict>, AnalysisError>>()?;
+    if !point.stable || corners.iter().any(|corner| !corner.stable) {
+        return Ok(None);
+    }
+    let clear = |limit: Option<f64>, gain: f64| limit.is_none_or(|limit| limit >= raised * gain * (1.0 - 1e-4));
+    let mut limits = [None; 2];
+    for factor in [raised, 1.0] {
+        let to = |key: &str, gain: f64| largest(key).min(BEYOND * raised * gain);
+        let along_contact = first(&with(linear, 0.0, factor * coordination)?, CONTACT, to(CONTACT, contact))?;
+        let along_coordination =
+            first(&with(linear, factor * contact, 0.0)?, COORDINATION, to(COORDINATION, coordination))?;
+        if !clear(along_contact, contact) || !clear(along_coordination, coordination) {
+            return Ok(None);
+        }
+        limits = [along_contact, along_coordination];
+    }
+    Ok(Some(Proposal {
+        contact_stiffness_n_per_m: contact,
+        coordination_stiffness_n_per_m: coordination,
+        margin,
+        spectral_radius: point.spectral_radius,
+        raised_spectral_radius: corners.iter().fold(0.0, |largest, corner| corner.spectral_radius.max(largest)),
+        contact_limit_n_per_m: limits[0],
+        coordination_limit_n_per_m: limits[1],
+        compliance_mm_per_n: 1e3 * (2.0 / contact + 1.0 / coordination),
+    }))
+}
+
+/// The first unstable value of a gain from 0 on; `None` where there is none.
+fn first(linear: &SceneFile, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
+    if to <= 0.0 {
+        return Ok(Some(0.0));
+    }
+    let sweep = Sweep::new(linear, Range { key: key.to_owned(), from: 0.0, to })?;
+    let limit = along(&sweep, Effort { steps: 120, ..Effort::default() })?;
+    if !limit.stable_at_start {
+        return Ok(Some(0.0));
+    }
+    // A crossing is known to its tolerance: stay on the stable side of it.
+    let Some(crossing) = limit.crossings.first() else { return Ok(None) };
+    let inside = crossing * (1.0 - Effort::default().tolerance);
+    let stable = sweep.verdict(&mut Analyser::default(), inside)?.stable;
+    Ok(Some(if stable { inside } else { crossing * (1.0 - 1e-3) }))
+}
+
+/// The largest value that a key allows.
+fn largest(key: &str) -> f64 {
+    let keys = SceneFile::keys();
+    match keys.iter().find(|(name, _)| name == key).map(|(_, key)| key.allowed) {
+        Some(Allowed::Number { max, .. }) => max,
+        _ => 0.0,
+    }
+}
+
+/// Three digits, never more than the value.
+fn rounded_down(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 0.0;
+    }
+    let step = 10_f64.powf(value.log10().floor() - 2.0);
+    let digits = (value / step * (1.0 + 1e-12)).floor();
+    format!("{digits}e{}", (value.log10().floor() - 2.0) as i32).parse().unwrap_or(value)
+}
+
+/// Runs the scene with the proposal, as it is, gaps, encoders and all; users who do nothing get the pushes and pulses of
+/// the cooperation paper's §5.1, 1 N and 1 N on top for 25 ms.
+///
+/// # Errors
+/// Settings that the peer refuses.
+pub fn try_out<S: Scalar>(scene: &SceneFile, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
+    let mut scene = proposal.applied(scene, 1.0)?;
+    let idle = |user: &User| {
+        let does = &user.settings.user;
+        let moves = [does.push_n, does.pulse_n, does.sine_n, does.reach_m, does.tremor_m];
+        moves.iter().all(|amount| *amount == 0.0) && user.trace.is_none()
+    };
+    if scene.users.iter().all(idle) {
+        for user in &mut scene.users {
+            user.settings.user.push_n = 1.0;
+        }
+        scene.users[0].settings.user.pulse_n = 1.0;
+    }
+    Ok(run::<S>(&scene, Options { duration_s, record_every: 0 }, &|_| {})?)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+//! Instructions of one tick, exactly: every case is replayed under valgrind's callgrind, which counts nothing but the
+//! step.
+//!
+//! `cargo bench --package haptic-cases --bench instructions` prints the table that `instructions.txt` holds, which
+//! `cargo xtask bench-check` compares it with. The program starts itself once more for every case:
+//! `… --case SCENE SCALAR` replays that case alone. The same binary gives the same count on every run; what an update of
+//! the compiler changes is for review.
+//!
+//! Counted: `ticks::measured_tick` with everything it calls, mean of [`TICKS`] ticks; the exchange before every 8th
+//! tick is in the mean with an eighth of its cost.
+
+use std::collections::BTreeMap;
+use std::process::{Command, ExitCode};
+
+use haptic_cases::ticks::recording::{Recording, TICKS};
+use haptic_cases::ticks::{self, Measure};
+use haptic_core::num::Scalar;
+use haptic_core::scene::Models;
+use haptic_core::settings::Settings;
+
+/// Number types, in the order of the columns.
+const COLUMNS: [&str; 3] = ["f32", "f64", "i32f32"];
+
+/// Replays the one case that was asked for.
+struct Replay<'a> {
+    scene: &'a str,
+    scalar: &'a str,
+    found: bool,
+}
+
+impl Measure for Replay<'_> {
+    fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
+        if scene == self.scene && M::Scalar::NAME == self.scalar {
+            self.found = true;
+            ticks::replay(&Recording::<M>::new(settings));
+        }
+    }
+}
+
+/// Starts a counter for every case.
+#[derive(Default)]
+struct Count {
+    scenes: Vec<&'static str>,
+    counts: BTreeMap<(&'static str, &'static str), u64>,
+    failure: Option<String>,
+}
+
+impl Measure for Count {
+    fn case<M: Models>(&mut self, scene: &'static str, _: &Settings) {
+        if self.failure.is_some() {
+            return;
+        }
+        if !self.scenes.contains(&scene) {
+            self.scenes.push(scene);
+        }
+        match count(scene, M::Scalar::NAME) {
+            Ok(count) => {
+                self.counts.insert((scene, M::Scalar::NAME), count);
+            }
+            Err(why) => self.failure = Some(why),
+        }
+    }
+}
+
+/// Instructions per tick of one case, counted in a process of its own.
+fn count(scene: &str, scalar: &str) -> Result<u64, String> {
+    let program = std::env::current_exe().map_err(|cause| format!("cannot find this program's own file: {cause}"))?;
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--toggle-collect=*measured_tick*"])
+        .arg(program)
+        .args(["--case", scene, scalar])
+        .output()
+        .map_err(|cause| format!("cannot run valgrind: {cause}; `cargo xtask bench-check` installs it"))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let collected = text.lines().find_map(|line| line.split_once("Collected :")).map(|(_, count)| count.trim());
+    match collected.and_then(|count| count.parse::<u64>().ok()) {
+        Some(count) if output.status.success() => Ok((count + TICKS as u64 / 2) / TICKS as u64),
+        _ => Err(format!("valgrind gave no count for {scene} in {scalar}; it said:\n{text}")),
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [flag, scene, scalar] = arguments.as_slice()
+        && flag == "--case"
+    {
+        let mut replay = Replay { scene, scalar, found: false };
+        ticks::measure_all(&mut replay);
+        return if replay.found { ExitCode::SUCCESS } else { ExitCode::from(2) };
+    }
+    let mut count = Count::default();
+    ticks::measure_all(&mut count);
+    if let Some(why) = count.failure {
+        eprintln!("error: {why}");
+        return ExitCode::FAILURE;
+    }
+    println!(
+        "# Instructions of one tick, x86-64, release build. Checked by `cargo xtask bench-check`, rewritten by its --bless."
+    );
+    println!("{:<36} {:>7} {:>7} {:>7}", "scene", COLUMNS[0], COLUMNS[1], COLUMNS[2]);
+    for scene in count.scenes {
+        let [a, b, c] = COLUMNS.map(|scalar| count.counts.get(&(scene, scalar)).copied().unwrap_or_default());
+        println!("{scene:<36} {a:>7} {b:>7} {c:>7}");
+    }
+    ExitCode::SUCCESS
+}

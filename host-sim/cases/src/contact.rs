@@ -1,0 +1,64 @@
+//! Motions of the shared object that have closed forms: let go on a contact, pushed against damping.
+//!
+//! What they are compared with, and why these: [the integrators](../../integrators/index.html). Unit: m, m/s, N, s.
+
+use alloc::vec::Vec;
+
+use haptic_core::contact::Contact;
+use haptic_core::model::Model;
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
+use haptic_core::settings::Settings;
+
+/// Length of every motion, s.
+pub const DURATION_S: f64 = 0.5;
+/// Where the object is let go, m.
+pub const RELEASE_M: f64 = 0.005;
+/// What it is pushed with, N.
+pub const PUSH_N: f64 = 1.0;
+
+/// A motion with a closed form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Test {
+    /// Let go on a damped contact.
+    Contact,
+    /// Let go on a contact without damping.
+    Undamped,
+    /// Pushed, against damping.
+    Push,
+}
+
+/// What the object is told in a test, at a control period in s.
+pub fn settings(test: Test, integrator: IntegratorName, period_s: f64) -> Settings {
+    let mut settings = Settings::default();
+    settings.timing.control_period_s = period_s;
+    settings.object.integrator = integrator;
+    settings.object.force_delay_ticks = 0.0;
+    match test {
+        Test::Contact => {}
+        Test::Undamped => settings.contact.damping_n_s_per_m = 0.0,
+        Test::Push => settings.object.damping_n_s_per_m = 1.0,
+    }
+    settings
+}
+
+/// The test as core computes it in `S`, one motion each tick.
+pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
+    let (integrator, contact) = (AnyIntegrator::<S>::build(settings), Contact::<S>::build(settings));
+    let mut state = integrator.initial();
+    let mut object = match test {
+        Test::Push => Motion::REST,
+        _ => Motion::at(S::from_f64(RELEASE_M)),
+    };
+    let ticks = libm::round(DURATION_S / settings.timing.control_period_s) as usize;
+    let step = |_| {
+        let before = object;
+        let force = match test {
+            Test::Push => S::from_f64(PUSH_N),
+            _ => contact.force(Motion::REST, object),
+        };
+        object = integrator.step(&mut state, object, force);
+        before
+    };
+    (0..ticks).map(step).collect()
+}

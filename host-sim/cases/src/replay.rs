@@ -1,0 +1,137 @@
+//! What one peer read, tick by tick, for the same peer on another processor: and the hash of all that it computed from it.
+//!
+//! The file is read as it is needed, so that a machine without memory to spare can replay hours of it. No allocation and
+//! nothing of the standard library is used here: tests/qemu compiles these very lines for a Cortex-M7.
+//!
+//! Layout, little-endian: length of the settings (u32) and their lines `key=value`; position of the device's two axes at the
+//! start (2 × f32); then for every tick a byte of flags, and what they announce: 1 exact reading (4 × f32: position and
+//! velocity of both axes) instead of counts (2 × u16); 2 an exchange before the tick; 4 a packet in it (3 × f32: position,
+//! velocity, wave; 2 × f64: energy, wave integral). The file ends after a tick.
+//!
+//! The hash: FNV-1a over 64-bit words with a fold, over the bits of the dynamic state, of forces and duties, after every tick.
+
+use haptic_core::device::encoder::Counts;
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::Packet;
+use haptic_core::num::{Motion, Scalar, StateVector};
+use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::safety::Command;
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::{Settings, Value};
+
+/// The reading is exact.
+pub const EXACT: u8 = 1;
+/// An exchange comes before the tick.
+pub const EXCHANGE: u8 = 2;
+/// A packet came in.
+pub const PACKET: u8 = 4;
+/// Longest settings, bytes.
+pub const LONGEST: usize = 8192;
+
+/// Where a hash starts.
+pub const SEED: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// Why a file cannot be replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unreadable {
+    /// It ends too early.
+    Short,
+    /// Its settings are none.
+    Settings,
+}
+
+/// The hash goes on with what a tick left.
+pub fn fold(hash: &mut u64, state: &mut State<Any<f32>>, actuators: &Actuators<f32>) {
+    let mut word = |word: u64| {
+        *hash = (*hash ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        *hash ^= *hash >> 32;
+    };
+    state.visit(&mut |number: &mut f32| word(number.bits()));
+    actuators.forces.iter().for_each(|force| word(force.bits()));
+    actuators.duties.iter().for_each(|duty| word(u64::from(duty.0.cast_unsigned())));
+    word(u64::from(actuators.enable));
+}
+
+/// A value as a line of settings spells it.
+pub fn value(text: &str) -> Value<'_> {
+    match text {
+        "true" => Value::Flag(true),
+        "false" => Value::Flag(false),
+        _ => text.parse().map_or(Value::Text(text), Value::Number),
+    }
+}
+
+/// Runs a file through a peer; gives ticks and hash. `read` fills its argument, or says that there is no more; `each` is told
+/// what every tick commanded.
+///
+/// # Errors
+/// It is no such file.
+pub fn run(
+    mut read: impl FnMut(&mut [u8]) -> bool,
+    mut each: impl FnMut(u64, &Actuators<f32>),
+) -> Result<(u64, u64), Unreadable> {
+    let mut length = [0; 4];
+    let mut text = [0; LONGEST];
+    let found = read(&mut length);
+    let text = text.get_mut(..u32::from_le_bytes(length) as usize).filter(|_| found).ok_or(Unreadable::Short)?;
+    if !read(text) {
+        return Err(Unreadable::Short);
+    }
+    let mut settings = Settings::default();
+    for line in core::str::from_utf8(text).map_err(|_| Unreadable::Settings)?.lines() {
+        let (key, text) = line.split_once('=').ok_or(Unreadable::Settings)?;
+        settings.set(key, value(text)).map_err(|_| Unreadable::Settings)?;
+    }
+    let scene = Scene::<Any<f32>>::build(&settings).map_err(|_| Unreadable::Settings)?;
+    let mut numbers = |count: usize| -> Option<[f32; 4]> {
+        let mut bytes = [0; 16];
+        let whole = read(bytes.get_mut(..4 * count)?);
+        let mut each = bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        whole.then(|| core::array::from_fn(|_| each.next().unwrap_or_default()))
+    };
+    let [x, y, ..] = numbers(AXES).ok_or(Unreadable::Short)?;
+    let mut state = State::new(&scene, [Motion::at(x), Motion::at(y)]);
+    state.command(&scene, Command::Arm);
+    let (mut ticks, mut hash) = (0, SEED);
+    let mut flags = [0];
+    while read(&mut flags) {
+        let [flags] = flags;
+        let mut bytes = [0; 16];
+        let size = if flags & EXACT != 0 { 16 } else { 4 };
+        if !bytes.get_mut(..size).is_some_and(&mut read) {
+            return Err(Unreadable::Short);
+        }
+        let reading = if flags & EXACT != 0 {
+            let [a, b, c, d] = floats(&bytes);
+            Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
+        } else {
+            let [a, b, c, d, ..] = bytes;
+            Reading::Counts([Counts(u16::from_le_bytes([a, b])), Counts(u16::from_le_bytes([c, d]))])
+        };
+        let mut incoming = None;
+        if flags & PACKET != 0 {
+            let (mut small, mut wide) = ([0; 16], [0; 16]);
+            if !(small.get_mut(..12).is_some_and(&mut read) && read(&mut wide)) {
+                return Err(Unreadable::Short);
+            }
+            let [position, velocity, wave, _] = floats(&small);
+            let mut doubles = wide.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
+            let mut double = || doubles.next().unwrap_or_default();
+            let (energy_j, wave_integral) = (double(), double());
+            incoming = Some(Packet { motion: Motion { position, velocity }, wave, energy_j, wave_integral });
+        }
+        if flags & EXCHANGE != 0 {
+            peer::exchange(&scene, &mut state, incoming);
+        }
+        let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: false });
+        fold(&mut hash, &mut state, &actuators);
+        each(ticks, &actuators);
+        ticks += 1;
+    }
+    Ok((ticks, hash))
+}
+
+fn floats(bytes: &[u8; 16]) -> [f32; 4] {
+    let mut each = bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    core::array::from_fn(|_| each.next().unwrap_or_default())
+}

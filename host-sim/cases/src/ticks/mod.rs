@@ -1,0 +1,93 @@
+//! The ticks that are measured: one short [`recording`] per scene, the same for every number type and every tool.
+//!
+//! Shared by `benches/instructions.rs` (exact counts) and `host-sim/benches/ticks.rs` (time).
+
+pub mod recording;
+
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawName;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::Fixed;
+use haptic_core::peer::{Actuators, State};
+use haptic_core::scene::{Any, Models, Scene};
+use haptic_core::settings::Settings;
+
+use recording::{Input, Named, Recording, step};
+
+/// Whatever measures the cases.
+pub trait Measure {
+    /// Measures the scene that `settings` describe, called `scene`, computing in `M::Scalar`.
+    fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings);
+}
+
+/// Every scene in every number type.
+pub fn measure_all(measure: &mut impl Measure) {
+    for (scene, change) in SCENES {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        measure.case::<Any<f32>>(scene, &settings);
+        measure.case::<Any<f64>>(scene, &settings);
+        measure.case::<Any<Fixed>>(scene, &settings);
+    }
+    let settings = Settings::default();
+    measure.case::<Named<f32>>(NAMED, &settings);
+    measure.case::<Named<f64>>(NAMED, &settings);
+    measure.case::<Named<Fixed>>(NAMED, &settings);
+}
+
+/// A change to the default settings.
+type Change = fn(&mut Settings);
+
+/// What each scene changes of the default settings, which are the paper's: passive wave, delayed decode. Stiffnesses are
+/// the largest the paper found at a round trip of 16 ms.
+const SCENES: &[(&str, Change)] = &[
+    ("no-coordination", |settings| settings.coordination.comm = LawName::Free),
+    ("power", |settings| {
+        settings.coordination.comm = LawName::Power;
+        settings.coordination.stiffness_n_per_m = 310.0;
+    }),
+    ("wave", |settings| {
+        settings.coordination.comm = LawName::Wave;
+        settings.coordination.stiffness_n_per_m = 1590.0;
+    }),
+    ("passive-wave", |_| {}),
+    ("passive-wave-implicit", |settings| settings.coordination.decode = Decode::Implicit),
+    ("passive-mean-implicit", |settings| {
+        settings.coordination.comm = LawName::PassiveMean;
+        settings.coordination.decode = Decode::Implicit;
+    }),
+    ("passive-mean-implicit-ledger-drift", |settings| {
+        settings.coordination.comm = LawName::PassiveMean;
+        settings.coordination.decode = Decode::Implicit;
+        settings.coordination.ledger = true;
+        settings.coordination.drift_correction = true;
+    }),
+    ("one-sided-gap", |settings| {
+        settings.contact.one_sided = true;
+        settings.contact.gap_m = 0.002;
+    }),
+    ("encoder-adaptive-two-axes", |settings| {
+        settings.axis.count = 2;
+        settings.axis.velocity = VelocityName::Adaptive;
+    }),
+    ("five-bar-adaptive-two-axes", |settings| {
+        settings.axis.count = 2;
+        settings.axis.velocity = VelocityName::Adaptive;
+        settings.kinematics.model = KinematicsName::FiveBar;
+    }),
+];
+
+/// The passive wave again, in an image that names its models: [`Named`].
+const NAMED: &str = "passive-wave-named-models";
+
+/// Replays a recording with `measured_tick`.
+pub fn replay<M: Models>(recording: &Recording<M>) {
+    recording.replay(measured_tick);
+}
+
+/// [`step`] as a function that tools can find by its name, called by nothing but [`replay`].
+#[inline(never)]
+fn measured_tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, input: &Input<M::Scalar>) -> Actuators<M::Scalar> {
+    step(scene, state, input)
+}

@@ -1,0 +1,196 @@
+//! Figures: declared as data, drawn once, written as SVG and PNG.
+//!
+//! A [`Figure`] is a grid of [`Panel`]s, a panel holds [`Series`]. [`draw`] lays the figure out into a list of marks
+//! (`layout`; it asks `range` and `scale` for axes and ticks, `panel` for the shapes inside a frame, `legend` for free
+//! space) and paints the same marks twice (`svg`, `png`). The sheet is [`WIDTH`] pixels wide and as high as its
+//! rows need; letters are large enough to be read at half size.
+//!
+//! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the
+//! positive ones. Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are
+//! drawn until they have left the frame: one run that diverges does not flatten the others. Texts that a neighbour
+//! repeats are left out.
+//!
+//! In all texts `K_T` is written with an index and `10^3` with a power.
+//!
+//! Limits: points are drawn in the order given, at most two for each column of pixels that they pass (the extremes, so
+//! the envelope is exact to one pixel). Letters come from one built-in font (Latin, Greek, common signs); in an SVG the
+//! viewer's own font is fitted to the same widths.
+
+mod bars;
+mod dots;
+mod error;
+mod folder;
+mod font;
+mod layout;
+mod legend;
+mod number;
+mod panel;
+mod png;
+mod range;
+mod region;
+mod scale;
+mod sheet;
+mod svg;
+mod trace;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+pub use error::ReportError;
+pub use folder::create_folder;
+pub use number::significant;
+pub use sheet::{Dash, PALETTE, WIDTH};
+
+/// A sheet of panels with a title above and a caption below.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    /// Heading of the sheet; empty for none.
+    pub title: String,
+    /// What the reader should see, in sentences; wrapped below the panels.
+    pub caption: String,
+    /// Panels in one row of the grid; 0 counts as 1.
+    pub columns: usize,
+    /// Whether all panels have the same horizontal range.
+    pub share_x: bool,
+    /// Which panels have the same vertical range.
+    pub share_y: ShareY,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+}
+
+/// Which panels of a figure have the same vertical range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ShareY {
+    /// Each panel has its own.
+    #[default]
+    None,
+    /// The panels of one row: the same quantity, several systems side by side.
+    Rows,
+    /// All panels.
+    All,
+}
+
+/// One pair of axes with its series.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Panel {
+    /// Heading of the panel; empty for none.
+    pub title: String,
+    /// Quantity and unit of the horizontal axis, for example `Time (s)`.
+    pub x_label: String,
+    /// Quantity and unit of the vertical axis.
+    pub y_label: String,
+    /// Horizontal range; found from the data when absent.
+    pub x_range: Option<(f64, f64)>,
+    /// Vertical range; found from the data in view when absent.
+    pub y_range: Option<(f64, f64)>,
+    /// Bounds that a vertical range found from the data never leaves.
+    pub y_cap: Option<(f64, f64)>,
+    /// Logarithmic horizontal axis; values that are not positive are not drawn.
+    pub log_x: bool,
+    /// Logarithmic vertical axis.
+    pub log_y: bool,
+    /// The data do not take part in finding a shared range, and lines end where they are a frame's height outside: for
+    /// a run that diverges. Say so in `note`.
+    pub off_scale: bool,
+    /// A remark written into the panel, for example `diverges`.
+    pub note: Option<String>,
+    /// Names of the positions 0, 1, 2… of the horizontal axis, for bars; empty for an axis of numbers.
+    pub categories: Vec<String>,
+    /// The data; later series lie on top of earlier ones.
+    pub series: Vec<Series>,
+}
+
+/// Data of one kind and colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in the legend; empty for no entry.
+    pub label: String,
+    /// Number of the colour in [`PALETTE`], which is used cyclically.
+    pub color: usize,
+    /// What is drawn.
+    pub shape: Shape,
+}
+
+/// What a series looks like. Points are (x, y) in the units of the axes. In a line NaN leaves a gap and an infinite y
+/// leaves through the edge.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// Points joined by straight lines.
+    Line {
+        /// The points.
+        points: Vec<(f64, f64)>,
+        /// Solid or broken.
+        dash: Dash,
+    },
+    /// A value that holds until the next point.
+    Steps(Vec<(f64, f64)>),
+    /// Separate dots, each with its own name if there is one.
+    Dots {
+        /// The points.
+        points: Vec<(f64, f64)>,
+        /// Names written beside the dots, in the same order; may be empty or shorter.
+        names: Vec<String>,
+    },
+    /// Bars from zero to y, at x = number of the category, with the value written at the end. Bars of several series
+    /// at the same x stand side by side.
+    Bars(Vec<(f64, f64)>),
+    /// A region on a grid: the tinted cells are those where `inside[row * xs.len() + column]` is true.
+    Cells {
+        /// Centres of the columns, ascending.
+        xs: Vec<f64>,
+        /// Centres of the rows, ascending.
+        ys: Vec<f64>,
+        /// Row by row, as many as `xs.len() * ys.len()`; what is missing is outside.
+        inside: Vec<bool>,
+    },
+}
+
+impl Series {
+    /// A solid line.
+    pub fn line(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self::dashed(label, color, Dash::Solid, points)
+    }
+
+    /// A line with this dash.
+    pub fn dashed(label: impl Into<String>, color: usize, dash: Dash, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Line { points, dash } }
+    }
+
+    /// A line that holds each value until the next point.
+    pub fn steps(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Steps(points) }
+    }
+
+    /// Dots with the names in `names` beside them.
+    pub fn dots(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>, names: Vec<String>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Dots { points, names } }
+    }
+
+    /// Bars at the positions of [`Panel::categories`].
+    pub fn bars(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Bars(points) }
+    }
+
+    /// The cells of a grid that are inside a region.
+    pub fn cells(label: impl Into<String>, color: usize, xs: Vec<f64>, ys: Vec<f64>, inside: Vec<bool>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Cells { xs, ys, inside } }
+    }
+}
+
+/// Draws the figure to `base` with `.svg` and with `.png` appended, creating the folder if needed. Returns both paths.
+pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let [svg_path, png_path] = [".svg", ".png"].map(|extension| {
+        // Appended, not replaced: the base may contain a dot (`fig.6`).
+        let mut name = OsString::from(base);
+        name.push(extension);
+        PathBuf::from(name)
+    });
+    create_folder(base, "SVG")?;
+    let sheet = layout::sheet(figure);
+    std::fs::write(&svg_path, svg::render(&sheet)).map_err(ReportError::write(&svg_path, "SVG"))?;
+    png::write(&sheet, &png_path).map_err(ReportError::write(&png_path, "PNG"))?;
+    Ok(vec![svg_path, png_path])
+}
+
+#[cfg(test)]
+mod tests;

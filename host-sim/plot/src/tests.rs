@@ -1,0 +1,225 @@
+//! Whole figures: what must hold of any sheet, whatever the data.
+
+use super::layout::sheet;
+use super::sheet::{Anchor, Frame, Mark, Sheet, Text};
+use super::*;
+use tempfile::tempdir;
+
+fn wave(count: usize, height: f64) -> Vec<(f64, f64)> {
+    let value = |i: usize| height * ((i as f64 * 12.9898).sin() * 43758.5453).fract();
+    (0..count).map(|i| (i as f64 * 1e-3, value(i))).collect()
+}
+
+/// Three systems side by side, three quantities below each other, as dense as noise can be.
+fn grid(count: usize) -> Figure {
+    let panel = |i: usize| Panel {
+        title: if i < 3 { format!("System {i} (K_T = {i}000 N/m)") } else { String::new() },
+        x_label: "Time (s)".to_owned(),
+        y_label: ["Position (mm)", "Force (N)", "Discrepancy (mm)"][i / 3].to_owned(),
+        series: vec![
+            Series::line("local copy", 0, wave(count, 1.0)),
+            Series::dashed("remote copy", 1, Dash::Dashed, wave(count, 2.0 + i as f64)),
+        ],
+        ..Panel::default()
+    };
+    let panels = (0..9).map(panel).collect();
+    let (title, caption) = ("Nine panels".to_owned(), "Left to right three systems. ".repeat(9));
+    Figure { title, caption, columns: 3, share_x: true, share_y: ShareY::Rows, panels }
+}
+
+/// Every shape with these points, on every kind of axis.
+fn shapes(points: &[(f64, f64)]) -> Figure {
+    let series = |points: &[(f64, f64)]| {
+        let (xs, ys): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let names = vec!["first".to_owned(), "second".to_owned()];
+        vec![
+            Series::line("line", 0, points.to_vec()),
+            Series::dashed("dots and strokes", 1, Dash::DashDot, points.to_vec()),
+            Series::steps("steps", 2, points.to_vec()),
+            Series::dots("dots", 3, points.to_vec(), names),
+            Series::bars("bars", 4, points.to_vec()),
+            Series::bars("more bars", 5, points.to_vec()),
+            Series::cells("cells", 6, xs.clone(), ys.clone(), vec![true; xs.len() * ys.len() + 3]),
+            Series::cells("few cells", 7, xs, Vec::new(), vec![true, false]),
+            Series::cells("no cells", 8, Vec::new(), ys, vec![true, false]),
+        ]
+    };
+    let panel = |i: usize| Panel {
+        log_x: i & 1 > 0,
+        log_y: i & 2 > 0,
+        off_scale: i & 4 > 0,
+        y_cap: (i & 8 > 0).then_some((3.0, f64::NEG_INFINITY)),
+        x_range: (i == 9).then_some((f64::NAN, 2.0)),
+        y_range: (i == 10).then_some((5.0, 5.0)),
+        categories: if i == 11 { vec!["one".to_owned(), "a second one".to_owned()] } else { Vec::new() },
+        note: Some("diverges".to_owned()),
+        series: series(points),
+        ..Panel::default()
+    };
+    Figure { panels: (0..16).map(panel).collect(), share_y: ShareY::All, ..Figure::default() }
+}
+
+fn texts(sheet: &Sheet) -> Vec<&Text> {
+    sheet.marks.iter().filter_map(|mark| if let Mark::Text(text) = mark { Some(text) } else { None }).collect()
+}
+
+/// The room that a text takes.
+fn area(text: &Text) -> Frame {
+    let width = font::width(&text.text, text.size);
+    let start = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => -width / 2.0,
+        Anchor::End => -width,
+    };
+    let ((x, y), up, down) = (text.at, 0.72 * text.size, 0.1 * text.size);
+    if text.upward {
+        Frame { left: x - up, right: x + down, top: y - start - width, bottom: y - start }
+    } else {
+        Frame { left: x + start, right: x + start + width, top: y - up, bottom: y + down }
+    }
+}
+
+fn assert_tidy(sheet: &Sheet) {
+    let whole = Frame { left: 0.0, top: 0.0, right: WIDTH, bottom: sheet.height };
+    let areas: Vec<(Frame, &str)> = texts(sheet).iter().map(|t| (area(t), t.text.as_str())).collect();
+    for (i, (one, text)) in areas.iter().enumerate() {
+        assert!(one.corners().into_iter().all(|c| whole.contains(c)), "`{text}` is clipped: {one:?}");
+        for (two, other) in &areas[i + 1..] {
+            assert!(!one.overlaps(two), "`{text}` and `{other}` overlap: {one:?} {two:?}");
+        }
+    }
+    let sizes = texts(sheet).iter().map(|t| t.size).reduce(f64::min);
+    assert!(sizes.is_none_or(|size| size >= 16.0), "letters of {sizes:?} pixels");
+}
+
+fn assert_finite(sheet: &Sheet) {
+    for mark in &sheet.marks {
+        let points = match mark {
+            Mark::Line { points, .. } => points.clone(),
+            Mark::Fill { frames, .. } => frames.iter().flat_map(Frame::corners).collect(),
+            Mark::Disc { at, .. } => vec![*at],
+            Mark::Text(text) => vec![text.at],
+        };
+        let near = |v: f64| (-1000.0..20_000.0).contains(&v);
+        assert!(points.iter().all(|(x, y)| near(*x) && near(*y)), "{mark:?}");
+    }
+}
+
+#[test]
+fn no_text_is_clipped_or_covers_another() {
+    assert_tidy(&sheet(&grid(300)));
+    let bars = |values: [f64; 3]| values.iter().enumerate().map(|(i, v)| (i as f64, *v)).collect();
+    let panel = Panel {
+        y_label: "Mean discrepancy (mm)".to_owned(),
+        categories: ["power", "traditional wave", "passive wave communications"].map(str::to_owned).to_vec(),
+        series: vec![
+            Series::bars("paper", 6, bars([3.5, 0.644, 0.099])),
+            Series::bars("here", 0, bars([3.25, 0.638, 0.0946])),
+        ],
+        ..Panel::default()
+    };
+    assert_tidy(&sheet(&Figure { columns: 3, panels: vec![panel.clone(), panel.clone(), panel], ..Figure::default() }));
+}
+
+#[test]
+fn a_row_has_one_vertical_axis_and_its_texts_once() {
+    let sheet = sheet(&grid(300));
+    let count = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).count();
+    assert_eq!((count("Force (N)"), count("Time (s)"), count("local copy")), (1, 3, 9));
+}
+
+#[test]
+fn a_legend_gets_room_above_dense_data() {
+    let sheet = sheet(&grid(3000));
+    let boxes = sheet.marks.iter().enumerate().filter_map(|(i, mark)| match mark {
+        Mark::Fill { frames, color: sheet::PAPER, .. } => Some((i, frames[0])),
+        _ => None,
+    });
+    let boxes: Vec<(usize, Frame)> = boxes.collect();
+    assert_eq!(boxes.len(), 9);
+    for (i, area) in boxes {
+        // What lies below the box: the data of its panel, painted before it.
+        for mark in &sheet.marks[..i] {
+            if let Mark::Line { points, width: panel::STROKE, .. } = mark {
+                assert!(!points.iter().any(|p| area.contains(*p)), "{area:?}");
+            }
+        }
+    }
+}
+
+/// Ten names in a panel that has room for six, above data in its middle: they stand below, and nothing is covered.
+#[test]
+fn a_legend_that_is_too_tall_stands_below_all_panels() {
+    let level = |i: usize| (0..100).map(|x| (f64::from(x), 1.0 + i as f64)).collect();
+    let series = (0..10).map(|i| Series::line(format!("series number {i}"), i, level(i)));
+    let named = Panel { x_label: "Time (s)".to_owned(), series: series.collect(), ..Panel::default() };
+    let caption = "What the reader should see.".to_owned();
+    let figure = Figure { columns: 2, panels: vec![named; 4], caption, ..Figure::default() };
+    let sheet = sheet(&figure);
+    assert_tidy(&sheet);
+    let heights = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).map(|t| t.at.1).collect::<Vec<_>>();
+    let lowest = heights("Time (s)").into_iter().fold(0.0, f64::max);
+    for i in 0..10 {
+        let heights = heights(&format!("series number {i}"));
+        assert!(heights.len() == 4 && heights.iter().all(|y| *y > lowest && *y < sheet.height), "{i}: {heights:?}");
+    }
+    assert!(!sheet.marks.iter().any(|mark| matches!(mark, Mark::Fill { color: sheet::PAPER, .. })));
+    assert!(heights("What the reader should see.")[0] > heights("series number 9")[3]);
+}
+
+#[test]
+fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
+    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, -1.0, 1e-310, 1e308, -1e308, 1.0, 2.0];
+    let pairs: Vec<(f64, f64)> = odd.iter().flat_map(|x| odd.map(|y| (*x, y))).collect();
+    let cases: [&[(f64, f64)]; 7] = [
+        &[],
+        &[(1.0, f64::NAN)],
+        &[(1.0, 5.0); 4],
+        &[(0.0, -2.0), (1.0, -2.0)],
+        &[(0.0, 1e300), (1.0, -1e300)],
+        &[(2.0, 1.0), (1.0, 2.0), (f64::NAN, f64::NAN), (3.0, 3.0)],
+        &pairs,
+    ];
+    for points in cases {
+        let sheet = sheet(&shapes(points));
+        assert_finite(&sheet);
+        assert!(!svg::render(&sheet).contains("NaN,"));
+    }
+}
+
+#[test]
+fn figures_without_panels_or_data_are_written() {
+    let folder = tempdir().unwrap();
+    let folder = folder.path();
+    let panels = vec![Panel::default(), Panel { log_x: true, log_y: true, ..Panel::default() }];
+    for (i, figure) in [Figure::default(), Figure { columns: 5, panels, ..Figure::default() }].iter().enumerate() {
+        assert_eq!(draw(figure, &folder.join(format!("new folder/{i}"))).unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn the_same_figure_gives_the_same_bytes_and_dense_panels_stay_small() {
+    let folder = tempdir().unwrap();
+    let folder = folder.path();
+    let read = |name: &str| -> Vec<Vec<u8>> {
+        let paths = draw(&grid(20_000), &folder.join(name)).unwrap();
+        assert!(paths[0].ends_with("fig.6.svg") && paths[1].ends_with("fig.6.png"), "{paths:?}");
+        paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+    };
+    let (first, second) = (read("one/fig.6"), read("two/fig.6"));
+    assert!(first == second);
+    assert!(first[0].len() < 300_000, "{} bytes of SVG", first[0].len());
+    // PNG: signature, then the header chunk with width and height.
+    assert_eq!(first[1][..8], *b"\x89PNG\r\n\x1a\n");
+    assert_eq!(first[1][16..20], 1600_u32.to_be_bytes());
+}
+
+#[test]
+fn an_error_names_the_file_and_the_cause() {
+    let folder = tempdir().unwrap();
+    let folder = folder.path();
+    let file = folder.join("a-file");
+    std::fs::write(&file, "").unwrap();
+    let text = draw(&Figure::default(), &file.join("figure")).unwrap_err().to_string();
+    assert!(text.starts_with("cannot write ") && text.contains("a-file/figure as SVG: "), "{text}");
+}

@@ -1,0 +1,96 @@
+//! Flow on its way between the wire and the core: what a peer and a hub do alike with what has come.
+//!
+//! Neither room knows the other's packets, so whoever joins them spells them out (the board does, too).
+
+use haptic_core::law::Packet;
+use haptic_core::num::{Motion, Scalar};
+use haptic_protocol::playout::Playout;
+use haptic_protocol::wire::Flow;
+
+use crate::scene::SceneFile;
+
+/// A packet of core as the wire has it.
+pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
+    // From f32 and back to it nothing is lost.
+    let wire = |value: S| value.to_f64() as f32;
+    Flow {
+        engaged,
+        tick,
+        position: wire(packet.motion.position),
+        velocity: wire(packet.motion.velocity),
+        wave: wire(packet.wave),
+        wave_integral: packet.wave_integral,
+        energy_sent: packet.energy_j,
+        ..Flow::default()
+    }
+}
+
+/// A flow of the wire as core has it.
+pub fn packet_of<S: Scalar>(flow: &Flow) -> Packet<S> {
+    let core = |value: f32| S::from_f64(value.into());
+    Packet {
+        motion: Motion { position: core(flow.position), velocity: core(flow.velocity) },
+        wave: core(flow.wave),
+        energy_j: flow.energy_sent,
+        wave_integral: flow.wave_integral,
+    }
+}
+
+/// Flow of the other end that no exchange has taken yet.
+#[derive(Clone, Debug)]
+pub struct Inbox {
+    /// The newest.
+    newest: Option<Flow>,
+    /// The other end's motors have gone off since its last flow that counted.
+    apart: bool,
+    /// Flow that waits, where the scene asks for it (network.playout_packets).
+    playout: Option<Playout<Flow>>,
+}
+
+impl Inbox {
+    /// Nothing there.
+    pub fn new(scene: &SceneFile) -> Self {
+        let depth = scene.world.network.playout_packets;
+        let playout = (depth > 0).then(|| Playout::new(depth, scene.peer.timing.ticks_per_packet));
+        Self { newest: None, apart: false, playout }
+    }
+
+    /// Takes a flow that came in this control period.
+    pub fn put(&mut self, tick: u32, flow: Flow) {
+        match &mut self.playout {
+            Some(playout) => {
+                playout.put(tick, flow.tick, flow);
+            }
+            None => self.newest = Some(flow),
+        }
+    }
+
+    /// Forgets what was there: the other end has gone.
+    pub fn clear(&mut self) {
+        self.newest = None;
+        if let Some(playout) = &mut self.playout {
+            playout.clear();
+        }
+    }
+
+    /// Brings out what the next exchange takes, in its control period.
+    pub fn play(&mut self, tick: u32) {
+        if let Some(playout) = &mut self.playout {
+            self.newest = playout.take(tick);
+        }
+    }
+
+    /// What the next exchange takes.
+    pub fn newest(&self) -> Option<&Flow> {
+        self.newest.as_ref()
+    }
+
+    /// What an exchange takes in, and whether the other end has armed anew since the last that counted: then it counts from
+    /// zero, from another place, and nothing that came before goes with it.
+    pub fn take(&mut self) -> (Option<Flow>, bool) {
+        let newest = self.newest.take();
+        let anew = self.apart && newest.is_some_and(|flow| flow.engaged);
+        self.apart = newest.map_or(self.apart, |flow| !flow.engaged);
+        (newest.filter(|flow| flow.engaged), anew)
+    }
+}

@@ -1,0 +1,19 @@
+//! A run on a PC: the scene that is told, the software plant, the network, two peers stepped together, what came of it.
+//!
+//! The peers themselves are `haptic_core`, the same lines that fly on the board.
+#![forbid(unsafe_code)]
+
+pub mod board;
+pub mod flows;
+pub mod key_file;
+pub mod measure;
+pub mod network;
+pub mod node;
+pub mod pair;
+pub mod plant;
+pub mod report;
+pub mod rng;
+pub mod run;
+pub mod scene;
+pub mod scenes;
+pub mod user;

@@ -1,0 +1,98 @@
+//! What a slow swing shows: how heavy the shared object feels and how late one peer acts on the other, on any network.
+//!
+//! Both users push the same way with a sine of one period a second. Every signal is projected on that sine over whole
+//! periods, which leaves the losses' noise out: the ratio of contact force to speed of the copies is a mass (its imaginary part
+//! over ω) and a drag (its real part); the phase between what one peer sends and what the other acts on, over ω, is a time,
+//! whatever a ledger or a fading took off its size. Low enough that springs and filters are far away: a delay is a delay.
+//!
+//! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
+
+use haptic_core::law::{Sends, sends};
+use haptic_core::settings::Refused;
+
+use crate::pair::Pair;
+use crate::scene::SceneFile;
+use crate::user::User;
+
+/// Angular frequency, rad/s: one period a second.
+const OMEGA: f64 = core::f64::consts::TAU;
+/// Each user's push, N.
+const PUSH_N: f64 = 0.5;
+/// Time for what the start of the swing leaves to die away, s.
+const SETTLE_S: u32 = 10;
+
+/// What a swing shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Felt {
+    /// Apparent mass of the whole shared object, kg.
+    pub mass_kg: f64,
+    /// What it loses to drag, N·s/m.
+    pub drag_n_s_per_m: f64,
+    /// From one peer's tick to the other's that acts on it, mean of both ways, s.
+    pub delay_s: f64,
+}
+
+/// A signal's part at [`OMEGA`]: cosine and sine.
+#[derive(Clone, Copy, Debug, Default)]
+struct Phasor {
+    cos: f64,
+    sin: f64,
+}
+
+impl Phasor {
+    fn see(&mut self, value: f64, angle: f64) {
+        self.cos += value * angle.cos();
+        self.sin += value * angle.sin();
+    }
+
+    /// self / other as a complex number, for signals Re(z·e^(iωt)), z = cos − i·sin.
+    fn over(self, other: Self) -> (f64, f64) {
+        let size = other.cos * other.cos + other.sin * other.sin;
+        let real = self.cos * other.cos + self.sin * other.sin;
+        let imaginary = self.cos * other.sin - self.sin * other.cos;
+        (real / size, imaginary / size)
+    }
+}
+
+/// Swings a scene whose contact is permanent for `periods` after it has settled.
+///
+/// # Errors
+/// What the peers' `build()` refuses.
+pub fn felt(scene: &SceneFile, periods: u32) -> Result<Felt, Refused<'static>> {
+    let mut swung = scene.clone();
+    for (user, sign) in swung.users.iter_mut().zip([1.0, -1.0]) {
+        // A push of user 2 toward the other peer is toward negative x.
+        *user = User::default();
+        user.settings.user.sine_n = sign * PUSH_N;
+        user.settings.user.sine_rad_per_s = OMEGA;
+    }
+    let mut pair = Pair::<f64>::new(&swung)?;
+    let per_period = (1.0 / scene.peer.timing.control_period_s).round() as u32;
+    for _ in 0..SETTLE_S * per_period {
+        pair.step();
+    }
+    let sends = sends(&scene.peer);
+    let share = 1.0 / scene.peer.coordination.wave_impedance_n_s_per_m;
+    let (mut force, mut speed, mut sent, mut acted_on) = Default::default();
+    for _ in 0..periods * per_period {
+        let angle = OMEGA * pair.time_s();
+        pair.step();
+        for seen in pair.sides.iter().map(|side| side.state.observed()) {
+            // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
+            let (out, into) = match sends {
+                Sends::Motion => (seen.object.position, seen.desired.position),
+                _ => {
+                    let (speed, force) = (seen.desired.velocity, share * seen.coordination_force);
+                    (speed - force, speed + force)
+                }
+            };
+            Phasor::see(&mut force, seen.contact_force, angle);
+            Phasor::see(&mut speed, seen.object.velocity / 2.0, angle);
+            Phasor::see(&mut sent, out, angle);
+            Phasor::see(&mut acted_on, into, angle);
+        }
+    }
+    let (drag_n_s_per_m, reactance) = force.over(speed);
+    let (real, imaginary) = acted_on.over(sent);
+    Ok(Felt { mass_kg: reactance / OMEGA, drag_n_s_per_m, delay_s: -imaginary.atan2(real) / OMEGA })
+}

@@ -1,0 +1,274 @@
+//! One peer on a wire, whoever brings the time and the datagrams: the tick and exchange that fly, a simulated device in a
+//! simulated hand, a sealed link.
+//!
+//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time ([`super::peer`]), a
+//! flood ([`super::flood`]) and restarts in virtual time ([`super::restarts`]) drive the same lines.
+//!
+//! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
+//! end lets go at once. The peer's own ladder (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
+//! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same ladder in time, for
+//! a caller that has none of its own; here it only goes into the report, for two ladders in a row would fade twice.
+//!
+//! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
+//! the board does.
+
+use haptic_core::num::Motion;
+use haptic_core::peer::{self, Actuators, Observed, State};
+use haptic_core::safety::{Command, Mode};
+use haptic_core::scene::{Any, Scene};
+use haptic_core::settings::{Settings, Value};
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
+use haptic_protocol::parameters::{Parameters, TooManyTables};
+use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
+
+use super::flows::{Inbox, flow_of, packet_of};
+use crate::plant::Plant;
+use crate::scene::SceneFile;
+
+/// One peer, its device and its link.
+#[derive(Debug)]
+pub struct Node {
+    scene: Scene<Any<f32>>,
+    state: State<Any<f32>>,
+    plant: Plant,
+    link: Link,
+    inbox: Inbox,
+    period_s: f64,
+    /// Control periods since the start.
+    ticks: u32,
+    armed_ticks: u64,
+    /// Control periods until the other one is told how this one is doing.
+    until_telemetry: u32,
+    /// What the other one last said about itself.
+    heard: Option<Telemetry>,
+    notices: Vec<(u64, Notice)>,
+}
+
+/// Time from telemetry to telemetry, s.
+pub const TELEMETRY_S: f64 = 0.5;
+
+/// What both peers must have been told alike, as a greeting names it.
+fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
+    Parameters::of(settings.shared(), |table, key, value| match value {
+        Value::Number(number) => table.number(key, number),
+        Value::Flag(flag) => table.flag(key, flag),
+        Value::Text(text) => table.text(key, text),
+    })
+}
+
+/// The sealed line from one end of a scene to the other, calling.
+pub fn open_link(scene: &SceneFile, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
+    let settings = &scene.peers()[usize::from(ends.local == PeerId(2))];
+    let timing = &settings.timing;
+    Link::new(Config {
+        key,
+        ends,
+        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
+        parameters: parameters(settings).map_err(|error| error.to_string())?,
+        entropy,
+    })
+    .map_err(|error| error.to_string())
+}
+
+impl Node {
+    /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
+    ///
+    /// # Errors
+    /// A scene or key that is refused, in one line.
+    pub fn new(scene: &SceneFile, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+        Self::with_device(scene, number, key, entropy, Plant::new(scene, usize::from(number == 2)))
+    }
+
+    /// The same with a device that is there already: what a reset leaves of a peer.
+    ///
+    /// # Errors
+    /// As [`Node::new`].
+    pub fn with_device(
+        scene: &SceneFile,
+        number: u8,
+        key: Key,
+        entropy: [u8; Key::LEN],
+        plant: Plant,
+    ) -> Result<Self, String> {
+        let settings = &scene.peers()[usize::from(number == 2)];
+        let built = Scene::build(settings).map_err(|refused| refused.to_string())?;
+        let state = State::new(&built, plant.motions().map(|motion| Motion::at(motion.position as f32)));
+        let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
+        let link = open_link(scene, ends, key, entropy)?;
+        Ok(Self {
+            scene: built,
+            state,
+            plant,
+            link,
+            inbox: Inbox::new(scene),
+            period_s: settings.timing.control_period_s,
+            ticks: 0,
+            armed_ticks: 0,
+            until_telemetry: 0,
+            heard: None,
+            notices: Vec::new(),
+        })
+    }
+
+    /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
+    ///
+    /// # Errors
+    /// Why the link refuses it; what that changes, [`Link::receive`] says.
+    pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flow>, Error> {
+        let taken = self.link.receive(now_us, datagram);
+        // Before the flow is kept: it may be the first of another life of the other peer.
+        self.heed(now_us);
+        let flow = match taken? {
+            Some(Incoming::Flow(flow)) => flow,
+            Some(Incoming::Telemetry(telemetry)) => {
+                self.heard = Some(telemetry);
+                return Ok(None);
+            }
+            _ => return Ok(None),
+        };
+        self.inbox.put(self.ticks, flow);
+        Ok(Some(flow))
+    }
+
+    /// What the link has noticed.
+    fn heed(&mut self, now_us: u64) {
+        while let Some(notice) = self.link.take_notice() {
+            if notice == Notice::Disengaged {
+                self.state.part();
+                self.inbox.clear();
+            }
+            self.notices.push((now_us, notice));
+        }
+    }
+
+    /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
+    pub fn beat(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(len) = self.link.poll(now_us, &mut out) {
+            send(&out[..len]);
+        }
+        self.heed(now_us);
+        let due = self.state.packet_due();
+        if due {
+            self.inbox.play(self.ticks);
+        }
+        if self.state.mode() == Mode::Disarmed && self.inbox.newest().is_some() {
+            self.state.command(&self.scene, Command::Arm);
+            self.state.part();
+        }
+        if due {
+            let (flow, anew) = self.inbox.take();
+            if anew {
+                self.state.part();
+            }
+            let packet = peer::exchange(&self.scene, &mut self.state, flow.as_ref().map(packet_of));
+            let flow = flow_of(packet, self.state.mode() == Mode::Armed, self.ticks);
+            if let Some(len) = self.link.send_flow(now_us, &flow, &mut out) {
+                send(&out[..len]);
+            }
+        }
+        if self.until_telemetry == 0 {
+            let telemetry = self.telemetry(now_us);
+            // Without a session it is made up for as soon as there is one.
+            if let Some(len) = self.link.send_telemetry(now_us, &telemetry, &mut out) {
+                send(&out[..len]);
+                self.until_telemetry = (TELEMETRY_S / self.period_s) as u32;
+            }
+        } else {
+            self.until_telemetry -= 1;
+        }
+        self.ticks = self.ticks.wrapping_add(1);
+        let actuators = peer::tick(&self.scene, &mut self.state, &self.plant.sensors());
+        // A hand that waits for the other one holds still.
+        if self.state.mode() != Mode::Disarmed {
+            self.plant.step(self.armed_ticks as f64 * self.period_s, &actuators);
+            self.armed_ticks += 1;
+        }
+        actuators
+    }
+
+    /// How this one is doing, for the other end's people and logs.
+    fn telemetry(&self, now_us: u64) -> Telemetry {
+        let (seen, ledger) = (self.state.observed(), self.state.ledger());
+        let (mode, fault) = match self.state.mode() {
+            Mode::Armed => (1, 0),
+            Mode::Faulted(fault) => (2, fault.number()),
+            _ => (0, 0),
+        };
+        let mut telemetry = Telemetry {
+            mode,
+            fault,
+            tick: self.ticks,
+            device_position: seen.device.position,
+            object_position: seen.object.position,
+            desired_position: seen.desired.position,
+            contact_force: seen.contact_force,
+            coordination_force: seen.coordination_force,
+            energy_received: ledger.received_j().into(),
+            energy_sent: ledger.sent_j().into(),
+            ..Telemetry::default()
+        };
+        self.link.describe(now_us, &mut telemetry);
+        telemetry
+    }
+
+    /// What the other one last said about itself, every half second.
+    pub fn heard(&self) -> Option<&Telemetry> {
+        self.heard.as_ref()
+    }
+
+    /// What a reset leaves: the device, in a hand that holds it still.
+    pub fn device(&self) -> Plant {
+        let mut plant = self.plant.clone();
+        plant.rest();
+        plant
+    }
+
+    /// Control periods since it was armed.
+    pub fn armed_ticks(&self) -> u64 {
+        self.armed_ticks
+    }
+
+    /// What the last tick saw and did.
+    pub fn observed(&self) -> &Observed<f32> {
+        self.state.observed()
+    }
+
+    /// Whether forces reach the motors, and what stopped them.
+    pub fn mode(&self) -> Mode {
+        self.state.mode()
+    }
+
+    /// Whether the coordination acts.
+    pub fn is_engaged(&self) -> bool {
+        self.state.is_engaged()
+    }
+
+    /// The link.
+    pub fn link(&self) -> &Link {
+        &self.link
+    }
+
+    /// What the link has reported so far, in order, with the time of each in µs.
+    pub fn notices(&self) -> &[(u64, Notice)] {
+        &self.notices
+    }
+
+    /// How the node stands with the other one: what a datagram that is not the other one's must never change.
+    pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
+        let link = &self.link;
+        let tick = self.inbox.newest().map(|flow| flow.tick);
+        let level = link.engagement().to_bits();
+        (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.is_engaged())
+    }
+
+    /// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.
+    pub fn fingerprint(&self) -> String {
+        let link = format!("{:?}", self.link);
+        // The last field of all.
+        let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
+        format!("{link} {:?} {:?} {:?}", self.inbox, self.heard, self.state)
+    }
+}

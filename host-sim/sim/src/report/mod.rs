@@ -1,0 +1,10 @@
+//! Reports: what an experiment found, as files that people and other programs can read.
+//!
+//! Nothing here knows about haptics. The same data give the same bytes on every run: no clock, no system font, no map
+//! with a random order. Empty tables, NaN and constant data are ordinary input everywhere.
+
+pub mod files;
+pub mod table;
+pub mod text;
+
+pub use haptic_plot::ReportError;

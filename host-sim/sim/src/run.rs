@@ -1,0 +1,269 @@
+//! One run of two peers: the scene's experiment for a duration, its figures of merit, and what was recorded.
+//!
+//! Discrepancies are two, always by name (THEORY §4): **true** |x_o1 − x_o2| at one instant, and **decoded** |x_o − x_d| at
+//! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
+
+use haptic_core::contact::{Impacts, RenderingName};
+use haptic_core::num::Scalar;
+use haptic_core::safety::Fault;
+use haptic_core::settings::Refused;
+use serde::Serialize;
+
+use crate::pair::{HASH_SEED, Pair};
+use crate::report::table::{Column, Table};
+use crate::scene::SceneFile;
+
+/// How to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Keep every how-many-th tick; 0 keeps none.
+    pub record_every: u64,
+}
+
+impl Options {
+    /// Records at most about 100,000 rows.
+    pub fn recorded(duration_s: f64, period_s: f64) -> Self {
+        Self { duration_s, record_every: ((duration_s / period_s) as u64).div_ceil(100_000).max(1) }
+    }
+}
+
+/// Mean and standard deviation.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+}
+
+/// Energy that crossed one peer's network port, J.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct PortEnergy {
+    /// From the network.
+    pub received_j: f64,
+    /// To the network.
+    pub sent_j: f64,
+}
+
+/// Impacts between one device and its copy of the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Struck {
+    /// Impacts.
+    pub count: u32,
+    /// Impulse exchanged with the object, N·s.
+    pub wanted_n_s: f64,
+    /// What of it the limits of force and slew let through to the device, N·s.
+    pub delivered_n_s: f64,
+    /// Energy that restitution took, J.
+    pub lost_j: f64,
+}
+
+/// What a run gave.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Neither peer faulted, and no envelope grew without bound.
+    pub bounded: bool,
+    /// Who stopped, and why.
+    pub fault: Option<(usize, Fault)>,
+    /// When, s.
+    pub fault_time_s: Option<f64>,
+    /// Mean of |x_o1 − x_o2| over the last half, mm.
+    pub true_discrepancy_mm: f64,
+    /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
+    pub decoded_discrepancy_mm: f64,
+    /// F_T at peer 2 over the last half, N.
+    pub coordination_force_n: Spread,
+    /// Mean of |F_LC| over both peers and the last half, N.
+    pub contact_force_n: f64,
+    /// Largest |F_T| of either peer, N.
+    pub peak_coordination_force_n: f64,
+    /// Largest change of either F_T from one tick to the next, N.
+    pub largest_jump_n: f64,
+    /// Energy through both network ports.
+    pub energy: [PortEnergy; 2],
+    /// Impacts at both peers, where contact is impulsive.
+    pub impacts: Option<[Struck; 2]>,
+    /// Ticks done.
+    pub ticks: u64,
+    /// Hash of both peers' states over every tick.
+    pub hash: u64,
+    /// What was recorded; empty if nothing was.
+    pub table: Table,
+}
+
+impl Outcome {
+    /// Energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1 the
+    /// network makes energy.
+    pub fn energy_out_over_in(&self) -> f64 {
+        let [first, second] = self.energy;
+        let ratio = |out: f64, into: f64| if into > 0.0 { out / into } else { 0.0 };
+        ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j))
+    }
+}
+
+/// The columns that are recorded, each peer's by its number.
+const PEER_COLUMNS: [&str; 8] = [
+    "device_{}_m",
+    "object_{}_m",
+    "desired_{}_m",
+    "object_velocity_{}_m_per_s",
+    "contact_force_{}_n",
+    "coordination_force_{}_n",
+    "energy_received_{}_j",
+    "energy_sent_{}_j",
+];
+
+/// Tells how far a long run is, in ticks.
+pub type Progress<'a> = &'a dyn Fn(u64);
+
+/// Runs the scene with peers that compute in `S`.
+///
+/// # Errors
+/// What the peers' `build()` refuses.
+pub fn run<S: Scalar>(
+    scene: &SceneFile,
+    options: Options,
+    progress: Progress<'_>,
+) -> Result<Outcome, Refused<'static>> {
+    let mut pair = Pair::<S>::new(scene)?;
+    let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + 2 * PEER_COLUMNS.len() + 2];
+    let mut merits = Merits::default();
+    let mut growth = Growth::new(ticks);
+    let mut hash = HASH_SEED;
+    let mut fault_time_s = None;
+    for tick in 0..ticks {
+        let time_s = pair.time_s();
+        pair.step();
+        hash = pair.hash(hash);
+        if fault_time_s.is_none() && pair.fault().is_some() {
+            fault_time_s = Some(time_s);
+        }
+        let [first, second] = pair.sides.each_ref().map(|side| side.state.observed());
+        let true_m = (first.object.position.to_f64() - second.object.position.to_f64()).abs();
+        let decoded_m = (second.object.position.to_f64() - second.desired.position.to_f64()).abs();
+        let forces = [first, second].map(|seen| seen.coordination_force.to_f64());
+        let contacts = [first, second].map(|seen| seen.contact_force.to_f64());
+        growth.see(tick, forces);
+        merits.peak = merits.peak.max(forces[0].abs()).max(forces[1].abs());
+        if tick >= ticks / 2 {
+            merits.see(true_m, decoded_m, forces[1], 0.5 * (contacts[0].abs() + contacts[1].abs()));
+        }
+        if options.record_every > 0 && tick % options.record_every == 0 {
+            let peers = pair.sides.iter().flat_map(|side| {
+                let (seen, ledger) = (side.state.observed(), side.state.ledger());
+                [
+                    seen.device.position,
+                    seen.object.position,
+                    seen.desired.position,
+                    seen.object.velocity,
+                    seen.contact_force,
+                    seen.coordination_force,
+                    ledger.received_j(),
+                    ledger.sent_j(),
+                ]
+                .map(S::to_f64)
+            });
+            let row = core::iter::once(time_s).chain(peers).chain([true_m, decoded_m]);
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+        if tick % 10_000 == 0 {
+            progress(tick);
+        }
+    }
+    let fault = pair.fault();
+    let count = merits.count.max(1) as f64;
+    let mean = merits.force / count;
+    Ok(Outcome {
+        bounded: fault.is_none() && !growth.grew(),
+        fault,
+        fault_time_s,
+        true_discrepancy_mm: 1e3 * merits.true_m / count,
+        decoded_discrepancy_mm: 1e3 * merits.decoded_m / count,
+        coordination_force_n: Spread { mean, sd: (merits.force_squared / count - mean * mean).max(0.0).sqrt() },
+        contact_force_n: merits.contact / count,
+        peak_coordination_force_n: merits.peak,
+        largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
+        energy: pair.sides.each_ref().map(|side| PortEnergy {
+            received_j: side.state.ledger().received_j().to_f64(),
+            sent_j: side.state.ledger().sent_j().to_f64(),
+        }),
+        impacts: (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
+            pair.sides.each_ref().map(|side| {
+                let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.state.impacts();
+                let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
+                Struck { count, wanted_n_s, delivered_n_s, lost_j }
+            })
+        }),
+        ticks,
+        hash,
+        table: table(columns),
+    })
+}
+
+fn table(columns: Vec<Vec<f64>>) -> Table {
+    let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
+    let names = core::iter::once("time_s".to_owned())
+        .chain(peers)
+        .chain(["true_discrepancy_m".to_owned(), "decoded_discrepancy_2_m".to_owned()]);
+    Table::new(names.zip(columns).map(|(name, values)| Column { name, values }).collect())
+        .expect("every column gets one value a row")
+}
+
+/// Sums over the last half of a run.
+#[derive(Default)]
+struct Merits {
+    count: u64,
+    true_m: f64,
+    decoded_m: f64,
+    force: f64,
+    force_squared: f64,
+    contact: f64,
+    peak: f64,
+}
+
+impl Merits {
+    fn see(&mut self, true_m: f64, decoded_m: f64, force: f64, contact: f64) {
+        self.count += 1;
+        self.true_m += true_m;
+        self.decoded_m += decoded_m;
+        self.force += force;
+        self.force_squared += force * force;
+        self.contact += contact;
+    }
+}
+
+/// Whether an oscillation grows: the largest change of F_T from tick to tick, in each eighth of the run.
+pub struct Growth {
+    window: u64,
+    last: [f64; 2],
+    largest: [f64; 8],
+}
+
+impl Growth {
+    /// For a run of `ticks` ticks.
+    pub fn new(ticks: u64) -> Self {
+        Self { window: ticks.div_ceil(8).max(1), last: [0.0; 2], largest: [0.0; 8] }
+    }
+
+    fn see(&mut self, tick: u64, forces: [f64; 2]) {
+        let change = (forces[0] - self.last[0]).abs().max((forces[1] - self.last[1]).abs());
+        self.last = forces;
+        self.see_change(tick, change);
+    }
+
+    /// Takes in the largest change of any force at this tick.
+    pub fn see_change(&mut self, tick: u64, change: f64) {
+        let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
+        *largest = if change.is_finite() { largest.max(change) } else { f64::INFINITY };
+    }
+
+    /// Larger in each of the last four eighths than in the one before, fourfold in all.
+    pub fn grew(&self) -> bool {
+        let tail = &self.largest[3..];
+        tail.windows(2).all(|pair| pair[1] > 1.05 * pair[0]) && tail[4] > 4.0 * tail[0]
+            || self.largest.iter().any(|change| change.is_infinite())
+    }
+}

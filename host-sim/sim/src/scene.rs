@@ -1,0 +1,395 @@
+//! A scene: what two peers, their users, their devices and the network between them are told before a run.
+//!
+//! Scene files are TOML. Every key is optional; the defaults are the cooperation paper's §5. Keys of the peer itself are
+//! declared in `haptic_core::settings`, those of the world around it here, and both are read, checked and listed by the
+//! same code. Whatever is wrong (unknown key, wrong unit, out of range) is one error that names the key, the value
+//! and what is allowed, and where it stood.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use haptic_core::contact::{RenderingName, Side};
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value, number};
+
+use crate::network::rule::{Jitter, NetworkTrace};
+use crate::user::{Trace, User, UserSettings};
+
+haptic_core::settings! {
+    /// The world around the peers.
+    pub struct World;
+
+    /// The haptic device that both users hold one of.
+    device: Device {
+        #[doc = "Moving mass m_HD."]
+        mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg";
+        #[doc = "Viscous damping b_HD."]
+        damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m";
+        #[doc = "Delay from sensing to the new motor force, in control periods."]
+        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks";
+    }
+
+    /// Imperfections of the device; each is off unless asked for.
+    plant: PlantSettings {
+        #[doc = "The peer reads encoder counts (tables encoder, kinematics) instead of the exact position."]
+        encoder: bool = false, Allowed::Flag, "";
+        #[doc = "Coulomb friction; 0 is none."]
+        coulomb_n: f64 = 0.0, number(0.0, 100.0), "N";
+        #[doc = "The device is driven by motor duties (table motor), saturation included, instead of the exact force."]
+        motor: bool = false, Allowed::Flag, "";
+        #[doc = "PWM steps from zero to full duty, with plant.motor; 0 is as fine as the duty register."]
+        pwm_steps: u32 = 0, Allowed::Whole { min: 0, max: 32767 }, "";
+    }
+
+    /// The network between the peers.
+    network: Network {
+        #[doc = "One-way delay n_t in packet periods."]
+        one_way_delay_packets: u32 = 1, Allowed::Whole { min: 0, max: 1000 }, "packets";
+        #[doc = "Constant time on top of the delay, both ways."]
+        extra_delay_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "Constant time on top of the delay, from peer 2 to peer 1 only."]
+        asymmetry_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "From network.delay_step_at_s on, the delay is longer (or shorter) by this."]
+        delay_step_s: f64 = 0.0, number(-2.0, 2.0), "s";
+        #[doc = "When the delay steps."]
+        delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s";
+        #[doc = "How the delay varies from packet to packet."]
+        jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "";
+        #[doc = "Uniform jitter: the most; gamma jitter: the mean."]
+        jitter_s: f64 = 0.0, number(0.0, 2.0), "s";
+        #[doc = "Fraction of the packets that are lost."]
+        loss: f64 = 0.0, number(0.0, 0.95), "";
+        #[doc = "Mean length of a run of losses (Gilbert-Elliott); 1 is independent losses."]
+        loss_burst_packets: f64 = 1.0, number(1.0, 1e4), "packets";
+        #[doc = "Fraction of the packets that are held back and overtaken."]
+        reorder: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "How far a packet is held back at the most."]
+        reorder_depth_packets: u32 = 4, Allowed::Whole { min: 1, max: 1000 }, "packets";
+        #[doc = "Fraction of the packets that arrive twice."]
+        duplicate: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "Fraction of the packets that arrive broken."]
+        corrupt: f64 = 0.0, number(0.0, 1.0), "";
+        #[doc = "How much slower peer 2's clock runs."]
+        clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm";
+        #[doc = "Rate of the line; 0 is unlimited."]
+        bandwidth_bit_per_s: f64 = 0.0, number(0.0, 1e12), "bit/s";
+        #[doc = "Play-out buffer: packets wait until they are this much later than the fastest, so that the delay is constant."]
+        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 32 }, "packets";
+        #[doc = "Seed of everything random in a run."]
+        seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "";
+    }
+}
+
+/// A whole scene.
+#[derive(Clone, Debug, Default)]
+pub struct SceneFile {
+    /// What the peers are told; peer 2 differs only in the side of the object it is on.
+    pub peer: Settings,
+    /// The world around them.
+    pub world: World,
+    /// The two users.
+    pub users: [User; 2],
+    /// A recording of what the network did (`network.trace`), instead of what its table would draw.
+    pub network_trace: Option<Arc<NetworkTrace>>,
+}
+
+/// What is wrong with a scene, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {cause}")]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why not.
+        cause: std::io::Error,
+    },
+    /// The file is no TOML.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// File and line.
+        place: String,
+        /// What the parser said.
+        message: String,
+    },
+    /// There is no such key.
+    #[error("{place}: there is no key {key}{hint}")]
+    Unknown {
+        /// File, or `--set`.
+        place: String,
+        /// The key as written.
+        key: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// The key does not accept the value.
+    #[error("{place}: {refused}")]
+    Refused {
+        /// File, or `--set`.
+        place: String,
+        /// Key, value and what is allowed.
+        refused: String,
+    },
+    /// A force trace cannot be used.
+    #[error("{place}: {message}")]
+    Trace {
+        /// The key that names the file.
+        place: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// An override is not of the form key=value.
+    #[error("--set {text}: write it as table.key=value")]
+    Override {
+        /// The override as written.
+        text: String,
+    },
+}
+
+impl SceneFile {
+    /// Every key of a scene file with what it accepts, those of the two users included.
+    pub fn keys() -> Vec<(String, &'static Key)> {
+        let shared = Settings::KEYS.iter().chain(World::KEYS).map(|key| (key.name.to_owned(), key));
+        let users = (1..=2).flat_map(|user| {
+            UserSettings::KEYS.iter().map(move |key| (key.name.replacen("user.", &format!("user.{user}."), 1), key))
+        });
+        shared.chain(users).filter(|(name, _)| name != "contact.side").collect()
+    }
+
+    /// The scene in `path`, or the default scene, with the overrides (`table.key=value`) applied in order, then checked.
+    ///
+    /// # Errors
+    /// The first thing that is wrong; see [`SceneError`].
+    pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
+        let mut scene = Self::default();
+        if let Some(path) = path {
+            let text =
+                std::fs::read_to_string(path).map_err(|cause| SceneError::Read { path: path.to_path_buf(), cause })?;
+            scene.apply(&text, &path.display().to_string(), path.parent())?;
+        }
+        for text in overrides {
+            scene.apply_override(text)?;
+        }
+        scene.check(&path.map_or_else(|| "scene".to_owned(), |path| path.display().to_string()))?;
+        Ok(scene)
+    }
+
+    /// Applies TOML text found at `place`; file names in it are taken relative to `folder`.
+    ///
+    /// # Errors
+    /// The first thing that is wrong; see [`SceneError`].
+    pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
+        let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
+            let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+            SceneError::Syntax {
+                place: line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}")),
+                message: error.message().replace('\n', " "),
+            }
+        })?;
+        self.apply_table("", &table, text, place, folder)
+    }
+
+    fn apply_table(
+        &mut self,
+        prefix: &str,
+        table: &toml::Table,
+        text: &str,
+        place: &str,
+        folder: Option<&Path>,
+    ) -> Result<(), SceneError> {
+        for (name, value) in table {
+            let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+            match value {
+                toml::Value::Table(inner) => self.apply_table(&key, inner, text, place, folder)?,
+                value => {
+                    let line = text.lines().position(|line| line.trim_start().starts_with(name.as_str()));
+                    let place = line.map_or_else(|| place.to_owned(), |line| format!("{place}:{}", line + 1));
+                    self.set(&key, value, &place, folder)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Applies one `table.key=value`; a value that is no TOML is taken as text.
+    ///
+    /// # Errors
+    /// What is wrong with it; see [`SceneError`].
+    pub fn apply_override(&mut self, text: &str) -> Result<(), SceneError> {
+        let (key, value) = text.split_once('=').ok_or_else(|| SceneError::Override { text: text.to_owned() })?;
+        let (key, value) = (key.trim(), value.trim());
+        let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
+        self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "--set", None)
+    }
+
+    /// Sets one key to a number, such as a sweep does.
+    ///
+    /// # Errors
+    /// Unknown key or refused value; see [`SceneError`].
+    pub fn set_number(&mut self, key: &str, number: f64) -> Result<(), SceneError> {
+        self.set(key, &toml::Value::Float(number), "sweep", None)
+    }
+
+    fn set(&mut self, key: &str, value: &toml::Value, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
+        let place = place.to_owned();
+        let plain = match value {
+            toml::Value::Integer(whole) => Value::Number(*whole as f64),
+            toml::Value::Float(number) => Value::Number(*number),
+            toml::Value::Boolean(flag) => Value::Flag(*flag),
+            toml::Value::String(text) => Value::Text(text),
+            other => {
+                let refused = format!("{key} = {other} is not allowed: a key takes a number, true or false, or a name");
+                return Err(SceneError::Refused { place, refused });
+            }
+        };
+        // Keys that name a file: its path, and where a complaint about it belongs.
+        let file = || match plain {
+            Value::Text(file) => Ok(folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file))),
+            _ => {
+                let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
+                Err(SceneError::Refused { place: place.clone(), refused })
+            }
+        };
+        let wrong = |message: String| SceneError::Trace { place: format!("{place}: {key}"), message };
+        if key == "network.trace" {
+            self.network_trace = Some(Arc::new(NetworkTrace::read(&file()?).map_err(wrong)?));
+            return Ok(());
+        }
+        let outcome = match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
+            Some((user @ ("1" | "2"), "trace")) => {
+                let trace = Trace::read(&file()?).map_err(|error| wrong(error.to_string()))?;
+                self.user_mut(user).trace = Some(trace);
+                return Ok(());
+            }
+            Some((user @ ("1" | "2"), rest)) => self.user_mut(user).settings.set(&format!("user.{rest}"), plain),
+            _ if key == "contact.side" => Err(SetError::Unknown),
+            _ => match self.peer.set(key, plain) {
+                Err(SetError::Unknown) => self.world.set(key, plain),
+                done => done,
+            },
+        };
+        outcome.map_err(|error| match error {
+            SetError::Unknown => SceneError::Unknown { place, hint: hint(key), key: key.to_owned() },
+            // A user's key is declared once for both users: name the one that was written.
+            SetError::Refused(refused) => {
+                SceneError::Refused { place, refused: refused.to_string().replacen(refused.key, key, 1) }
+            }
+        })
+    }
+
+    fn user_mut(&mut self, user: &str) -> &mut User {
+        let [first, second] = &mut self.users;
+        if user == "1" { first } else { second }
+    }
+
+    /// Checks every range and combination, for scenes put together in code.
+    ///
+    /// # Errors
+    /// The first key that is wrong.
+    pub fn check(&self, place: &str) -> Result<(), SceneError> {
+        let refused = |refused: haptic_core::settings::Refused<'_>| SceneError::Refused {
+            place: place.to_owned(),
+            refused: refused.to_string(),
+        };
+        self.peer.check().map_err(refused)?;
+        self.world.check_ranges().map_err(refused)?;
+        for user in &self.users {
+            user.settings.check_ranges().map_err(refused)?;
+        }
+        if self.world.plant.encoder {
+            haptic_core::device::encoder::check(&self.peer).map_err(refused)?;
+        }
+        if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
+            return Err(SceneError::Refused {
+                place: place.to_owned(),
+                refused: "axis.velocity = \"measured\" is not allowed with plant.encoder = true: counts carry no \
+                          velocity, it must be one of \"difference\", \"filtered\", \"adaptive\""
+                    .to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// The value of a key, a user's included.
+    pub fn get(&self, key: &str) -> Option<Value<'static>> {
+        match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
+            Some((user @ ("1" | "2"), rest)) => {
+                let [first, second] = &self.users;
+                let user = if user == "1" { first } else { second };
+                user.settings.get(&format!("user.{rest}"))
+            }
+            _ => self.peer.get(key).or_else(|| self.world.get(key)),
+        }
+    }
+
+    /// The linear scene behind this one: device and object in ideal, permanent contact, exact sensors and motors, and
+    /// nobody pushing. What the analyser proves things about.
+    pub fn linear(&self) -> Self {
+        let mut linear = self.clone();
+        linear.peer.contact.rendering = RenderingName::Continuous;
+        linear.peer.contact.one_sided = false;
+        linear.peer.contact.gap_m = 0.0;
+        linear.peer.coordination.ledger = false;
+        linear.peer.coordination.drift_correction = false;
+        linear.peer.axis.count = 1;
+        linear.peer.kinematics.model = KinematicsName::Direct;
+        linear.world.plant = PlantSettings::default();
+        linear.users = Default::default();
+        // Constant delay: what the analysis of one packet period can hold. Play-out is that and nothing else.
+        let network = &self.world.network;
+        linear.network_trace = None;
+        linear.world.network = Network {
+            one_way_delay_packets: network.one_way_delay_packets + network.playout_packets,
+            extra_delay_s: network.extra_delay_s,
+            asymmetry_s: network.asymmetry_s,
+            ..Network::default()
+        };
+        for (user, own) in linear.users.iter_mut().zip(&self.users) {
+            // The arm is part of the plant; what the user wants to do is not.
+            let (to, from) = (&mut user.settings.user, &own.settings.user);
+            to.arm_stiffness_n_per_m = from.arm_stiffness_n_per_m;
+            to.arm_damping_n_s_per_m = from.arm_damping_n_s_per_m;
+            to.arm_mass_kg = from.arm_mass_kg;
+        }
+        linear
+    }
+
+    /// Whether the run itself is linear: permanent contact, no imperfections, no window that adapts, no ledger that cuts.
+    pub fn is_linear(&self) -> bool {
+        let (contact, plant) = (&self.peer.contact, &self.world.plant);
+        !contact.one_sided
+            && contact.gap_m == 0.0
+            && !self.peer.coordination.ledger
+            && *plant == PlantSettings::default()
+            && self.peer.axis.velocity != VelocityName::Adaptive
+    }
+
+    /// What each of the two peers is told.
+    pub fn peers(&self) -> [Settings; 2] {
+        let on = |side| {
+            let mut settings = self.peer;
+            settings.contact.side = side;
+            settings
+        };
+        [on(Side::Left), on(Side::Right)]
+    }
+}
+
+/// What a mistyped key may have meant.
+fn hint(key: &str) -> String {
+    let keys = SceneFile::keys();
+    if let Some((table, _)) =
+        key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
+    {
+        let mut tables: Vec<&str> = keys.iter().filter_map(|(name, _)| name.rsplit_once('.')).map(|(t, _)| t).collect();
+        tables.dedup();
+        return format!("; there is no table {table}, the tables are {}", tables.join(", "));
+    }
+    let near = keys
+        .iter()
+        .map(|(name, _)| (strsim::jaro_winkler(name, key), name))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness > 0.8);
+    near.map_or_else(|| "; `host-sim keys` lists them all".to_owned(), |(_, name)| format!("; did you mean {name}?"))
+}

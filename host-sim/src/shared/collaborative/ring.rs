@@ -1,0 +1,178 @@
+//! Members of a token ring as the world sees them. Some begin as founders and the others join; all but the first leave and join
+//! again in the time of trouble, and one leaves for good.
+
+use haptic_protocol::roles::Outbox;
+use haptic_protocol::roles::collaborative::ring::{self, Config, Message, Notice, Record, Ring, Roster};
+use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
+use haptic_protocol::wire::{Event, PeerId};
+
+use super::history::History;
+use super::user::{LONGEST_EDIT_US, User};
+use super::world::{Cast, Peer};
+use super::{Mistake, Trial};
+use haptic_sim::rng::Dice;
+
+/// The object.
+const OBJECT: u16 = 9;
+/// Lease of the token, µs.
+const LEASE_US: u32 = 300_000;
+/// A turn while others want to edit, µs: longer than a lease, so that only the lease stops an owner that nobody hears.
+const TURN_US: u64 = 600_000;
+
+/// How long after its joining a member leaves at the most, µs.
+const LEAVES_US: u64 = 3_000_000;
+
+/// A member, what it has stored, and its user.
+pub struct Member {
+    ring: Ring,
+    config: Config,
+    stored: Record,
+    /// What a founder begins with, and somebody who has lost its record.
+    blank: Record,
+    /// Leaves when it has been there for so long, by its own clock, µs.
+    stays_us: Option<u64>,
+    since_us: Option<u64>,
+    for_good: bool,
+    user: User,
+    out: Outbox<Message, 64>,
+    no_majority: bool,
+}
+
+/// The trial's users. With four or more, the last but one leaves for good.
+pub fn peers(trial: &Trial) -> Cast<Member> {
+    let mut dice = Dice::new(!trial.seed);
+    let users = trial.users;
+    let lease = Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"));
+    let founders = Roster::of(0..=dice.below(u64::from(users)) as u8);
+    let everybody = Roster::of(0..users);
+    let peers = (0..users)
+        .map(|seat| {
+            let config = Config { seat, contacts: everybody, lease, turn_us: TURN_US, seed: dice.below(u64::MAX) };
+            let record =
+                if founders.contains(seat) { Record::founder(founders, Value::default()) } else { Record::outsider() };
+            let for_good = users > 3 && seat + 2 == users;
+            Member {
+                ring: Ring::new(config, 0, record),
+                config,
+                stored: record,
+                blank: record,
+                stays_us: (seat > 0).then(|| 500_000 + dice.below(LEAVES_US)),
+                since_us: None,
+                for_good,
+                user: User::new(0, &mut dice),
+                out: Outbox::new(),
+                no_majority: trial.mistake == Some(Mistake::NoMajority),
+            }
+        })
+        .collect();
+    let bound = move |delay_us| ring::wait_bound_us(lease, u64::from(users), LONGEST_EDIT_US, delay_us);
+    Cast { peers, wait_bound_us: Box::new(bound) }
+}
+
+impl Member {
+    /// Joins again, with what it has stored.
+    fn comes_back(&mut self, now: u64, dice: &mut Dice) {
+        self.config.seed = dice.below(u64::MAX);
+        self.ring = Ring::new(self.config, now, self.stored);
+        self.user.forgets();
+        self.stays_us = (!self.user.is_patient()).then(|| dice.below(LEAVES_US));
+        self.since_us = Some(now);
+    }
+
+    fn told(&mut self, now: u64, history: &mut History, dice: &mut Dice) -> Result<(), String> {
+        while let Some(notice) = self.ring.take_notice() {
+            match notice {
+                Notice::Published { version } => self.user.has_published(version, now, history, dice)?,
+                Notice::Overdue | Notice::Lost => {
+                    self.user.forgets();
+                    self.user.is_interrupted();
+                }
+                Notice::Granted => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Peer for Member {
+    fn step(
+        &mut self,
+        now: u64,
+        message: Option<(PeerId, &Event)>,
+        history: &mut History,
+        dice: &mut Dice,
+    ) -> Result<(), String> {
+        match message.map(|(from, event)| (from, Message::parse(event))) {
+            Some((_, Ok((OBJECT, vote @ Message::Vote { .. })))) if self.no_majority => {
+                for seat in self.config.contacts.seats() {
+                    self.ring.receive(now, PeerId(seat), &vote, &mut self.out);
+                }
+            }
+            Some((from, Ok((OBJECT, message)))) => self.ring.receive(now, from, &message, &mut self.out),
+            _ => self.ring.poll(now, &mut self.out),
+        }
+        self.told(now, history, dice)?;
+        let since_us = *self.since_us.get_or_insert(now);
+        if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
+            self.ring.leave();
+            if self.ring.has_left() && !self.for_good {
+                self.comes_back(now, dice);
+            }
+        } else if self.ring.owns(now) {
+            if let Some(value) = self.user.edits(now, &self.ring.state().value, history)? {
+                self.ring.publish(now, value, &mut self.out).map_err(|error| error.to_string())?;
+            }
+        } else if !self.user.waits() {
+            match self.user.wish(now) {
+                Wish::Edit => self.ring.ask(),
+                Wish::Leave if self.user.is_gone(now) => {
+                    self.ring.give_up(now, &mut self.out);
+                    self.user.plan(now, dice);
+                }
+                _ => {}
+            }
+        }
+        self.told(now, history, dice)?;
+        self.stored = *self.ring.record();
+        Ok(())
+    }
+
+    fn say(&mut self) -> Vec<(PeerId, Event)> {
+        self.out.events(|message| message.event(OBJECT)).collect()
+    }
+
+    fn owns(&self, now: u64) -> bool {
+        self.ring.owns(now)
+    }
+
+    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice) {
+        self.config.seed = dice.below(u64::MAX);
+        self.ring = Ring::new(self.config, now, if forgets { self.blank } else { self.stored });
+        self.user.forgets();
+        self.user.plan(now, dice);
+        self.out = Outbox::new();
+    }
+
+    fn insist(&mut self, now: u64) -> bool {
+        self.user.insist(now);
+        if !self.for_good && self.stays_us.take().is_some() {
+            // Whether it was about to leave or not, it stays.
+            self.ring = Ring::new(self.config, now, self.stored);
+            self.user.forgets();
+        }
+        !self.for_good
+    }
+
+    fn counts(&self) -> (u64, u64) {
+        self.user.counts()
+    }
+
+    fn is_settled(&self) -> bool {
+        !self.for_good || self.ring.has_left()
+    }
+
+    fn value(&self) -> Option<Value> {
+        // Who has left does not follow any more.
+        (!self.for_good).then_some(self.ring.state().value)
+    }
+}

@@ -1,0 +1,108 @@
+//! Cooperative environment: users push one object at the same time, one dynamics engine (DE) moves it (architectures paper
+//! §3.3, Fig. 10; THEORY §6, row 3.3).
+//!
+//! ```text
+//!   device ─ CDE ─┐ push: force      ┌───────────────┐
+//!   device ─ CDE ─┼────── up ──────► │ server: DE    │   or the server is a relay and the DE is at the first client
+//!   device ─ CDE ─┘ ◄──── down ───── └───────────────┘   or the CDEs are at the server too, and forces come down
+//!                     state: motion
+//! ```
+//!
+//! Every device is the software plant, every contact `haptic_core`'s, limits included, the object one of its integrators;
+//! every packet goes through the scene's network, with its own fate; round trips are measured by the protocol's clock, and
+//! who has the engine is decided by the protocol's cooperative role. Time is in ticks: packets that arrive at tick n are
+//! taken in before the forces of tick n, forces that arrive at tick n act from n on.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`client`] | device, contact, bounder, and the object as the client was told |
+//! | [`engine`] | the object and what pushes it |
+//! | `packet` | what goes up and down in one packet period, and its bytes |
+//! | [`world`] | server, clients and the network between them, step by step |
+//! | [`run`] | one run and its figures of merit |
+//! | [`lifted`] | one packet period as a matrix: eigenvalues with slow packets, delay and any gains |
+//! | [`limits`] | the stiffest object for a round trip, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
+//! | [`junction`] | where wave lines meet: the lossless node, with ports for a network that loses and falls silent |
+//! | [`waves`] | N wave peers through a junction |
+
+pub mod client;
+pub mod engine;
+pub mod junction;
+pub mod lifted;
+pub mod limits;
+mod packet;
+pub mod run;
+pub mod waves;
+pub mod world;
+
+use haptic_sim::scene::{SceneError, SceneFile};
+
+/// Most users.
+pub const MOST_USERS: usize = 16;
+
+/// Where contact is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Collision {
+    /// Every client computes its own contact with the object as it was told.
+    #[default]
+    Client,
+    /// The server computes every contact with the devices as it was told; forces come back.
+    Server,
+}
+
+/// Where the object is moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Engine {
+    /// At the server.
+    #[default]
+    Server,
+    /// At the server, from a quarter to three quarters of the run at the first client.
+    Moves,
+    /// At the first client as soon as it has it.
+    Client,
+}
+
+/// One cooperative environment.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Devices, contact, object, network, and two users whose profiles alternate.
+    pub scene: SceneFile,
+    /// How many users.
+    pub users: usize,
+    /// Stiffness and damping follow the measured round trip.
+    pub bounder: bool,
+    /// Where contact is computed.
+    pub collision: Collision,
+    /// Where the object is moved.
+    pub engine: Engine,
+}
+
+impl Setup {
+    /// Keys that a cooperative environment starts from instead of the defaults: one packet each tick, prompt forces.
+    pub const BASE: [&str; 6] = [
+        "timing.ticks_per_packet=1",
+        "network.one_way_delay_packets=0",
+        "device.force_delay_ticks=0",
+        "device.damping_n_s_per_m=5",
+        "object.force_delay_ticks=0",
+        "object.integrator=exact",
+    ];
+
+    /// Two users in this scene, engine and bounder at the server and on.
+    pub fn new(scene: SceneFile) -> Self {
+        Self { scene, users: 2, bounder: true, collision: Collision::default(), engine: Engine::default() }
+    }
+
+    /// The base scene with this delay of every packet to or from the server, s, and these keys.
+    ///
+    /// # Errors
+    /// A key or value that the scene refuses.
+    pub fn base(one_way_s: f64, keys: &[&str]) -> Result<Self, SceneError> {
+        let delay = format!("network.extra_delay_s={one_way_s}");
+        let keys: Vec<String> =
+            Self::BASE.iter().chain(&[delay.as_str()]).chain(keys).map(|key| (*key).to_owned()).collect();
+        Ok(Self::new(SceneFile::load(None, &keys)?))
+    }
+}

@@ -1,0 +1,272 @@
+//! Host: a server of a static world, without a socket. A datagram comes in, the answers go out before it returns.
+//!
+//! Every client has a line with its own key (`haptic_protocol::key::Key::line`). A greeting names its line, a sealed datagram
+//! its session; addresses prove nothing, so a client is answered where it last proved itself from. A link is made when a line
+//! is first called, so memory grows with the clients that there are, up to the lines that were allowed.
+//!
+//! **Cost** of a datagram: one lookup, one opening, and one sealing for each answer; it does not grow with the number of
+//! clients. Once a packet period all links are looked at, for what time alone makes due.
+
+use std::collections::HashMap;
+
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::roles::static_scene::{Board, Server};
+use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, PeerId};
+
+use super::{CLIENT, PACKET_US, parameters};
+use crate::shared::world::{OBJECTS, World};
+
+/// Most clients of one server.
+pub const MOST_LINES: u32 = 4096;
+/// A client that is silent for this long is not told to others, µs.
+const PRESENT_US: u64 = 1_000_000;
+
+/// One client's end.
+struct Line<A> {
+    link: Link,
+    /// Where it last proved itself from.
+    address: Option<A>,
+    session: Option<u32>,
+    seat: Option<usize>,
+}
+
+/// What a server has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counts {
+    /// Datagrams that came.
+    pub received: u64,
+    /// Datagrams that went.
+    pub sent: u64,
+    /// Datagrams that were of no line or no session, or were refused by their link.
+    pub refused: u64,
+    /// Questions about the world.
+    pub asks: u64,
+    /// Parts of the world.
+    pub parts: u64,
+    /// Places of clients that came.
+    pub presences: u64,
+}
+
+/// A server of a static world.
+pub struct Host<A> {
+    key: Key,
+    number: u8,
+    entropy: Box<dyn FnMut() -> [u8; Key::LEN] + Send>,
+    lines: Vec<Option<Box<Line<A>>>>,
+    sessions: HashMap<u32, u32>,
+    server: Box<Server<OBJECTS>>,
+    board: Box<Board<{ MOST_LINES as usize }>>,
+    counts: Counts,
+    out: Datagram,
+}
+
+impl<A: Copy> Host<A> {
+    /// Server `number` of `world`, the whole or one region of it, for clients on lines 1 to `lines`.
+    ///
+    /// # Errors
+    /// The world holds a number that is not finite, or there are too many lines: in one line.
+    pub fn new(
+        key: Key,
+        number: u8,
+        lines: u32,
+        world: World,
+        region: Option<u8>,
+        entropy: impl FnMut() -> [u8; Key::LEN] + Send + 'static,
+    ) -> Result<Self, String> {
+        if !(1..=MOST_LINES).contains(&lines) {
+            return Err(format!("lines = {lines} is not allowed: it must be from 1 to {MOST_LINES}"));
+        }
+        Ok(Self {
+            key,
+            number,
+            entropy: Box::new(entropy),
+            lines: std::iter::repeat_with(|| None).take(lines as usize).collect(),
+            sessions: HashMap::new(),
+            server: Box::new(Server::new(world, region).map_err(|error| error.to_string())?),
+            board: Box::new(Board::new(PRESENT_US)),
+            counts: Counts::default(),
+            out: [0; MAX_DATAGRAM],
+        })
+    }
+
+    /// What has been done.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// The world and its checksum.
+    pub fn server(&self) -> &Server<OBJECTS> {
+        &self.server
+    }
+
+    /// Replaces the world; clients notice with the next part they get.
+    ///
+    /// # Errors
+    /// The world holds a number that is not finite.
+    pub fn publish(&mut self, world: World) -> Result<(), String> {
+        self.server.publish(world).map_err(|error| error.to_string())
+    }
+
+    /// Clients with a session.
+    pub fn clients(&self) -> usize {
+        self.sessions.len()
+    }
+
+    /// Which line a datagram is about, as far as can be read.
+    fn line_of(&mut self, datagram: &mut [u8]) -> Option<u32> {
+        if datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) {
+            let line = Greeting::parse(datagram).ok()?.0.line;
+            return (1..=self.lines.len() as u32).contains(&line).then_some(line);
+        }
+        let session = Header::parse(datagram).ok()?.0.session;
+        self.sessions.get(&session).copied()
+    }
+
+    /// The link of a line; made when it is first called.
+    fn open(&mut self, line: u32) -> Option<()> {
+        let place = self.lines.get_mut(line as usize - 1)?;
+        if place.is_none() {
+            let link = Link::new(Config {
+                key: self.key.line(line),
+                ends: Ends { local: PeerId(self.number), remote: PeerId(CLIENT) },
+                packet_period_us: PACKET_US as u32,
+                parameters: parameters(),
+                entropy: (self.entropy)(),
+            })
+            .ok()?
+            .on_line(line);
+            *place = Some(Box::new(Line { link, address: None, session: None, seat: None }));
+        }
+        Some(())
+    }
+
+    /// Takes a datagram that came from `from`, opened in place, and sends every answer. Gives the line it was about.
+    pub fn receive(&mut self, now: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) -> Option<u32> {
+        self.counts.received += 1;
+        let sealed = datagram.get(1) == Some(&Header::KIND);
+        let Some(number) = self.line_of(datagram).filter(|number| self.open(*number).is_some()) else {
+            self.counts.refused += 1;
+            return None;
+        };
+        let line = self.lines[number as usize - 1].as_deref_mut()?;
+        let Ok(incoming) = line.link.receive(now, datagram) else {
+            self.counts.refused += 1;
+            return None;
+        };
+        if sealed {
+            line.address = Some(from);
+        }
+        match incoming {
+            Some(Incoming::Ask(ask)) => {
+                self.counts.asks += 1;
+                for part in self.server.answer(&ask) {
+                    if let Some(len) = line.link.send_part(now, &part, &mut self.out) {
+                        self.counts.parts += 1;
+                        self.counts.sent += 1;
+                        send(from, &self.out[..len]);
+                    }
+                }
+            }
+            Some(Incoming::Presence(said)) => {
+                self.counts.presences += 1;
+                if let Some((told, seat)) = self.board.hear(now, number, &said, line.seat) {
+                    line.seat = Some(seat);
+                    if let Some(len) = line.link.send_presence(now, &told, &mut self.out) {
+                        self.counts.sent += 1;
+                        send(from, &self.out[..len]);
+                    }
+                }
+            }
+            _ => {}
+        }
+        while let Some(len) = line.link.poll(now, &mut self.out) {
+            self.counts.sent += 1;
+            send(from, &self.out[..len]);
+        }
+        Self::settle(&mut self.sessions, line, number);
+        Some(number)
+    }
+
+    /// Keeps the list of sessions in step with a link.
+    fn settle(sessions: &mut HashMap<u32, u32>, line: &mut Line<A>, number: u32) {
+        let session = line.link.session_number();
+        if session != line.session {
+            if let Some(old) = line.session.take().filter(|old| sessions.get(old) == Some(&number)) {
+                sessions.remove(&old);
+            }
+            if let Some(new) = session {
+                // Two lines with one number: the first keeps it. The other one's session dies of silence, and the next has another
+                // number; so nobody who looks for such a number can drive anybody else out.
+                sessions.entry(new).or_insert(number);
+            }
+            line.session = session;
+        }
+    }
+
+    /// What time alone makes due; to be called once a packet period.
+    pub fn tick(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
+        for (line, number) in self.lines.iter_mut().zip(1..) {
+            let Some(line) = line else { continue };
+            // A line that nobody proved to be on is not called: a server waits.
+            let Some(address) = line.address else { continue };
+            while let Some(len) = line.link.poll(now, &mut self.out) {
+                if line.link.stage() == Stage::Calling {
+                    line.address = None;
+                    break;
+                }
+                self.counts.sent += 1;
+                send(address, &self.out[..len]);
+            }
+            Self::settle(&mut self.sessions, line, number);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A host that another line has `taken` a session number of, and the numbers of the sessions that a client on line 1 had in 2 s.
+    fn visit(taken: Option<u32>) -> (Host<()>, Vec<u32>) {
+        let key = Key::new([7; Key::LEN]);
+        let mut host = Host::new(key.clone(), 1, 2, World::default(), None, || [1; Key::LEN]).expect("a good host");
+        host.sessions.extend(taken.map(|session| (session, 2)));
+        let mut link = Link::new(Config {
+            key: key.line(1),
+            ends: Ends { local: PeerId(CLIENT), remote: PeerId(1) },
+            packet_period_us: PACKET_US as u32,
+            parameters: parameters(),
+            entropy: [2; Key::LEN],
+        })
+        .expect("a good link")
+        .on_line(1);
+        let (mut out, mut had) = ([0; MAX_DATAGRAM], Vec::new());
+        for now in (0..2_000_000).step_by(PACKET_US as usize) {
+            let mut answers = Vec::new();
+            while let Some(len) = link.poll(now, &mut out) {
+                host.receive(now, (), &mut out[..len], |(), answer| answers.push(answer.to_vec()));
+            }
+            host.tick(now, |(), said| answers.push(said.to_vec()));
+            for mut answer in answers {
+                let _ = link.receive(now, &mut answer);
+            }
+            had.extend(link.session_number());
+            had.dedup();
+        }
+        (host, had)
+    }
+
+    #[test]
+    fn a_session_number_stays_with_the_line_that_had_it_first() {
+        let (host, had) = visit(None);
+        let [number] = had[..] else { panic!("one session for as long as nothing happens: {had:x?}") };
+        assert_eq!(host.sessions.get(&number), Some(&1));
+        // The same client, but another has that number.
+        let (host, had) = visit(Some(number));
+        assert_eq!((had.first(), host.sessions.get(&number)), (Some(&number), Some(&2)));
+        let last = had.last().expect("a session");
+        assert_eq!((had.len(), host.sessions.get(last)), (2, Some(&1)), "{had:x?}");
+    }
+}

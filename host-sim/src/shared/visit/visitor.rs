@@ -1,0 +1,283 @@
+//! Visitor: a client of a static world, without a socket. It feels what it knows, whatever the network does.
+//!
+//! Each tick gives a force from what is held. Each packet period it asks for what it lacks, says where it is, and looks at which
+//! servers it needs: its home, and every one within whose margin it is.
+
+use std::collections::BTreeMap;
+
+use haptic_core::num::Motion;
+use haptic_protocol::database::{Manifest, Object, Region, Scope};
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
+use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Presence, Sighting};
+
+use super::{CLIENT, PACKET_US, parameters};
+use crate::shared::world::OBJECTS;
+use crate::shared::world::render::Renderer;
+
+/// An answer is taken to be lost after this many packet periods on top of the round trip.
+const PATIENCE_PACKETS: u64 = 3;
+
+/// A server and what is known from it.
+struct Contact {
+    link: Link,
+    download: Box<Download<OBJECTS>>,
+}
+
+/// Who a datagram goes to or came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Party {
+    /// The server with this number.
+    Server(u8),
+    /// The client on this line, straight.
+    Client(u32),
+}
+
+/// What a visitor is told.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The key of its line.
+    pub key: Key,
+    /// Its line.
+    pub line: u32,
+    /// Number of the server that it begins at.
+    pub home: u8,
+    /// Servers that it can reach.
+    pub reachable: Vec<u8>,
+    /// How far around itself it wants to know, m; `None`: everything.
+    pub radius_m: Option<f32>,
+}
+
+/// A client of a static world.
+pub struct Visitor {
+    setup: Setup,
+    entropy: Box<dyn FnMut() -> [u8; Key::LEN] + Send>,
+    contacts: BTreeMap<u8, Contact>,
+    friends: BTreeMap<u32, Link>,
+    roam: Roam,
+    regions: Vec<Region>,
+    manifest: Manifest,
+    renderer: Renderer,
+    hand: [Motion<f64>; 2],
+    others: BTreeMap<u32, (u64, Sighting)>,
+    tick: u32,
+    /// Something that is held has changed.
+    news: bool,
+    corrupt: u32,
+}
+
+impl Visitor {
+    /// A visitor that begins to call with its first packet period.
+    pub fn new(setup: Setup, entropy: impl FnMut() -> [u8; Key::LEN] + Send + 'static) -> Self {
+        Self {
+            roam: Roam::new(setup.home),
+            setup,
+            entropy: Box::new(entropy),
+            contacts: BTreeMap::new(),
+            friends: BTreeMap::new(),
+            regions: Vec::new(),
+            manifest: Manifest::default(),
+            renderer: Renderer::default(),
+            hand: [Motion::REST; 2],
+            others: BTreeMap::new(),
+            tick: 0,
+            news: false,
+            corrupt: 0,
+        }
+    }
+
+    /// Tells the client on line `who` where this one is, straight and not by the server, over a link of the two's own.
+    pub fn befriend(&mut self, who: u32, link: Link) {
+        self.friends.insert(who, link);
+    }
+
+    /// One control period: the force on the hand, N.
+    pub fn step(&mut self, hand: [Motion<f64>; 2]) -> [f64; 2] {
+        self.hand = hand;
+        self.tick = self.tick.wrapping_add(1);
+        if std::mem::take(&mut self.news) {
+            let known = self.known();
+            self.renderer.know(&known);
+        }
+        self.renderer.step(hand)
+    }
+
+    /// Everything that is held from any server; of two versions of an object the higher one, and home's where they agree.
+    fn known(&self) -> Vec<Object> {
+        let mut known = BTreeMap::<u32, Object>::new();
+        let home = self.contacts.get(&self.roam.home());
+        let others = self.contacts.iter().filter(|(server, _)| **server != self.roam.home()).map(|(_, other)| other);
+        for object in home.into_iter().chain(others).flat_map(|contact| contact.download.objects()) {
+            let held = known.entry(object.id).or_insert(*object);
+            if object.version > held.version {
+                *held = *object;
+            }
+        }
+        known.into_values().collect()
+    }
+
+    fn position(&self) -> [f32; 2] {
+        self.hand.map(|axis| axis.position as f32)
+    }
+
+    /// One packet period: everything that is to be said now, and to which server.
+    pub fn exchange(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
+        self.roam(now);
+        let position = self.position();
+        let velocity = self.hand.map(|axis| axis.velocity as f32);
+        let presence = Presence::new(self.tick, [Sighting { who: self.setup.line, position, velocity }]);
+        let mut out = [0; MAX_DATAGRAM];
+        for (server, contact) in &mut self.contacts {
+            if let Some(radius) = self.setup.radius_m {
+                // Asked anew when a quarter of the neighbourhood has been crossed.
+                let centre = match contact.download.scope() {
+                    Scope::Around { x, y, .. } => Some([x, y]),
+                    _ => None,
+                };
+                let far = |[x, y]: [f32; 2]| (position[0] - x).hypot(position[1] - y) > 0.25 * radius;
+                if centre.is_none_or(far) {
+                    contact.download.look(Scope::Around { x: position[0], y: position[1], radius });
+                }
+            }
+            if matches!(contact.link.stage(), Stage::Idle | Stage::Running | Stage::Fading) {
+                let round_trip = u64::from(contact.link.clock().round_trip_us().unwrap_or(0));
+                let asked = contact.download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US);
+                if let Some(len) = asked.and_then(|ask| contact.link.send_ask(now, &ask, &mut out)) {
+                    send(Party::Server(*server), &out[..len]);
+                }
+                // Only those at the same server know of each other.
+                if *server == self.roam.home()
+                    && let Some(len) = contact.link.send_presence(now, &presence, &mut out)
+                {
+                    send(Party::Server(*server), &out[..len]);
+                }
+            }
+            while let Some(len) = contact.link.poll(now, &mut out) {
+                send(Party::Server(*server), &out[..len]);
+            }
+        }
+        for (who, link) in &mut self.friends {
+            if let Some(len) = link.send_presence(now, &presence, &mut out) {
+                send(Party::Client(*who), &out[..len]);
+            }
+            while let Some(len) = link.poll(now, &mut out) {
+                send(Party::Client(*who), &out[..len]);
+            }
+        }
+    }
+
+    /// Calls servers that are needed, moves home, and leaves those that are not needed any more.
+    fn roam(&mut self, now: u64) {
+        let position = self.position();
+        let contacts = &self.contacts;
+        let ready = |server: u8| contacts.get(&server).is_some_and(|contact| contact.download.is_complete());
+        if self.roam.update(&self.regions, position, ready).is_some() {
+            self.news = true;
+            // Who was seen was seen at the server that was left.
+            self.others.clear();
+        }
+        let needed = self.roam.needs(&self.regions, self.manifest.margin_m, position);
+        for server in &needed {
+            let new = self.setup.reachable.contains(server) && !self.contacts.contains_key(server);
+            if let Some(link) = new.then(|| self.call(*server)).flatten() {
+                self.contacts.insert(*server, Contact { link, download: Box::default() });
+            }
+        }
+        let before = self.contacts.len();
+        self.contacts.retain(|server, _| needed.contains(server));
+        self.news |= self.contacts.len() != before;
+        self.others.retain(|_, (seen_us, _)| now.saturating_sub(*seen_us) < 1_000_000);
+    }
+
+    fn call(&mut self, server: u8) -> Option<Link> {
+        let link = Link::new(Config {
+            key: self.setup.key.clone(),
+            ends: Ends { local: PeerId(CLIENT), remote: PeerId(server) },
+            packet_period_us: PACKET_US as u32,
+            parameters: parameters(),
+            entropy: (self.entropy)(),
+        });
+        link.ok().map(|link| link.on_line(self.setup.line))
+    }
+
+    /// Takes a datagram, opened in place, and sends what it must be answered with at once.
+    pub fn receive(&mut self, now: u64, from: Party, datagram: &mut [u8], mut send: impl FnMut(Party, &[u8])) {
+        let (link, download) = match from {
+            Party::Server(server) => match self.contacts.get_mut(&server) {
+                Some(contact) => (&mut contact.link, Some(&mut contact.download)),
+                None => return,
+            },
+            Party::Client(who) => match self.friends.get_mut(&who) {
+                Some(link) => (link, None),
+                None => return,
+            },
+        };
+        match (link.receive(now, datagram), download) {
+            (Ok(Some(Incoming::Part(part))), Some(download)) => match download.take(&part) {
+                Taken::Nothing => {}
+                Taken::Corrupt => self.corrupt += 1,
+                Taken::World | Taken::More => self.news = true,
+                Taken::Complete => {
+                    self.news = true;
+                    self.regions = download.regions().copied().collect();
+                    self.manifest = download.world().map_or(self.manifest, |(_, manifest)| manifest);
+                }
+            },
+            (Ok(Some(Incoming::Presence(told))), _) => {
+                for other in told.seen() {
+                    // A friend speaks for itself only.
+                    let who = if let Party::Client(who) = from { who } else { other.who };
+                    self.others.insert(who, (now, Sighting { who, ..*other }));
+                }
+            }
+            // Whatever else comes is the link's own business, and what is refused brings nothing here.
+            _ => {}
+        }
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(len) = link.poll(now, &mut out) {
+            send(from, &out[..len]);
+        }
+    }
+
+    /// The link to a server.
+    pub fn link(&self, server: u8) -> Option<&Link> {
+        self.contacts.get(&server).map(|contact| &contact.link)
+    }
+
+    /// What is known from a server.
+    pub fn download(&self, server: u8) -> Option<&Download<OBJECTS>> {
+        self.contacts.get(&server).map(|contact| contact.download.as_ref())
+    }
+
+    /// Everything in scope is held from the server that is home.
+    pub fn is_complete(&self) -> bool {
+        self.download(self.roam.home()).is_some_and(Download::is_complete)
+    }
+
+    /// Where it is at home.
+    pub fn home(&self) -> u8 {
+        self.roam.home()
+    }
+
+    /// How often it has moved home.
+    pub fn moves(&self) -> u32 {
+        self.roam.moves()
+    }
+
+    /// What is felt.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// Others that were seen within the last second.
+    pub fn others(&self) -> impl Iterator<Item = &Sighting> {
+        self.others.values().map(|(_, sighting)| sighting)
+    }
+
+    /// Parts that were not what their checksum said.
+    pub fn corrupt(&self) -> u32 {
+        self.corrupt
+    }
+}

@@ -1,0 +1,77 @@
+//! Instructions, counted: the reviewed files `instructions-….txt` beside this one, one for each [`Processor`].
+//!
+//! | processor | counted by | with |
+//! |---|---|---|
+//! | Cortex-M7, the board's | `cargo xtask count` | QEMU: a virtual clock that every instruction moves |
+//! | x86-64 | `cargo bench --package host-sim --bench choices` | valgrind's callgrind |
+//!
+//! Both run the very same [`haptic_cases`] and give the same counts on every run of the same binary. Unit: instructions per
+//! call (loading the parameters, storing the state and the call itself included) or, for `tick/…`, per tick of a whole
+//! peer, an eighth of its exchange included.
+//!
+//! Limits: instructions are not cycles. In particular f64 takes as many instructions as f32 on both, but not everywhere as
+//! few cycles; what a scheme or a model adds carries over, the price of a number type must be timed on the hardware.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// What instructions are instructions of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Processor {
+    /// The board's, with its double-precision FPU (thumbv7em), under QEMU.
+    #[default]
+    CortexM7,
+    /// A PC's, under callgrind.
+    #[value(name = "x86-64")]
+    #[serde(rename = "x86-64")]
+    X86,
+}
+
+impl Processor {
+    /// What it is called in reports.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::CortexM7 => "a Cortex-M7, counted under QEMU",
+            Self::X86 => "x86-64, counted under callgrind",
+        }
+    }
+
+    /// Its reviewed file.
+    pub fn reviewed(self) -> &'static str {
+        match self {
+            Self::CortexM7 => include_str!("instructions-cortex-m7.txt"),
+            Self::X86 => include_str!("instructions-x86-64.txt"),
+        }
+    }
+
+    /// Instructions of one case in one number type; `None` where nobody has counted it, as for a choice that is new.
+    pub fn count(self, case: &str, scalar: &str) -> Option<u64> {
+        static COUNTS: LazyLock<[BTreeMap<&str, [u64; 3]>; 2]> =
+            LazyLock::new(|| [Processor::CortexM7, Processor::X86].map(|processor| parse(processor.reviewed())));
+        let [cortex_m7, x86] = &*COUNTS;
+        let counts = match self {
+            Self::CortexM7 => cortex_m7,
+            Self::X86 => x86,
+        };
+        let column = SCALARS.iter().position(|known| *known == scalar);
+        counts.get(case).zip(column).map(|(counts, column)| counts[column])
+    }
+}
+
+/// Number types, in the order of the columns.
+pub const SCALARS: [&str; 3] = ["f32", "f64", "i32f32"];
+
+/// Counts of every case, in the order of [`SCALARS`].
+pub fn parse(text: &str) -> BTreeMap<&str, [u64; 3]> {
+    let row = |line| {
+        let mut words = str::split_whitespace(line);
+        let case = words.next()?;
+        let counts: Vec<u64> = words.map_while(|word| word.parse().ok()).collect();
+        Some((case, counts.try_into().ok()?))
+    };
+    text.lines().filter(|line| !line.starts_with('#')).filter_map(row).collect()
+}

@@ -1,0 +1,173 @@
+//! Speed against error: every numerical choice, measured against a reference that does not share its way of computing.
+//!
+//! | module | chooses among | reference |
+//! |---|---|---|
+//! | [`numbers`] | f32, f64, I32F32 | continuous control (matrix exponential); the same peer in double-double |
+//! | [`whole_peer`] | integrator × decode × control rate | continuous control (matrix exponential) |
+//! | [`integrators`] | forward Euler, semi-implicit, exact | closed forms of a contact and of a push |
+//! | [`decodes`] | delayed, implicit | closed form of the line's end |
+//! | [`filters`] | exact, forward Euler, bilinear | the continuous filter |
+//! | [`mechanisms`] | micromath, libm; f32, f64, I32F32 | loop closure by Newton's method in double-double |
+//! | [`estimators`] | measured, difference, filtered, adaptive | the motion itself |
+//!
+//! | module | serves |
+//! |---|---|
+//! | [`cases`] | what is counted, on a PC and on the microcontroller's processor |
+//! | [`counts`] | instructions, counted and reviewed, of the board's processor and of a PC's |
+//! | [`pareto`] | which choices nobody beats |
+//! | [`cost`] | what each model adds to a scene's tick |
+//! | [`continuous`], [`pair`], [`double_double`] | references |
+//! | [`picture`] | error against instructions, drawn |
+//!
+//! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
+//! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
+
+pub mod continuous;
+pub mod cost;
+pub mod counts;
+pub mod decodes;
+pub mod double_double;
+pub mod estimators;
+pub mod filters;
+pub mod integrators;
+pub mod mechanisms;
+pub mod numbers;
+pub mod pair;
+pub mod pareto;
+pub mod picture;
+pub mod whole_peer;
+
+use haptic_core::settings::Refused;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// One choice, measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// What is chosen.
+    pub choice: String,
+    /// How wrong it is, in the comparison's unit.
+    pub error: f64,
+    /// What it costs, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
+    pub instructions: Option<u64>,
+    /// No other choice of the comparison is as good in one and better in the other.
+    pub on_front: bool,
+    /// For pictures: the choices that belong together, such as one scheme at several rates; empty for none.
+    #[serde(skip)]
+    pub series: String,
+    /// For pictures: what the choice is called within its series.
+    #[serde(skip)]
+    pub label: String,
+}
+
+/// Choices that can be compared with each other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Under which circumstances.
+    pub title: String,
+    /// Which error.
+    pub error: String,
+    /// Its unit; `1` for a pure number.
+    pub unit: &'static str,
+    /// The choices.
+    pub points: Vec<Point>,
+}
+
+impl Comparison {
+    /// Compares (choice, error, instructions if they were counted).
+    pub fn new(
+        title: impl Into<String>,
+        error: impl Into<String>,
+        unit: &'static str,
+        measured: Vec<(String, f64, Option<u64>)>,
+    ) -> Self {
+        let counted = |(_, error, count): &(String, f64, Option<u64>)| count.map(|count| (*error, count as f64));
+        let front =
+            pareto::front(&measured.iter().map(|one| counted(one).unwrap_or((f64::NAN, 0.0))).collect::<Vec<_>>());
+        let points = measured
+            .into_iter()
+            .zip(front)
+            .map(|((choice, error, instructions), on_front)| {
+                let (series, label) = (String::new(), choice.clone());
+                Point { choice, error, instructions, on_front, series, label }
+            })
+            .collect();
+        Self { title: title.into(), error: error.into(), unit, points }
+    }
+
+    /// The same comparison with choices that are named `SERIES, LABEL` drawn as series.
+    #[must_use]
+    pub fn in_series(mut self) -> Self {
+        for point in &mut self.points {
+            if let Some((series, label)) = point.choice.rsplit_once(", ") {
+                (point.series, point.label) = (series.to_owned(), label.to_owned());
+            }
+        }
+        self
+    }
+
+    /// The error of the choice with this name; NaN where there is none.
+    pub fn error_of(&self, choice: &str) -> f64 {
+        self.points.iter().find(|point| point.choice == choice).map_or(f64::NAN, |point| point.error)
+    }
+
+    /// The instructions of the choice with this name; 0 where there is none, or none were counted.
+    pub fn instructions_of(&self, choice: &str) -> u64 {
+        self.points.iter().find(|point| point.choice == choice).and_then(|point| point.instructions).unwrap_or(0)
+    }
+}
+
+/// One numerical choice that a user has.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Family {
+    /// Short name.
+    pub name: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// What is done to measure it.
+    pub motion: String,
+    /// What it is measured against.
+    pub reference: &'static str,
+    /// What instructions are counted for.
+    pub instructions_per: &'static str,
+    /// What was found.
+    pub comparisons: Vec<Comparison>,
+    /// Which of them says most.
+    #[serde(skip)]
+    pub headline: usize,
+    /// What a user should take from it.
+    pub insight: String,
+}
+
+/// Measures one family.
+type Measure = fn(counts::Processor) -> Result<Family, Refused<'static>>;
+
+/// Every family, in the order of reports.
+const FAMILIES: [Measure; 7] = [
+    numbers::measure,
+    whole_peer::measure,
+    integrators::measure,
+    decodes::measure,
+    filters::measure,
+    mechanisms::measure,
+    estimators::measure,
+];
+
+/// Measures every family, with the instructions of this processor.
+///
+/// # Errors
+/// A scene that does not build.
+pub fn families(processor: counts::Processor) -> Result<Vec<Family>, Refused<'static>> {
+    FAMILIES.par_iter().map(|measure| measure(processor)).collect()
+}
+
+/// Root of the mean square.
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / count as f64).sqrt()
+}
+
+/// The largest magnitude; NaN if there is one.
+pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |largest, value| if value.abs() > largest || value.is_nan() { value.abs() } else { largest })
+}

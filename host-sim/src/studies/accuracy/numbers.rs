@@ -1,0 +1,68 @@
+//! Number types: the same peer in f32, f64 and I32F32.
+//!
+//! Two errors, because they answer two questions. The *whole* error, against continuous control ([`super::continuous`]),
+//! is what a user gets; most of it is the control period's. The *rounding* alone, against the same peer in double-double
+//! ([`super::double_double`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
+//! of what f64 itself shows. Unit: m, N.
+
+use haptic_core::law::wave::Decode;
+use haptic_core::num::{Fixed, Scalar};
+use haptic_core::object::IntegratorName;
+use haptic_core::settings::Refused;
+
+use super::counts::Processor;
+use super::double_double::DoubleDouble;
+use super::pair::{self, Apart, apart};
+use super::{Comparison, Family, continuous};
+use haptic_sim::report::text::significant;
+
+/// The case whose ticks are counted: [`super::cost`].
+const CASE: &str = "tick/implicit-semi-implicit";
+
+/// Measures.
+///
+/// # Errors
+/// A scene that does not build.
+pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+    let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
+    let exact = continuous::run(&scene, pair::DURATION_S);
+    let precise = pair::run::<DoubleDouble>(&scene, pair::DURATION_S)?;
+    let runs = [
+        (<f32 as Scalar>::NAME, pair::run::<f32>(&scene, pair::DURATION_S)?),
+        (<f64 as Scalar>::NAME, pair::run::<f64>(&scene, pair::DURATION_S)?),
+        (Fixed::NAME, pair::run::<Fixed>(&scene, pair::DURATION_S)?),
+    ];
+    let measured: Vec<(&str, Apart, Apart)> =
+        runs.iter().map(|(name, run)| (*name, apart(run, &exact), apart(run, &precise))).collect();
+    let compare = |title: &str, error: &str, unit, pick: fn(&(&str, Apart, Apart)) -> f64| {
+        let points = measured.iter().map(|row| (row.0.to_owned(), pick(row), processor.count(CASE, row.0)));
+        Comparison::new(title, error, unit, points.collect())
+    };
+    let comparisons = vec![
+        compare("rounding, position", "largest error of x_o", "m", |row| row.2.position_largest_m),
+        compare("rounding, force", "largest error of F_T", "N", |row| row.2.force_largest_n),
+        compare("whole error, position", "RMS error of x_o", "m", |row| row.1.position_rms_m),
+        compare("whole error, force", "RMS error of F_T", "N", |row| row.1.force_rms_n),
+    ];
+    let [rounding, _, whole, _] = &comparisons[..] else { unreachable!("four comparisons were just made") };
+    let insight = format!(
+        "f32 rounds the shared object's position by {} m where the 1 ms control period alone costs {} m, {:.0} times as much: \
+         the number type cannot be felt, so take the one the processor computes fastest (f64 takes {:.2} times the \
+         instructions of f32 here, I32F32 {:.1} times; cycles are for the hardware to tell).",
+        significant(rounding.error_of("f32"), 2),
+        significant(whole.error_of("f32"), 2),
+        whole.error_of("f32") / rounding.error_of("f32"),
+        whole.instructions_of("f64") as f64 / whole.instructions_of("f32") as f64,
+        whole.instructions_of("i32f32") as f64 / whole.instructions_of("f32") as f64,
+    );
+    Ok(Family {
+        name: "number-type",
+        title: "Number type of the whole peer",
+        motion: format!("{}; semi-implicit object, implicit decode", pair::MOTION),
+        reference: "the same peer in double-double (rounding) and continuous control, a matrix exponential in f64 (whole error)",
+        instructions_per: "tick of a whole peer",
+        comparisons,
+        headline: 2,
+        insight,
+    })
+}

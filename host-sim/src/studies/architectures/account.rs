@@ -1,0 +1,92 @@
+//! Account of a run: what is measured, tick by tick, in every architecture.
+
+use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
+
+use super::{Architecture, Row, TASK};
+use haptic_analysis::verdict::ROUNDING;
+use haptic_sim::run::Growth;
+
+/// Bytes of a sealed event of this length and of its acknowledgement.
+pub(super) fn event_bytes(event: &Event) -> usize {
+    SEAL_LEN + event.emitted_len() + SEAL_LEN + Ack::LEN
+}
+
+/// Bytes a second of telling where a hand is, each 50 ms as in the architectures paper.
+pub(super) fn presence_bytes_per_s() -> f64 {
+    let mut out = [0; Presence::MAX_LEN];
+    let len = Presence::new(0, [Sighting::default()]).emit(&mut out).unwrap_or(Presence::MAX_LEN);
+    20.0 * (SEAL_LEN + len) as f64
+}
+
+/// What else there is to know at the end of a run.
+pub(super) struct End {
+    /// Nobody stopped, every turn was taken.
+    pub(super) done: bool,
+    pub(super) spectral_radius: f64,
+    pub(super) contact_n_per_m: [f64; 2],
+    /// Sent by both users and by the server, in all.
+    pub(super) bytes: [f64; 2],
+}
+
+/// Keeps account of a run.
+pub(super) struct Account {
+    growth: Growth,
+    before: [f64; 2],
+    views: Vec<[f64; 2]>,
+    discrepancy: f64,
+    peak_m: f64,
+    felt: f64,
+    peak_n: f64,
+}
+
+impl Account {
+    pub(super) fn new(ticks: u64) -> Self {
+        Self {
+            growth: Growth::new(ticks),
+            before: [0.0; 2],
+            views: Vec::with_capacity(ticks as usize),
+            discrepancy: 0.0,
+            peak_m: 0.0,
+            felt: 0.0,
+            peak_n: 0.0,
+        }
+    }
+
+    /// One tick: the body as both users feel it, m, and what they push it with, N.
+    pub(super) fn see(&mut self, views: [f64; 2], forces: [f64; 2]) {
+        let change = forces.iter().zip(self.before).map(|(now, before)| (now - before).abs());
+        let change = change.fold(0.0, |a: f64, b| if b.is_finite() { a.max(b) } else { f64::INFINITY });
+        self.growth.see_change(self.views.len() as u64, change);
+        self.before = forces;
+        let apart = (views[0] - views[1]).abs();
+        self.discrepancy += apart;
+        self.peak_m = self.peak_m.max(apart);
+        self.felt += 0.5 * (forces[0].abs() + forces[1].abs());
+        self.peak_n = forces.iter().fold(self.peak_n, |peak, force| peak.max(force.abs()));
+        self.views.push(views);
+    }
+
+    /// What it comes to.
+    pub(super) fn row(self, architecture: Architecture, delay_ms: f64, end: End) -> Row {
+        let count = self.views.len().max(1) as f64;
+        let duration_s = TASK.duration_s;
+        let rests = self.views.last().copied().unwrap_or_default();
+        let moving = |view: &[f64; 2]| view.iter().zip(rests).any(|(at, rest)| (at - rest).abs() > 2e-3);
+        let placed = self.views.iter().rposition(moving).map_or(0, |at| at + 1);
+        Row {
+            architecture,
+            delay_ms,
+            stable: end.done && !self.growth.grew() && end.spectral_radius <= 1.0 + ROUNDING,
+            spectral_radius: end.spectral_radius,
+            contact_n_per_m: end.contact_n_per_m,
+            true_discrepancy_mm: 1e3 * self.discrepancy / count,
+            peak_discrepancy_mm: 1e3 * self.peak_m,
+            felt_n: self.felt / count,
+            peak_n: self.peak_n,
+            rests_mm: rests.map(|at| 1e3 * at),
+            placed_s: placed as f64 / count * duration_s,
+            user_bytes_per_s: end.bytes[0] / duration_s / 2.0,
+            server_bytes_per_s: end.bytes[1] / duration_s,
+        }
+    }
+}

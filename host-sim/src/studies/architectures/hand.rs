@@ -1,0 +1,148 @@
+//! A user where turns are taken: a hand and its copy of the body.
+//!
+//! Device and arm are one mass on one spring ([`Linear`]). Who waits reaches, open, for the body as it sees it, and grips when
+//! it owns the body and has come to rest at it ([`GRIP_M`], [`GRIP_M_PER_S`]), so that how it grips does not depend on when
+//! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
+
+use haptic_core::contact::Contact;
+use haptic_core::model::Model;
+use haptic_core::num::Motion;
+use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
+
+use super::TASK;
+use haptic_sim::plant::Linear;
+use haptic_sim::scene::SceneFile;
+use haptic_sim::user::minimum_jerk;
+
+/// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
+pub const GRIP_M: f64 = 2e-4;
+
+/// If it is no faster than this, m/s.
+pub const GRIP_M_PER_S: f64 = 0.02;
+
+/// How long half of the way takes, and the way to the body, s.
+const HALF_REACH_S: f64 = 0.5 * TASK.reach_s;
+
+/// How long who carries rests before it lets go, s.
+pub const REST_S: f64 = 0.8;
+
+/// What a user has to do with the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Doing {
+    /// Wants it.
+    Waits,
+    /// Carries it since this time, s.
+    Carries(f64),
+    /// Has let go.
+    Done,
+}
+
+/// Where an arm wants its hand: on the way from one place to another.
+#[derive(Clone, Copy)]
+struct Reach {
+    since_s: f64,
+    from_m: f64,
+    to_m: f64,
+}
+
+impl Reach {
+    /// Place (m) and speed (m/s) that are wanted.
+    fn at(self, time_s: f64) -> (f64, f64) {
+        let (way, speed) = minimum_jerk(self.to_m - self.from_m, HALF_REACH_S, time_s - self.since_s);
+        (self.from_m + way, speed)
+    }
+
+    /// From where it has come by now to another place.
+    fn turn(&mut self, time_s: f64, to_m: f64) {
+        *self = Self { since_s: time_s, from_m: self.at(time_s).0, to_m };
+    }
+}
+
+/// A user with its device and its copy.
+pub(super) struct Hand {
+    plant: Linear,
+    stiffness: f64,
+    damping: f64,
+    device: Motion<f64>,
+    reach: Reach,
+    pub(super) body: Motion<f64>,
+    contact: Contact<f64>,
+    integrator: AnyIntegrator<f64>,
+    state: AnyIntegratorState<f64>,
+    pub(super) doing: Doing,
+    goal: f64,
+    /// The official copy as last seen, m: what one has released stands until there is news.
+    known: f64,
+    /// Force on the body, N; the device feels its reaction a tick late, as far as the scene says.
+    pub(super) force: f64,
+}
+
+impl Hand {
+    pub(super) fn new(scene: &SceneFile, index: usize, goal: f64) -> Self {
+        let settings = &scene.peers()[index];
+        let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
+        let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);
+        let mass = device.mass_kg + TASK.arm_mass_kg;
+        let integrator = AnyIntegrator::build(settings);
+        Self {
+            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, device.force_delay_ticks, period_s),
+            stiffness,
+            damping,
+            device: Motion::REST,
+            reach: Reach { since_s: 0.0, from_m: 0.0, to_m: 0.0 },
+            body: Motion::REST,
+            contact: Contact::build(settings),
+            state: integrator.initial(),
+            integrator,
+            doing: Doing::Waits,
+            goal,
+            known: 0.0,
+            force: 0.0,
+        }
+    }
+
+    /// Whether the hand rests at a place, m.
+    fn is_at(&self, place: f64) -> bool {
+        (self.device.position - place).abs() < GRIP_M && self.device.velocity.abs() < GRIP_M_PER_S
+    }
+
+    /// One tick; true when the user lets go.
+    pub(super) fn step(&mut self, time_s: f64, owns: bool, official: f64) -> bool {
+        let mut lets_go = false;
+        match self.doing {
+            Doing::Waits if owns && self.is_at(official) => {
+                self.body = Motion::at(official);
+                self.doing = Doing::Carries(time_s);
+                self.reach.turn(time_s, self.goal);
+            }
+            // Whoever has lost the right has to wait again.
+            Doing::Carries(_) if !owns => {
+                self.body = Motion::at(official);
+                self.doing = Doing::Waits;
+                self.reach.turn(time_s, official);
+            }
+            Doing::Carries(since) if time_s - since > HALF_REACH_S + REST_S => {
+                self.doing = Doing::Done;
+                self.body.velocity = 0.0;
+                lets_go = true;
+            }
+            _ => {}
+        }
+        if official != self.known {
+            self.known = official;
+            if !matches!(self.doing, Doing::Carries(_)) {
+                self.body = Motion::at(official);
+                self.reach.turn(time_s, official);
+            }
+        }
+        let (wanted, speed) = self.reach.at(time_s);
+        let (pull, felt) = (self.stiffness * wanted + self.damping * speed, self.force);
+        self.force = 0.0;
+        if matches!(self.doing, Doing::Carries(_)) {
+            self.force = self.contact.force(self.device, self.body);
+            self.body = self.integrator.step(&mut self.state, self.body, self.force);
+        }
+        self.device = self.plant.advance(self.device, pull - felt, pull - self.force);
+        lets_go
+    }
+}

@@ -1,0 +1,237 @@
+//! The choice made visible: the same task in every architecture of both papers, over delays from 0 to 200 ms.
+//!
+//! **Task**: two people carry and place a body of 0.3 kg, [`Task`]. User 1 carries it 100 mm, user 2 helps with a weaker arm
+//! and thinks that it belongs at 90 mm. Where only one at a time may move it, user 1 carries it half of the way and user 2
+//! the rest; who waits keeps its hand at where it sees the body. Arms are the impedances of `scenes/person-reach.toml`,
+//! reaches are minimum-jerk. Every device, contact, law and role is the one that flies or is sent; only the network is
+//! modelled, without loss.
+//!
+//! **Delay** is one way from user to user; a server stands half-way. Packets leave every 8 ms.
+//!
+//! | architecture | who moves the body | what is sent |
+//! |---|---|---|
+//! | static | everybody its own copy | where hands are |
+//! | collaborative lock, token ring | the owner; released states are copied | role events, where hands are |
+//! | cooperative, engine at server or client | one dynamics engine | pushes and states; with the bounder and without |
+//! | distributed power, wave, passive wave, passive mean | both, copies held together by a law | flow |
+//!
+//! **Measured**: coherency, the distance between the body as the two users are shown it, at one instant; force and stiffness
+//! felt; stability, in the run and by the eigenvalues of one packet period; bytes a second, headers and tags of the sealed
+//! datagrams included. Not counted: addresses, sessions being set up, and a world that is downloaded once.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`together`] | both users at the same time |
+//! | [`turns`], [`hand`] | one user at a time: roles and the line between them; the users |
+//! | `account` | what is measured in either |
+//! | [`picture`] | the figure |
+
+mod account;
+pub mod hand;
+pub mod picture;
+pub mod together;
+pub mod turns;
+
+use haptic_core::settings::Refused;
+use haptic_protocol::roles::collaborative::OutOfRange;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::shared::cooperative::world::WorldError;
+use haptic_analysis::AnalysisError;
+use haptic_sim::scene::{SceneError, SceneFile};
+
+/// Delays from user to user, one way, ms.
+pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug)]
+pub struct Task {
+    /// Where each user wants the body, m.
+    pub goals_m: [f64; 2],
+    /// How long a reach takes, s.
+    pub reach_s: f64,
+    /// Time of the whole, s.
+    pub duration_s: f64,
+    /// Stiffness of both arms, N/m.
+    pub arm_stiffness_n_per_m: [f64; 2],
+    /// Their damping, N·s/m.
+    pub arm_damping_n_s_per_m: [f64; 2],
+    /// Their mass, kg.
+    pub arm_mass_kg: f64,
+}
+
+/// The task of the report.
+pub const TASK: Task = Task {
+    goals_m: [0.1, 0.09],
+    reach_s: 1.0,
+    duration_s: 6.0,
+    arm_stiffness_n_per_m: [150.0, 50.0],
+    arm_damping_n_s_per_m: [8.0, 5.0],
+    arm_mass_kg: 0.4,
+};
+
+/// An architecture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Architecture {
+    /// A copy each.
+    Static,
+    /// One at a time, by a lock at a server.
+    CollaborativeLock,
+    /// One at a time, by a token that goes round.
+    CollaborativeRing,
+    /// One dynamics engine at a server.
+    CooperativeServer,
+    /// The same, with the scene's contact whatever the round trip.
+    CooperativeServerUnbounded,
+    /// The dynamics engine at user 1, with the bounder.
+    CooperativeClient,
+    /// Two copies, coordinated by positions and velocities.
+    DistributedPower,
+    /// Two copies, coordinated by waves.
+    DistributedWave,
+    /// Two copies, by waves with the paper's filter.
+    DistributedPassiveWave,
+    /// Two copies, by waves of which the mean is sent.
+    DistributedPassiveMean,
+}
+
+impl Architecture {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Static,
+        Self::CollaborativeLock,
+        Self::CollaborativeRing,
+        Self::CooperativeServer,
+        Self::CooperativeServerUnbounded,
+        Self::CooperativeClient,
+        Self::DistributedPower,
+        Self::DistributedWave,
+        Self::DistributedPassiveWave,
+        Self::DistributedPassiveMean,
+    ];
+
+    /// For tables and legends.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Static => "static",
+            Self::CollaborativeLock => "collaborative, lock",
+            Self::CollaborativeRing => "collaborative, ring",
+            Self::CooperativeServer => "cooperative, engine at server",
+            Self::CooperativeServerUnbounded => "the same without bounder",
+            Self::CooperativeClient => "cooperative, engine at client",
+            Self::DistributedPower => "distributed, power",
+            Self::DistributedWave => "distributed, wave",
+            Self::DistributedPassiveWave => "distributed, passive wave",
+            Self::DistributedPassiveMean => "distributed, passive mean",
+        }
+    }
+}
+
+/// One architecture at one delay.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Row {
+    /// Which.
+    pub architecture: Architecture,
+    /// From user to user, one way, ms.
+    pub delay_ms: f64,
+    /// Nobody stopped, nothing grew, no eigenvalue lies outside the unit circle, every turn was taken.
+    pub stable: bool,
+    /// Largest |eigenvalue| of one packet period, with the gains at the end of the run; where turns are taken, of one hand at
+    /// the body.
+    pub spectral_radius: f64,
+    /// Stiffness of either user's contact at the end, N/m: what a bounder has left of it.
+    pub contact_n_per_m: [f64; 2],
+    /// Mean distance between the body as the two are shown it, mm. Where turns are taken this is the way of a turn times its
+    /// share of the time: it says how long the task is.
+    pub true_discrepancy_mm: f64,
+    /// Largest, mm.
+    pub peak_discrepancy_mm: f64,
+    /// Mean |contact force| of both, N.
+    pub felt_n: f64,
+    /// Largest |contact force|, N.
+    pub peak_n: f64,
+    /// Where the body ends for either user, mm.
+    pub rests_mm: [f64; 2],
+    /// After what time it stays within 2 mm of that for both, s.
+    pub placed_s: f64,
+    /// Bytes that a user sends each second, mean of both.
+    pub user_bytes_per_s: f64,
+    /// Bytes that a server sends each second; 0 without one.
+    pub server_bytes_per_s: f64,
+}
+
+/// What may go wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchitectureError {
+    /// In a scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// In a peer.
+    #[error(transparent)]
+    Refused(#[from] Refused<'static>),
+    /// In a cooperative world.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// In the analysis.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// In a collaborative role.
+    #[error(transparent)]
+    Lease(#[from] OutOfRange),
+}
+
+/// The scene of the task with these keys: both users reach together, from the left and from the right.
+///
+/// # Errors
+/// A key or value that the scene refuses.
+pub(crate) fn scene(keys: &[String]) -> Result<SceneFile, SceneError> {
+    let user = |index: usize| {
+        // Toward the other peer is toward positive x for user 1, and away from it for user 2.
+        let sign = if index == 0 { 1.0 } else { -1.0 };
+        let number = index + 1;
+        [
+            format!("user.{number}.reach_m={}", sign * TASK.goals_m[index]),
+            format!("user.{number}.reach_s={}", TASK.reach_s),
+            format!("user.{number}.arm_stiffness_n_per_m={}", TASK.arm_stiffness_n_per_m[index]),
+            format!("user.{number}.arm_damping_n_s_per_m={}", TASK.arm_damping_n_s_per_m[index]),
+            format!("user.{number}.arm_mass_kg={}", TASK.arm_mass_kg),
+        ]
+    };
+    let base = ["object.integrator=semi-implicit", "object.force_delay_ticks=0", "network.one_way_delay_packets=0"];
+    let base = base.map(str::to_owned);
+    let all: Vec<String> = base.into_iter().chain(user(0)).chain(user(1)).chain(keys.iter().cloned()).collect();
+    SceneFile::load(None, &all)
+}
+
+/// One architecture at one delay.
+///
+/// # Errors
+/// A mistake in the task itself, or a delay that the network refuses.
+pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+    match architecture {
+        Architecture::CollaborativeLock | Architecture::CollaborativeRing => turns::row(architecture, delay_ms),
+        Architecture::CooperativeServer
+        | Architecture::CooperativeServerUnbounded
+        | Architecture::CooperativeClient => together::cooperative(architecture, delay_ms),
+        _ => together::distributed(architecture, delay_ms),
+    }
+}
+
+/// Every architecture at every delay, in parallel; the same on any number of threads.
+///
+/// # Errors
+/// As [`row`].
+pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, ArchitectureError> {
+    let points: Vec<_> =
+        Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();
+    points
+        .into_par_iter()
+        .map(|(architecture, delay_ms)| {
+            let row = row(architecture, delay_ms);
+            done();
+            row
+        })
+        .collect()
+}

@@ -1,0 +1,207 @@
+//! Pictures of runs: the cooperation paper's Figures 6–9, and one sheet for any scene.
+
+use std::path::{Path, PathBuf};
+
+use super::paper::Experiment;
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY, draw};
+use haptic_sim::report::ReportError;
+use haptic_sim::run::Outcome;
+
+/// One column of a table over time, scaled.
+fn over_time(outcome: &Outcome, column: &str, scale: f64) -> Vec<(f64, f64)> {
+    let (Some(time), Some(values)) = (outcome.table.column("time_s"), outcome.table.column(column)) else {
+        return Vec::new();
+    };
+    time.iter().zip(values).map(|(time, value)| (*time, scale * value)).collect()
+}
+
+/// Position of local and remote copy, coordination force, discrepancy and energy ledger: one column of a sheet.
+fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first: bool) -> [Panel; 4] {
+    let other = 3 - peer;
+    // A run that stopped shows how it came to that.
+    let window =
+        outcome.fault_time_s.map_or(window, |stop| ((stop - (window.1 - window.0) + 0.5).max(0.0), stop + 0.5));
+    let panel = |title: &str, y_label: &str, series: Vec<Series>| Panel {
+        title: title.to_owned(),
+        x_label: "Time (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        x_range: Some(window),
+        off_scale: !outcome.bounded,
+        note: outcome
+            .fault
+            .zip(outcome.fault_time_s)
+            .filter(|_| !title.is_empty())
+            .map(|((peer, fault), time_s)| format!("peer {peer} stops at {time_s:.2} s: {fault:?}")),
+        series,
+        ..Panel::default()
+    };
+    // A legend in the first column serves the row.
+    let label = |text: &str| if first { text.to_owned() } else { String::new() };
+    let names = [format!("object_{peer}_m"), format!("desired_{peer}_m"), format!("object_{other}_m")];
+    let [local, decoded, remote] = names.map(|name| over_time(outcome, &name, 1e3));
+    let energy = |name: &str| over_time(outcome, &format!("energy_{name}_{peer}_j"), 1.0);
+    let net = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
+    [
+        panel(
+            title,
+            "Position (mm)",
+            vec![
+                Series::line(label("local copy"), 0, local),
+                Series::dashed(label("remote copy, decoded here"), 1, Dash::Dashed, decoded),
+                Series::dashed(label("remote copy, true"), 2, Dash::Dotted, remote),
+            ],
+        ),
+        panel(
+            "",
+            "Coordination force (N)",
+            vec![Series::line("", 0, over_time(outcome, &format!("coordination_force_{peer}_n"), 1.0))],
+        ),
+        panel(
+            "",
+            "Discrepancy (mm)",
+            vec![
+                Series::line(label("true"), 2, over_time(outcome, "true_discrepancy_m", 1e3)),
+                Series::dashed(
+                    label("decoded, peer 2"),
+                    1,
+                    Dash::Dashed,
+                    over_time(outcome, "decoded_discrepancy_2_m", 1e3),
+                ),
+            ],
+        ),
+        panel("", "Net energy from network (J)", vec![Series::line("", 3, net)]),
+    ]
+}
+
+/// Columns side by side, each a run, on equal axes.
+fn side_by_side(title: &str, caption: &str, columns: &[(String, &Outcome)], window: (f64, f64)) -> Figure {
+    let sheets: Vec<[Panel; 4]> =
+        columns.iter().enumerate().map(|(at, (title, outcome))| column(title, outcome, 2, window, at == 0)).collect();
+    let panels = (0..4).flat_map(|row| sheets.iter().map(move |sheet| sheet[row].clone())).collect();
+    Figure {
+        title: title.to_owned(),
+        caption: caption.to_owned(),
+        columns: columns.len(),
+        share_y: ShareY::Rows,
+        panels,
+        ..Figure::default()
+    }
+}
+
+/// The sheet of one run, as `base`.svg and `base`.png.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn run(name: &str, outcome: &Outcome, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let end = outcome.table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
+    let columns = [1, 2].map(|peer| column(&format!("{name}, peer {peer}"), outcome, peer, (0.0, end), peer == 1));
+    let panels = (0..4).flat_map(|row| columns.iter().map(move |sheet| sheet[row].clone())).collect();
+    let figure = Figure {
+        title: format!("Two peers, one object: {name}"),
+        columns: 2,
+        share_y: ShareY::Rows,
+        panels,
+        ..Figure::default()
+    };
+    draw(&figure, base)
+}
+
+/// How a figure calls one kind of communications.
+fn title(experiment: &Experiment) -> String {
+    let name = match experiment.comm.as_str() {
+        "power" => "Power-domain",
+        "wave" => "Traditional wave",
+        "passive-wave" => "Passive wave",
+        other => other,
+    };
+    format!("{name}, K_T = {} N/m", experiment.coordination_stiffness_n_per_m)
+}
+
+/// Figures 6 to 9 of the cooperation paper in `folder`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn paper(experiments: &[Experiment], folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let of = |section: &str, round_trip_ms: f64| -> Vec<&Experiment> {
+        experiments.iter().filter(|one| one.section == section && one.round_trip_ms == round_trip_ms).collect()
+    };
+    let mut pictures = Vec::new();
+    for (number, round_trip_ms) in [(6, 16.0), (7, 32.0)] {
+        let runs = of("5.1", round_trip_ms);
+        let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome)).collect();
+        let heading = format!("Figure {number}: largest coordination gains, {round_trip_ms} ms round trip (peer 2)");
+        let caption = "Each user pushes 0.1 N toward the other; user 1 adds 1 N for 25 ms every 2.5 s. The paper plots the \
+                       remote copy as decoded at the same peer; the true one stands beside it. An unstable run is shown \
+                       as it comes to a fault, cut at the others' scale.";
+        // Two pulses, after the start has settled; an unstable run shows how it begins.
+        let figure = side_by_side(&heading, caption, &columns, (9.5, 13.5));
+        pictures.extend(draw(&figure, &folder.join(format!("figure-{number}")))?);
+    }
+    let runs = of("5.2", 16.0);
+    pictures.extend(draw(&forces(&runs), &folder.join("figure-8"))?);
+    pictures.extend(draw(&discrepancies(&runs), &folder.join("figure-9"))?);
+    let columns: Vec<_> = runs
+        .iter()
+        .copied()
+        .chain(experiments.iter().filter(|one| one.section == "matched-line"))
+        .map(|one| {
+            let name = if one.section == "matched-line" { "Matched line".to_owned() } else { title(one) };
+            (name, &one.outcome)
+        })
+        .collect();
+    let caption = "Each user pushes 1 N toward the other; user 2 adds 0.25 sin 3t N. The matched line puts the object's mass \
+                   into the wave line (b = 40 N s/m) and leaves 20 g to each copy.";
+    let figure =
+        side_by_side("Section 5.2: position coherency, 16 ms round trip (peer 2)", caption, &columns, (10.0, 16.0));
+    pictures.extend(draw(&figure, &folder.join("coherency"))?);
+    Ok(pictures)
+}
+
+/// Figure 8: coordination forces at peer 2.
+fn forces(runs: &[&Experiment]) -> Figure {
+    let series = runs
+        .iter()
+        .enumerate()
+        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, "coordination_force_2_n", 1.0)))
+        .collect();
+    Figure {
+        title: "Figure 8: coordination force on the local copy at peer 2, 16 ms round trip".to_owned(),
+        columns: 1,
+        panels: vec![Panel {
+            x_label: "Time (s)".to_owned(),
+            y_label: "Coordination force (N)".to_owned(),
+            x_range: Some((10.0, 18.0)),
+            series,
+            ..Panel::default()
+        }],
+        ..Figure::default()
+    }
+}
+
+/// Figure 9: mean discrepancies, ours beside the paper's.
+fn discrepancies(runs: &[&Experiment]) -> Figure {
+    let bars = |label: &str, color: usize, value: &dyn Fn(&Experiment) -> f64| {
+        let points = runs.iter().enumerate().map(|(at, one)| (at as f64, value(one))).collect();
+        Series::bars(label, color, points)
+    };
+    Figure {
+        title: "Figure 9: mean position discrepancy, 16 ms round trip".to_owned(),
+        caption:
+            "The paper's remote copy is the one decoded at the same peer; the true discrepancy is larger, because the \
+                  wave line itself is a spring."
+                .to_owned(),
+        columns: 1,
+        panels: vec![Panel {
+            x_label: "Communications".to_owned(),
+            y_label: "Discrepancy (mm)".to_owned(),
+            categories: runs.iter().map(|one| title(one)).collect(),
+            series: vec![
+                bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
+                bars("decoded |x_o - x_d|", 1, &|one| one.decoded_discrepancy_mm),
+                bars("true |x_o1 - x_o2|", 2, &|one| one.true_discrepancy_mm),
+            ],
+            ..Panel::default()
+        }],
+        ..Figure::default()
+    }
+}

@@ -1,0 +1,121 @@
+//! How far f32 and fixed point stray from f64 in the same scene.
+//!
+//! The three pairs run side by side, each with its own device in f64, on the same pushes. What is expected: a position is
+//! stored to a step (ulp) of the number type at its size, so the coordination spring feels steps of K_T times that; this
+//! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
+//! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
+
+use haptic_core::num::{Fixed, Scalar};
+use haptic_core::settings::Refused;
+use serde::Serialize;
+
+use haptic_sim::pair::Pair;
+use haptic_sim::scene::SceneFile;
+
+/// Largest differences from f64 over a run.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Strays {
+    /// Largest difference of either copy's position, m.
+    pub position_m: f64,
+    /// Largest difference of either coordination force, N.
+    pub force_n: f64,
+    /// Step of the number type at the largest position seen, m.
+    pub position_step_m: f64,
+    /// K_T times that step: what one step of position is worth in force, N.
+    pub force_step_n: f64,
+}
+
+/// What a run of a scene in three number types gave.
+#[derive(Clone, Debug, Serialize)]
+pub struct Precision {
+    /// Which scene.
+    pub scene: String,
+    /// Simulated time, s.
+    pub duration_s: f64,
+    /// Largest position of either copy in f64, m.
+    pub largest_position_m: f64,
+    /// f32 against f64.
+    pub f32: Strays,
+    /// I32F32 against f64.
+    pub i32f32: Strays,
+    /// Where f64 itself faulted: differences were taken until then.
+    pub faulted_after_s: Option<f64>,
+    /// Why the differences are what they are.
+    pub explanation: String,
+}
+
+/// Runs the scene for `duration_s` in f64, f32 and I32F32.
+///
+/// # Errors
+/// What the peers' `build()` refuses.
+pub fn measure(name: &str, scene: &SceneFile, duration_s: f64) -> Result<Precision, Refused<'static>> {
+    let (mut double, mut single, mut fixed) =
+        (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
+    let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
+    let (mut f32, mut i32f32, mut largest) = (Strays::default(), Strays::default(), 0.0_f64);
+    let mut faulted_after_s = None;
+    for _ in 0..ticks {
+        double.step();
+        if double.fault().is_some() {
+            faulted_after_s = Some(double.time_s());
+            break;
+        }
+        single.step();
+        fixed.step();
+        for side in &double.sides {
+            largest = largest.max(side.state.observed().object.position.abs());
+        }
+        f32.see(&double, &single);
+        i32f32.see(&double, &fixed);
+    }
+    let stiffness = scene.peer.coordination.stiffness_n_per_m;
+    // Steps: 2^(exponent − 23) for f32, 2^−32 for I32F32.
+    f32.position_step_m = if largest > 0.0 { (largest.log2().floor() - 23.0).exp2() } else { 0.0 };
+    i32f32.position_step_m = (-32.0_f64).exp2();
+    for strays in [&mut f32, &mut i32f32] {
+        strays.force_step_n = stiffness * strays.position_step_m;
+    }
+    Ok(Precision {
+        scene: name.to_owned(),
+        duration_s,
+        largest_position_m: largest,
+        explanation: explain(scene, &f32, &i32f32, faulted_after_s),
+        f32,
+        i32f32,
+        faulted_after_s,
+    })
+}
+
+impl Strays {
+    fn see<S: Scalar>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
+        for (exact, rounded) in reference.sides.iter().zip(&other.sides) {
+            let (exact, rounded) = (exact.state.observed(), rounded.state.observed());
+            let position = (exact.object.position - rounded.object.position.to_f64()).abs();
+            let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
+            self.position_m = self.position_m.max(position);
+            self.force_n = self.force_n.max(force);
+        }
+    }
+
+    /// Position difference in steps of the number type.
+    fn steps(&self) -> f64 {
+        if self.position_step_m > 0.0 { self.position_m / self.position_step_m } else { 0.0 }
+    }
+}
+
+fn explain(scene: &SceneFile, f32: &Strays, i32f32: &Strays, faulted_after_s: Option<f64>) -> String {
+    if let Some(time_s) = faulted_after_s {
+        return format!("unstable: rounding grows with the oscillation until the peers fault at {time_s:.2} s");
+    }
+    if !scene.is_linear() {
+        return format!(
+            "contact that begins or ends a tick apart in two number types separates the runs: {:.0} steps in f32, {:.0} in I32F32",
+            f32.steps(),
+            i32f32.steps()
+        );
+    }
+    format!(
+        "a step of position is {:.1e} N of spring in f32, {:.1e} N in I32F32; the rest modes integrate it",
+        f32.force_step_n, i32f32.force_step_n
+    )
+}

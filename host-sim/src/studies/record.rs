@@ -1,0 +1,127 @@
+//! Records what one peer of a scene reads, for [`haptic_cases::replay`] on another processor, and the hash of what it computes.
+
+use haptic_core::device::Reading;
+use haptic_core::scene::Any;
+use haptic_core::settings::{Settings, Value};
+
+use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
+use haptic_sim::pair::{Pair, Seen};
+use haptic_sim::scene::SceneFile;
+
+/// The recording and what it must come to.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Ticks in it.
+    pub ticks: u64,
+    /// Hash of what the peer computed in the scene, with its device and the other peer around it.
+    pub hash: u64,
+}
+
+/// The settings that differ from the defaults, a line each.
+fn lines(settings: &Settings) -> String {
+    let defaults = Settings::default();
+    let changed = Settings::KEYS.iter().filter(|key| settings.get(key.name) != defaults.get(key.name));
+    let line = |name: &str| match settings.get(name) {
+        Some(Value::Number(number)) => format!("{name}={number:?}\n"),
+        Some(Value::Flag(flag)) => format!("{name}={flag}\n"),
+        Some(Value::Text(text)) => format!("{name}={text}\n"),
+        None => String::new(),
+    };
+    changed.map(|key| line(key.name)).collect()
+}
+
+/// Peer `number` (1 or 2) of a scene in f32 for so many ticks.
+///
+/// # Errors
+/// What the scene is refused for.
+pub fn record(scene: &SceneFile, number: usize, ticks: u64) -> Result<Recording, String> {
+    if scene.world.network.clock_drift_ppm != 0.0 {
+        return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".to_owned());
+    }
+    let mut pair = Pair::<f32>::new(scene).map_err(|refused| refused.to_string())?;
+    let settings = scene.peers()[number - 1];
+    let text = lines(&settings);
+    let mut bytes = (text.len() as u32).to_le_bytes().to_vec();
+    bytes.extend(text.as_bytes());
+    for axis in pair.sides[number - 1].plant.motions() {
+        bytes.extend((axis.position as f32).to_le_bytes());
+    }
+    let mut hash = SEED;
+    for _ in 0..ticks {
+        pair.step_watched(&mut |seen| {
+            if seen.number == number {
+                put(&mut bytes, &seen);
+                fold(&mut hash, seen.state, seen.actuators);
+            }
+        });
+    }
+    Ok(Recording { bytes, ticks, hash })
+}
+
+/// One tick.
+fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, Any<f32>>) {
+    let incoming = seen.exchanged.flatten();
+    let exchange = if seen.exchanged.is_some() { EXCHANGE } else { 0 };
+    let flags = exchange | if incoming.is_some() { PACKET } else { 0 };
+    match seen.sensors.reading {
+        Reading::Exact(axes) => {
+            bytes.push(flags | EXACT);
+            bytes.extend(axes.iter().flat_map(|axis| [axis.position, axis.velocity]).flat_map(f32::to_le_bytes));
+        }
+        Reading::Counts(counts) => {
+            bytes.push(flags);
+            bytes.extend(counts.iter().flat_map(|counts| counts.0.to_le_bytes()));
+        }
+    }
+    if let Some(packet) = incoming {
+        bytes
+            .extend([packet.motion.position, packet.motion.velocity, packet.wave].iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend([packet.energy_j, packet.wave_integral].iter().flat_map(|x| x.to_le_bytes()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptic_cases::replay;
+    use haptic_sim::scenes;
+
+    fn replayed(bytes: &[u8]) -> Result<(u64, u64), replay::Unreadable> {
+        let mut left = bytes;
+        let read = |into: &mut [u8]| {
+            let (Some(front), Some(rest)) = (left.get(..into.len()), left.get(into.len()..)) else { return false };
+            into.copy_from_slice(front);
+            left = rest;
+            true
+        };
+        replay::run(read, |_, _| ())
+    }
+
+    /// Every built-in scene, either peer: alone with the recording it computes what it did in the scene.
+    #[test]
+    fn a_replay_is_the_scene_again() {
+        for (name, _) in scenes::ALL {
+            let scene = scenes::load(name).expect("a built-in scene");
+            for number in [1, 2] {
+                let recording = record(&scene, number, 500).expect("a good scene");
+                assert_eq!(replayed(&recording.bytes), Ok((500, recording.hash)), "{name}, peer {number}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_count_in_one_tick_changes_the_hash() {
+        let scene = scenes::load("real-device").expect("a built-in scene");
+        let recording = record(&scene, 1, 20).expect("a good scene");
+        let mut broken = recording.bytes.clone();
+        // Settings, home, and the first tick: flags and counts.
+        let second = 4 + u32::from_le_bytes(std::array::from_fn(|at| broken[at])) as usize + 8 + 5;
+        broken[second + 1] ^= 1;
+        let (ticks, hash) = replayed(&broken).expect("a recording all the same");
+        assert!(ticks == 20 && hash != recording.hash);
+        assert_eq!(replayed(&recording.bytes[..3]), Err(replay::Unreadable::Short));
+        assert_eq!(replayed(&recording.bytes[..second + 3]), Err(replay::Unreadable::Short));
+    }
+}

@@ -1,0 +1,340 @@
+//! Very many clients at one server, to see how many it holds and where it bends.
+//!
+//! Server and clients are two threads with a socket each, on loopback; all clients share theirs, which works because a server
+//! knows a client by its line and session and not by its address. Every client has its own link and keys, downloads its
+//! neighbourhood of the world, walks about in it, and says where it is 125 times a second; the clients' packets are spread
+//! evenly over the packet period. Each is answered at once with the places of others.
+//!
+//! **What is told**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the round trip from a client's packet to the answer that
+//! names it, and how many were answered. A load that is late by more than a quarter of a packet period does not catch up in a
+//! burst that no independent clients would make; it goes on from there, and the packets per second that it managed are told.
+
+use haptic_sim::key_file::entropy;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use haptic_protocol::database::Scope;
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link};
+use haptic_protocol::roles::static_scene::Download;
+use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, PeerId, Presence, Sighting};
+use serde::Serialize;
+
+use crate::live::histogram::{Histogram, Quantiles};
+use crate::live::pace::realtime;
+use crate::live::serve;
+use crate::shared::visit::host::Host;
+use crate::shared::visit::{CLIENT, PACKET_US, parameters};
+use crate::shared::world::World;
+
+/// The server's number.
+const SERVER: u8 = 1;
+/// Packets of a client that may be under way before their round trip is not measured any more.
+const UNDER_WAY: usize = 64;
+/// Objects that a client of the crowd has room for.
+const NEAR: usize = 32;
+/// How far around itself a client of the crowd looks, m.
+const RADIUS_M: f32 = 0.1;
+
+/// How long the load rests every millisecond.
+const REST: Duration = Duration::from_micros(80);
+/// A load that is later than this does not catch up, ns.
+const LATE_NS: u64 = 250 * PACKET_US;
+
+/// One client of the crowd.
+struct Client {
+    link: Link,
+    download: Box<Download<NEAR>>,
+    tick: u32,
+    sent_ns: [u64; UNDER_WAY],
+    centre: [f32; 2],
+    complete: bool,
+}
+
+/// What became of a crowd.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Clients.
+    pub clients: u32,
+    /// Clients that had their neighbourhood before the measurement ended.
+    pub complete: u32,
+    /// Time of the measurement, s.
+    pub measured_s: f64,
+    /// Packets of clients.
+    pub packets: u64,
+    /// Packets a second of each client; 125 if the load was never late.
+    pub rate_hz: f64,
+    /// Packets that were answered.
+    pub answered: u64,
+    /// Objects' places that the answers carried.
+    pub sightings: u64,
+    /// From a client's packet to its answer, at the client.
+    pub round_trip: Quantiles,
+    /// How late the load was with its packets.
+    pub load_late: Quantiles,
+    /// Share of one core that the load used.
+    pub load_cpu_share: Option<f64>,
+    /// The load ran at a real-time priority.
+    pub load_realtime_priority: bool,
+    /// What the server saw.
+    pub server: serve::Report,
+}
+
+impl Report {
+    /// Share of the packets that were answered.
+    pub fn answered_share(&self) -> f64 {
+        self.answered as f64 / self.packets.max(1) as f64
+    }
+}
+
+/// `clients` clients at one server of `world`, for `warm_up_s` and then, measured, for `seconds`.
+///
+/// # Errors
+/// A socket that cannot be opened, or no randomness: in one line.
+pub fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64) -> Result<Report, String> {
+    let key = Key::new(entropy()?);
+    let server_socket = serve::listen(SocketAddr::from(([127, 0, 0, 1], 0)))?;
+    let address = server_socket.local_addr().map_err(|cause| format!("the socket has no address: {cause}"))?;
+    let socket = UdpSocket::bind("127.0.0.1:0").map_err(|cause| format!("cannot open a socket: {cause}"))?;
+    socket.connect(address).map_err(|cause| format!("cannot reach {address}: {cause}"))?;
+    socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
+    let mut host = Host::new(key.clone(), SERVER, clients, world.clone(), None, || entropy().unwrap_or([1; Key::LEN]))?;
+    let done = AtomicBool::new(false);
+    let (start, sent) = (Instant::now(), (0..clients).map(|_| AtomicU64::new(0)).collect::<Vec<_>>());
+    let last_sent = |line: u32| sent.get(line as usize - 1).map(|sent| sent.load(Ordering::Relaxed));
+    std::thread::scope(|scope| {
+        let serving = scope.spawn(|| {
+            serve::run(&server_socket, &mut host, start, warm_up_s, last_sent, |_| done.load(Ordering::Relaxed))
+        });
+        let load = Load::new(&socket, &key, start, &sent).map(|load| load.run(warm_up_s, seconds));
+        done.store(true, Ordering::Relaxed);
+        let server = serving.join().map_err(|_| "the server's thread ended".to_owned())??;
+        Ok(load?.report(server))
+    })
+}
+
+/// The crowd and what is measured of it.
+struct Load<'a> {
+    socket: &'a UdpSocket,
+    /// When each client last sent, ns.
+    sent: &'a [AtomicU64],
+    clients: Vec<Client>,
+    sessions: std::collections::HashMap<u32, usize>,
+    start: Instant,
+    measured: Option<Instant>,
+    packets: u64,
+    answered: u64,
+    sightings: u64,
+    round_trip: Histogram,
+    late: Histogram,
+    cpu_share: Option<f64>,
+    realtime_priority: bool,
+    rested_ns: u64,
+    measured_s: f64,
+}
+
+impl<'a> Load<'a> {
+    fn new(socket: &'a UdpSocket, key: &Key, start: Instant, sent: &'a [AtomicU64]) -> Result<Self, String> {
+        let count = sent.len();
+        let clients: Result<_, String> = (1..=count as u32)
+            .map(|line| {
+                let link = Link::new(Config {
+                    key: key.line(line),
+                    ends: Ends { local: PeerId(CLIENT), remote: PeerId(SERVER) },
+                    packet_period_us: PACKET_US as u32,
+                    parameters: parameters(),
+                    entropy: entropy()?,
+                });
+                // Spread over the room, so that neighbourhoods differ.
+                let part = line as f32 / count as f32;
+                let centre = [0.8 * part - 0.4, 0.2 * (17.0 * part).fract() - 0.1];
+                Ok(Client {
+                    link: link.map_err(|error| error.to_string())?.on_line(line),
+                    download: Box::default(),
+                    tick: 0,
+                    sent_ns: [0; UNDER_WAY],
+                    centre,
+                    complete: false,
+                })
+            })
+            .collect();
+        Ok(Self {
+            socket,
+            sent,
+            clients: clients?,
+            sessions: std::collections::HashMap::new(),
+            start,
+            measured: None,
+            packets: 0,
+            answered: 0,
+            sightings: 0,
+            round_trip: Histogram::default(),
+            late: Histogram::default(),
+            cpu_share: None,
+            realtime_priority: false,
+            rested_ns: 0,
+            measured_s: 0.0,
+        })
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.start.elapsed().as_nanos() as u64
+    }
+
+    fn run(mut self, warm_up_s: f64, seconds: f64) -> Self {
+        self.realtime_priority = realtime();
+        let period_ns = 1_000 * PACKET_US;
+        let count = self.clients.len() as u64;
+        let (warm_ns, end_ns) = ((1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
+        let mut computed = None;
+        let (mut next, mut slipped_ns) = (0_u64, self.now_ns());
+        loop {
+            // Packet number `next` of the crowd: the clients in turn, evenly over each packet period.
+            let due_ns = slipped_ns + next / count * period_ns + next % count * period_ns / count;
+            self.wait(due_ns);
+            let now_ns = self.now_ns();
+            if now_ns >= end_ns {
+                break;
+            }
+            if self.measured.is_none() && now_ns >= warm_ns {
+                self.measured = Some(Instant::now());
+                computed = serve::computed_s();
+            }
+            let late_ns = now_ns.saturating_sub(due_ns);
+            slipped_ns += if late_ns > LATE_NS { late_ns } else { 0 };
+            if self.measured.is_some() {
+                self.late.add(late_ns);
+            }
+            self.exchange((next % count) as usize);
+            next += 1;
+        }
+        self.measured_s = self.measured.map_or(0.0, |at| at.elapsed().as_secs_f64());
+        self.cpu_share = computed.and_then(|before| Some((serve::computed_s()? - before) / self.measured_s));
+        // What is under way still counts.
+        self.wait(self.now_ns() + 100_000_000);
+        self
+    }
+
+    /// Takes what comes until `due_ns`.
+    fn wait(&mut self, due_ns: u64) {
+        let mut bytes = [0; 2048];
+        loop {
+            // No more than a few at a time, so that answers do not hold up the load.
+            let came = (0..8).take_while(|_| match self.socket.recv(&mut bytes) {
+                Ok(len) => {
+                    self.receive(&mut bytes[..len]);
+                    true
+                }
+                Err(_) => false,
+            });
+            let came = came.count();
+            let left_ns = due_ns.saturating_sub(self.now_ns());
+            if left_ns == 0 {
+                return;
+            }
+            if came == 0 && left_ns > 200_000 {
+                std::thread::sleep(Duration::from_nanos(left_ns - 100_000));
+            }
+            // A thread of real-time priority that never rests is stopped by the system, and for longer.
+            if self.now_ns() > self.rested_ns + 1_000_000 {
+                std::thread::sleep(REST);
+                self.rested_ns = self.now_ns();
+            }
+        }
+    }
+
+    /// One client's packet period.
+    fn exchange(&mut self, at: usize) {
+        let now_ns = self.now_ns();
+        let now = now_ns / 1_000;
+        let Some(client) = self.clients.get_mut(at) else { return };
+        let mut out = [0; MAX_DATAGRAM];
+        let send = |bytes: &[u8]| drop(self.socket.send(bytes));
+        self.sent[at].store(now_ns, Ordering::Relaxed);
+        client.tick = client.tick.wrapping_add(1);
+        // Once around a circle of 5 cm in 10 s.
+        let angle = std::f32::consts::TAU * client.tick as f32 / 1_250.0;
+        let position = [client.centre[0] + 0.05 * angle.cos(), client.centre[1] + 0.05 * angle.sin()];
+        let looks = match client.download.scope() {
+            Scope::Around { x, y, .. } => (position[0] - x).hypot(position[1] - y) > 0.25 * RADIUS_M,
+            _ => true,
+        };
+        if looks {
+            client.download.look(Scope::Around { x: position[0], y: position[1], radius: RADIUS_M });
+        }
+        if client.link.session_number().is_some() {
+            let speed = 0.05 * std::f32::consts::TAU / 10.0;
+            let velocity = [-speed * angle.sin(), speed * angle.cos()];
+            let said = Presence::new(client.tick, [Sighting { who: 0, position, velocity }]);
+            if let Some(len) = client.link.send_presence(now, &said, &mut out) {
+                client.sent_ns[client.tick as usize % UNDER_WAY] = now_ns;
+                self.packets += u64::from(self.measured.is_some());
+                send(&out[..len]);
+            }
+            if let Some(ask) = client.download.poll(now, 4 * PACKET_US)
+                && let Some(len) = client.link.send_ask(now, &ask, &mut out)
+            {
+                send(&out[..len]);
+            }
+        } else {
+            // It would have said something.
+            self.packets += u64::from(self.measured.is_some());
+        }
+        while let Some(len) = client.link.poll(now, &mut out) {
+            send(&out[..len]);
+        }
+    }
+
+    fn receive(&mut self, datagram: &mut [u8]) {
+        let now_ns = self.now_ns();
+        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
+        let at = if greeting {
+            Greeting::parse(datagram).ok().and_then(|(greeting, ..)| (greeting.line as usize).checked_sub(1))
+        } else {
+            Header::parse(datagram).ok().and_then(|(header, ..)| self.sessions.get(&header.session).copied())
+        };
+        let Some((at, client)) = at.and_then(|at| Some((at, self.clients.get_mut(at)?))) else { return };
+        match client.link.receive(now_ns / 1_000, datagram) {
+            Ok(Some(Incoming::Presence(told))) => {
+                let sent_ns = std::mem::take(&mut client.sent_ns[told.tick as usize % UNDER_WAY]);
+                if self.measured.is_some() && sent_ns > 0 {
+                    self.answered += 1;
+                    self.sightings += told.seen().len() as u64;
+                    self.round_trip.add(now_ns - sent_ns);
+                }
+            }
+            Ok(Some(Incoming::Part(part))) => {
+                client.download.take(&part);
+                client.complete |= client.download.is_complete();
+            }
+            _ => {}
+        }
+        if let Some(session) = client.link.session_number() {
+            self.sessions.insert(session, at);
+        }
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(len) = client.link.poll(now_ns / 1_000, &mut out) {
+            self.sent[at].store(now_ns, Ordering::Relaxed);
+            drop(self.socket.send(&out[..len]));
+        }
+    }
+
+    fn report(self, server: serve::Report) -> Report {
+        Report {
+            clients: self.clients.len() as u32,
+            complete: self.clients.iter().filter(|client| client.complete).count() as u32,
+            measured_s: self.measured_s,
+            packets: self.packets,
+            rate_hz: self.packets as f64 / (self.measured_s * self.clients.len() as f64).max(1e-9),
+            answered: self.answered,
+            sightings: self.sightings,
+            round_trip: self.round_trip.quantiles(),
+            load_late: self.late.quantiles(),
+            load_cpu_share: self.cpu_share,
+            load_realtime_priority: self.realtime_priority,
+            server,
+        }
+    }
+}

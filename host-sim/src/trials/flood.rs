@@ -1,0 +1,348 @@
+//! A flood of forged datagrams against two nodes on loopback, while they hold their object.
+//!
+//! Two nodes run in two threads, each on a socket of its own; a third thread has no key, knows both addresses and has seen
+//! everything that either peer took, and sends them, as fast as it is asked to:
+//!
+//! | kind | what |
+//! |---|---|
+//! | random | up to 160 random bytes |
+//! | altered | what was taken, with one bit flipped |
+//! | replayed | what was taken, once more |
+//! | reflected | what was taken, back to its sender |
+//! | cut | what was taken, shorter or longer |
+//!
+//! Everything that comes from the third address is forged, so a peer that takes any of it is wrong, and so is one whose
+//! state is another afterwards: link, newest flow and the whole peer, compared as text for one forged datagram in
+//! [`COMPARE_EVERY`] and as far as the other peer could tell for all. The one thing a stranger can do is to make a peer say
+//! welcome once more, by an old hello (a limit that `haptic_protocol::handshake` states); those are counted apart.
+//!
+//! The system drops what does not fit into a socket's buffer, valid or forged; how much of the valid flow came through is
+//! measured. The two nodes take every beat together, and their links' time is counted in beats: on a machine that is slow,
+//! time is slow, and what is found is found there too. The flood does not wait for them.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Barrier, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use haptic_protocol::key::Key;
+use haptic_protocol::link::Notice;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use serde::Serialize;
+
+use crate::live::pace::{Pace, Punctuality};
+use crate::live::socket::{drain, open};
+use haptic_sim::key_file::entropy;
+use haptic_sim::node::Node;
+use haptic_sim::scene::SceneFile;
+
+/// Of so many forged datagrams that are refused, one has the whole state compared.
+pub const COMPARE_EVERY: u64 = 64;
+/// Beats for the two peers to engage before the flood.
+const CALM_BEATS: u64 = 400;
+/// Beats after the flood in which the flow must become whole.
+const AFTER_BEATS: u64 = 400;
+/// What a stranger remembers of each peer.
+const REMEMBERED: usize = 256;
+/// Longest datagram that a stranger makes up.
+const LONGEST: usize = 160;
+/// How often a flood is refilled.
+const BURST: Duration = Duration::from_micros(500);
+
+/// Kinds of forged datagrams, in the order in which they take turns.
+const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
+
+/// How hard and how long.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Forged datagrams per second, both peers together.
+    pub rate_per_s: f64,
+    /// Length of the flood, s.
+    pub seconds: f64,
+}
+
+/// What one peer went through.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Besieged {
+    /// Forged datagrams that reached the peer.
+    pub forged_arrived: u64,
+    /// Of those, refused.
+    pub forged_refused: u64,
+    /// Of those, old hellos that were answered with a welcome.
+    pub hellos_answered: u64,
+    /// Of those, taken as anything else: must be 0.
+    pub forged_taken: u64,
+    /// Comparisons of the whole state before and after a forged datagram.
+    pub states_compared: u64,
+    /// States that a forged datagram changed: must be 0.
+    pub states_changed: u64,
+    /// Whether the session lasted from before the flood to the end.
+    pub session_stayed: bool,
+    /// Whether coordination acted at the end.
+    pub engaged: bool,
+    /// Share of the other peer's flow that came through during the flood.
+    pub flow_through: f64,
+    /// Longest time without flow during the flood, ms.
+    pub longest_silence_ms: u64,
+    /// From the end of the flood until nothing was missing any more, ms.
+    pub whole_after_ms: u64,
+}
+
+/// What came of a flood.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Forged datagrams per second that were asked for.
+    pub rate_asked_per_s: f64,
+    /// Forged datagrams per second that were sent.
+    pub rate_sent_per_s: f64,
+    /// Forged datagrams sent, by kind.
+    pub sent: Vec<(&'static str, u64)>,
+    /// Share of them that the system dropped, because a socket's buffer was full.
+    pub dropped_by_system: f64,
+    /// Time the flood took, s.
+    pub flood_s: f64,
+    /// The same on the peers' clocks, ms: less, where the machine did not keep up with them.
+    pub flood_ms_of_peers: u64,
+    /// The two peers.
+    pub peers: [Besieged; 2],
+    /// How well the beat was kept.
+    pub punctuality: Punctuality,
+}
+
+/// What a peer notes for the evaluation, in beats.
+#[derive(Default)]
+struct Log {
+    besieged: Besieged,
+    /// When each flow that came was sent.
+    flows: Vec<u64>,
+    /// When each flow came.
+    came: Vec<u64>,
+    /// Notices and when.
+    notices: Vec<(u64, Notice)>,
+}
+
+/// What the threads share.
+struct Field {
+    /// What each peer took, for a stranger to see.
+    seen: [Mutex<Vec<Vec<u8>>>; 2],
+    beat: Barrier,
+    /// The beat that is on.
+    now: AtomicU64,
+    /// First and last beat of the flood; 0 before it is known.
+    flood: [AtomicU64; 2],
+}
+
+/// Holds the scene's object through a flood.
+///
+/// # Errors
+/// A scene that is refused, or sockets that cannot be had: in one line.
+pub fn run(scene: &SceneFile, options: &Options) -> Result<Report, String> {
+    let loopback = || SocketAddr::from(([127, 0, 0, 1], 0));
+    let address = |socket: &UdpSocket| socket.local_addr().map_err(|cause| format!("no address: {cause}"));
+    let sockets = [open(loopback())?, open(loopback())?];
+    let addresses = [address(&sockets[0])?, address(&sockets[1])?];
+    let stranger = open(loopback())?;
+    let key = Key::new(entropy()?);
+    let nodes = [Node::new(scene, 1, key.clone(), entropy()?)?, Node::new(scene, 2, key, entropy()?)?];
+    let period = Duration::from_secs_f64(scene.peer.timing.control_period_s);
+    let field =
+        Field { seen: Default::default(), beat: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
+
+    let ((sent, flood_s), logs, punctuality) = std::thread::scope(|scope| {
+        let flood = scope.spawn(|| besiege(&field, &stranger, addresses, options, period));
+        let mut peers = nodes.into_iter().zip(&sockets).enumerate().map(|(index, (node, socket))| {
+            let field = &field;
+            scope.spawn(move || hold(field, index, node, socket, addresses[1 - index], period))
+        });
+        let (first, second) = (peers.next(), peers.next());
+        let join = |thread: Option<std::thread::ScopedJoinHandle<'_, (Log, Option<Punctuality>)>>| {
+            thread.and_then(|thread| thread.join().ok()).unwrap_or_default()
+        };
+        let (first, second) = (join(first), join(second));
+        (flood.join().unwrap_or_default(), [first.0, second.0], first.1.unwrap_or_default())
+    });
+
+    let packet = u64::from(scene.peer.timing.ticks_per_packet);
+    let beats = field.now.load(Ordering::Relaxed);
+    let [from, to] = [0, 1].map(|end: usize| field.flood[end].load(Ordering::Relaxed));
+    let beat_ms = |beats: u64| (beats as f64 * 1e3 * period.as_secs_f64()).round() as u64;
+    let arrived: u64 = logs.iter().map(|log| log.besieged.forged_arrived).sum();
+    let total: u64 = sent.iter().sum();
+    Ok(Report {
+        rate_asked_per_s: options.rate_per_s,
+        rate_sent_per_s: total as f64 / flood_s.max(1e-9),
+        sent: KINDS.into_iter().zip(sent).collect(),
+        dropped_by_system: 1.0 - arrived as f64 / total.max(1) as f64,
+        flood_s,
+        flood_ms_of_peers: beat_ms(to - from),
+        peers: logs.map(|log| evaluate(log, from..to, beats, packet, &beat_ms)),
+        punctuality,
+    })
+}
+
+/// One peer, from its first beat to the end.
+fn hold(
+    field: &Field,
+    index: usize,
+    mut node: Node,
+    socket: &UdpSocket,
+    other: SocketAddr,
+    period: Duration,
+) -> (Log, Option<Punctuality>) {
+    let mut log = Log::default();
+    let mut pace = (index == 0).then(|| Pace::new(period));
+    let period_us = period.as_micros() as u64;
+    loop {
+        if let Some(pace) = &mut pace {
+            pace.wait();
+            field.now.fetch_add(1, Ordering::Relaxed);
+        }
+        field.beat.wait();
+        let now = field.now.load(Ordering::Relaxed);
+        let over = field.flood[1].load(Ordering::Relaxed);
+        // Both peers have read the same before either begins the next beat.
+        field.beat.wait();
+        if over > 0 && now > over + AFTER_BEATS {
+            break;
+        }
+        let now_us = now * period_us;
+        // Nothing at all, which is refused: brings the link's time to now, so that only what a datagram does is compared.
+        let _ = node.receive(now_us, &mut []);
+        drain(socket, Instant::now() + period / 2, |from, datagram| {
+            if from == other {
+                let copy = datagram.to_vec();
+                if let Ok(flow) = node.receive(now_us, datagram) {
+                    let mut seen = field.seen[index].lock().unwrap_or_else(PoisonError::into_inner);
+                    if seen.len() >= REMEMBERED {
+                        seen.remove(0);
+                    }
+                    seen.push(copy);
+                    if let Some(flow) = flow {
+                        // The first beat is 1, the first tick 0.
+                        log.flows.push(u64::from(flow.tick) + 1);
+                        log.came.push(now);
+                    }
+                }
+            } else {
+                forged(&mut node, &mut log.besieged, now_us, datagram);
+            }
+        });
+        node.beat(now_us, |bytes| {
+            let _ = socket.send_to(bytes, other);
+        });
+    }
+    log.notices = node.notices().iter().map(|(at_us, notice)| (at_us / period_us, *notice)).collect();
+    log.besieged.engaged = node.is_engaged();
+    (log, pace.map(|pace| pace.punctuality()))
+}
+
+/// What a peer does with a datagram of the stranger's.
+fn forged(node: &mut Node, besieged: &mut Besieged, now_us: u64, datagram: &mut [u8]) {
+    besieged.forged_arrived += 1;
+    let whole = besieged.forged_arrived.is_multiple_of(COMPARE_EVERY);
+    let (before, text) = (node.standing(), whole.then(|| node.fingerprint()));
+    let verdict = node.receive(now_us, datagram);
+    besieged.states_changed += u64::from(before != node.standing());
+    match verdict {
+        Err(_) => {
+            besieged.forged_refused += 1;
+            if let Some(text) = text {
+                besieged.states_compared += 1;
+                besieged.states_changed += u64::from(text != node.fingerprint());
+            }
+        }
+        Ok(None) if datagram.get(1).is_some_and(|kind| haptic_protocol::wire::Greeting::is_kind(*kind)) => {
+            besieged.hellos_answered += 1;
+        }
+        Ok(_) => besieged.forged_taken += 1,
+    }
+}
+
+/// The stranger: waits for calm, floods, says when it was; gives how many of each kind it sent, and the time that took, s.
+fn besiege(
+    field: &Field,
+    socket: &UdpSocket,
+    addresses: [SocketAddr; 2],
+    options: &Options,
+    period: Duration,
+) -> ([u64; KINDS.len()], f64) {
+    while field.now.load(Ordering::Relaxed) < CALM_BEATS {
+        std::thread::sleep(period);
+    }
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let (mut sent, mut total, mut seen) = ([0; KINDS.len()], 0_u64, [Vec::new(), Vec::new()]);
+    let start = Instant::now();
+    field.flood[0].store(field.now.load(Ordering::Relaxed), Ordering::Relaxed);
+    loop {
+        let spent_s = start.elapsed().as_secs_f64();
+        for (seen, all) in seen.iter_mut().zip(&field.seen) {
+            seen.clone_from(&*all.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+        // What could not be sent in time is not made up for: a burst is no rate.
+        let due = (options.rate_per_s * spent_s.min(options.seconds)) as u64;
+        let most = (2.0 * options.rate_per_s * BURST.as_secs_f64()).ceil() as u64;
+        for _ in 0..due.saturating_sub(total).min(most) {
+            let kind = (random.next_u64() % KINDS.len() as u64) as usize;
+            let to = (random.next_u64() % 2) as usize;
+            let (to, datagram) = forge(kind, to, &seen, &mut random);
+            sent[kind] += u64::from(socket.send_to(&datagram, addresses[to]).is_ok());
+        }
+        total = due;
+        if spent_s >= options.seconds {
+            break;
+        }
+        std::thread::sleep(BURST);
+    }
+    let flood_s = start.elapsed().as_secs_f64();
+    field.flood[1].store(field.now.load(Ordering::Relaxed), Ordering::Relaxed);
+    (sent, flood_s)
+}
+
+/// A forged datagram of one of [`KINDS`], and the peer it goes to.
+fn forge(kind: usize, to: usize, seen: &[Vec<Vec<u8>>; 2], random: &mut Xoshiro256PlusPlus) -> (usize, Vec<u8>) {
+    let mut below = |most: usize| (random.next_u64() % most.max(1) as u64) as usize;
+    let known = &seen[to];
+    let mut bytes = match known.get(below(known.len())) {
+        Some(bytes) if kind != 0 => bytes.clone(),
+        _ => vec![0; below(LONGEST + 1)],
+    };
+    match kind {
+        0 => random.fill_bytes(&mut bytes),
+        1 => {
+            let bit = below(8 * bytes.len());
+            if let Some(byte) = bytes.get_mut(bit / 8) {
+                *byte ^= 1 << (bit % 8);
+            }
+        }
+        3 => return (1 - to, bytes),
+        4 => {
+            let whole = bytes.len();
+            let len = below(LONGEST);
+            bytes.resize(if len == whole { len + 1 } else { len }, 0);
+        }
+        _ => {}
+    }
+    (to, bytes)
+}
+
+/// What a peer's notes say about a flood in the beats `flood`.
+fn evaluate(log: Log, flood: std::ops::Range<u64>, beats: u64, packet: u64, ms: &impl Fn(u64) -> u64) -> Besieged {
+    // Flow is sent every packet period.
+    let phase = log.flows.last().map_or(0, |sent| sent % packet);
+    let sent = |beats: std::ops::Range<u64>| beats.filter(move |beat| beat % packet == phase);
+    let came = |beat: &u64| log.flows.binary_search(beat).is_ok();
+    let marks = [flood.start].into_iter().chain(log.came.iter().copied().filter(|came| flood.contains(came)));
+    let marks: Vec<u64> = marks.chain([flood.end]).collect();
+    let silence = marks.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+    // Up to the last that may still be on its way.
+    let missing = sent(flood.end..beats.saturating_sub(2 * packet)).filter(|beat| !came(beat)).max();
+    Besieged {
+        session_stayed: log.came.first().is_some_and(|first| *first < flood.start)
+            && !log.notices.iter().any(|(at, notice)| *notice == Notice::Lost && *at >= flood.start),
+        flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
+        longest_silence_ms: ms(silence),
+        whole_after_ms: missing.map_or(0, |sent| ms(sent + packet - flood.end)),
+        ..log.besieged
+    }
+}
