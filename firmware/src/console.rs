@@ -6,28 +6,29 @@
 //! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
 //! encoders, mechanism and motors that are set now.
 
-use core::fmt::Write;
-use core::sync::atomic::Ordering;
+use core::fmt::{self, Write};
 
 use embassy_time::{Duration, Timer};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Kept;
-use firmware_parts::operator::{self, Request};
+use firmware_parts::operator::{self, Misread, Request};
+use firmware_parts::signals::{Saving, Signals};
 use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{End, Outcome, Probe};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
-use haptic_core::safety::Command;
+use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::Scene;
 use haptic_core::settings::{Refused, SetError, Settings};
 use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
 use crate::fault::Cause;
+use crate::flow;
 use crate::storage::{self, Origin};
-use crate::tick::{self, Plan};
-use crate::{net, telemetry};
+use crate::telemetry::Telemetry;
+use crate::tick::Plan;
 
 /// An answer.
 type Answer = Line;
@@ -50,8 +51,8 @@ pub(crate) struct Console {
     pub(crate) device: u32,
     /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
-    /// Numbers the orders.
-    pub(crate) orders: u32,
+    /// What it asks the tick, and what the others say.
+    pub(crate) signals: &'static Signals,
     /// Probes for the tick.
     pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
     /// What came of them.
@@ -73,8 +74,8 @@ pub(crate) enum Unfit {
     Refused(Refused<'static>),
 }
 
-impl core::fmt::Display for Unfit {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+impl fmt::Display for Unfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Period => {
                 write!(f, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S)
@@ -116,159 +117,190 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Unfit> {
     Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
 }
 
+/// Why the answer is `error`.
+enum No<'a> {
+    /// It is no line.
+    Misread(Misread),
+    /// A key that does not exist.
+    Key(&'a str),
+    /// A value that is not allowed.
+    Refused(Refused<'a>),
+    /// Settings that this board does not run.
+    Unfit(Unfit),
+    /// Not in this mode.
+    Mode(Mode),
+    /// `clear` has to come first.
+    Clear(&'static str),
+    /// One sentence.
+    Because(&'static str),
+    /// The answer is longer than a line: it is cut.
+    Full,
+}
+
+impl fmt::Display for No<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Misread(misread) => f.write_str(misread.explain()),
+            Self::Key(key) => write!(f, "there is no key {key}"),
+            Self::Refused(refused) => refused.fmt(f),
+            Self::Unfit(unfit) => unfit.fmt(f),
+            Self::Mode(mode) => write!(f, "{}, fault {}", status::name(*mode), status::fault(*mode)),
+            Self::Clear(why) => write!(f, "clear first: {why}"),
+            Self::Because(why) => f.write_str(why),
+            Self::Full => Ok(()),
+        }
+    }
+}
+
+impl From<fmt::Error> for No<'_> {
+    fn from(_: fmt::Error) -> Self {
+        Self::Full
+    }
+}
+
 impl Console {
     /// Does what a line says, and answers. An answer that does not fit is cut: the first words say what matters.
-    pub(crate) async fn hear(&mut self, line: &str, to: &mut Answer) {
-        let _ = match operator::parse(line) {
-            Ok(request) => self.answer(request, to).await,
-            Err(misread) => write!(to, "error {}", misread.explain()),
+    pub(crate) async fn hear(&mut self, line: &str, telemetry: &mut Telemetry, to: &mut Answer) {
+        let done = match operator::parse(line) {
+            Ok(request) => self.answer(request, telemetry, to).await,
+            Err(misread) => Err(No::Misread(misread)),
+        };
+        let _ = match done {
+            Ok(()) | Err(No::Full) => Ok(()),
+            Err(no) => write!(to, "error {no}"),
         };
     }
 
-    async fn answer(&mut self, request: Request<'_>, to: &mut Answer) -> core::fmt::Result {
+    async fn answer<'a>(
+        &mut self,
+        request: Request<'a>,
+        telemetry: &mut Telemetry,
+        to: &mut Answer,
+    ) -> Result<(), No<'a>> {
         match request {
-            Request::Status => self.status(to),
-            Request::Command(command) => self.command(command, to).await,
-            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await,
-            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await,
-            Request::Probed => self.probed(to),
+            Request::Status => self.status(to)?,
+            Request::Command(command) => write!(to, "ok {}", status::name(self.command(command).await?))?,
+            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
+            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
+            Request::Probed => self.probed(to)?,
             Request::Set(key, value) => match self.draft.set(key, value) {
-                Ok(()) => write!(to, "ok {key} = {value}"),
-                Err(SetError::Unknown) => write!(to, "error there is no key {key}"),
-                Err(SetError::Refused(refused)) => write!(to, "error {refused}"),
+                Ok(()) => write!(to, "ok {key} = {value}")?,
+                Err(SetError::Unknown) => return Err(No::Key(key)),
+                Err(SetError::Refused(refused)) => return Err(No::Refused(refused)),
             },
-            Request::Get(key) => match self.draft.get(key) {
-                Some(value) => write!(to, "ok {key} = {value}"),
-                None => write!(to, "error there is no key {key}"),
-            },
+            Request::Get(key) => {
+                let value = self.draft.get(key).ok_or(No::Key(key))?;
+                write!(to, "ok {key} = {value}")?;
+            }
             Request::Defaults => {
                 self.draft = Kept::default();
-                write!(to, "ok the draft holds the defaults")
+                write!(to, "ok the draft holds the defaults")?;
             }
-            Request::Apply => self.apply(to).await,
-            Request::Save => self.save(to).await,
+            Request::Apply => {
+                self.apply()?;
+                write!(to, "ok applied")?;
+            }
+            Request::Save => write!(to, "ok {}", self.save().await?)?,
             Request::Stream(every) => {
-                telemetry::stream(every);
-                write!(to, "ok every {every} ticks")
+                telemetry.stream(every);
+                write!(to, "ok every {every} ticks")?;
             }
             Request::Capture(ticks) => {
-                telemetry::capture(ticks);
-                write!(to, "ok the next {ticks} ticks")
+                telemetry.capture(ticks);
+                write!(to, "ok the next {ticks} ticks")?;
             }
         }
+        Ok(())
     }
 
-    fn status(&self, to: &mut Answer) -> core::fmt::Result {
-        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
-        let number = |word: &core::sync::atomic::AtomicU32| word.load(Ordering::Relaxed);
-        write!(
-            to,
-            "ok board {} {mode} fault {fault} ticks {} overruns {} sent {} dropped {} received {} refused {}; link {}; settings {} {}{}; started: {}{}",
-            self.number as u8 + 1,
-            number(&tick::TICKS),
-            number(&tick::OVERRUNS),
-            number(&net::SENT),
-            number(&net::DROPPED),
-            number(&net::RECEIVED),
-            number(&net::REFUSED),
-            net::stage(),
-            self.origin.explain(),
-            number(&storage::SETTINGS_GENERATION),
-            if storage::BUSY.load(Ordering::Relaxed) {
-                ", saving"
-            } else if storage::FAILED.load(Ordering::Relaxed) {
-                ", not saved"
-            } else {
-                ""
-            },
-            self.cause.stop.explain(),
-            self.cause.place,
-        )
+    fn status(&self, to: &mut Answer) -> fmt::Result {
+        let signals = self.signals;
+        let mode = signals.mode.get();
+        write!(to, "ok board {} {} fault {} ", self.number as u8 + 1, status::name(mode), status::fault(mode))?;
+        for (name, word) in [
+            ("ticks", &signals.ticks),
+            ("overruns", &signals.overruns),
+            ("sent", &signals.sent),
+            ("dropped", &signals.dropped),
+            ("received", &signals.received),
+        ] {
+            write!(to, "{name} {} ", word.get())?;
+        }
+        let (stage, saves) = (status::stage(signals.stage.get()), signals.saves.get());
+        let saving = match signals.saving.get() {
+            Saving::Busy => ", saving",
+            Saving::Failed => ", not saved",
+            Saving::Done => "",
+        };
+        write!(to, "refused {}; link {stage}; ", signals.refused.get())?;
+        write!(to, "settings {} {saves}{saving}; ", self.origin.explain())?;
+        write!(to, "started: {}{}", self.cause.stop.explain(), self.cause.place)
     }
 
-    async fn command(&mut self, command: Command, to: &mut Answer) -> core::fmt::Result {
-        match command {
+    /// Carries the command out; the mode that it led to, if that is the one that was asked for.
+    async fn command(&mut self, command: Command) -> Result<Mode, No<'static>> {
+        let signals = self.signals;
+        let wanted = match command {
             Command::Disarm => {
-                tick::DISARM.store(true, Ordering::Release);
-                return match carried_out(|| !tick::DISARM.load(Ordering::Acquire)).await {
-                    true => write!(to, "ok disarmed"),
-                    false => unanswered(to),
-                };
+                signals.disarm.release(true);
+                self.carried_out(|| signals.disarm.is(false)).await?;
+                return Ok(Mode::Disarmed);
             }
             Command::Clear => {
                 self.unacknowledged = false;
-                tick::EMERGENCY.store(false, Ordering::Relaxed);
+                signals.emergency.set(false);
+                Mode::Disarmed
             }
             Command::Arm => {
-                if let Some((first, why)) = self.obstacle() {
-                    return write!(to, "error {first}{why}");
+                self.ready()?;
+                if !signals.checked.get() {
+                    return Err(No::Because(
+                        "check first: the signs of motor and encoder were not checked, every joint in use",
+                    ));
                 }
-                let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
-                if mode == "disarmed" && !tick::CHECKED.load(Ordering::Relaxed) {
-                    return write!(
-                        to,
-                        "error check first: the signs of motor and encoder were not checked, every joint in use"
-                    );
-                }
-                if mode != "disarmed" {
-                    return write!(to, "error {mode}, fault {fault}");
-                }
+                Mode::Armed
             }
-        }
-        self.orders = self.orders.wrapping_add(1);
-        let order = status::order(self.orders, command);
-        tick::ORDER.store(order, Ordering::Release);
-        if !carried_out(|| tick::DONE.load(Ordering::Acquire) == order).await {
-            return unanswered(to);
-        }
-        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
-        match (command, mode) {
-            (Command::Arm, "armed") | (Command::Clear, "disarmed") => write!(to, "ok {mode}"),
-            _ => write!(to, "error {mode}, fault {fault}"),
-        }
+        };
+        let order = signals.order.get().next(command);
+        signals.order.release(order);
+        self.carried_out(|| signals.done.is(order)).await?;
+        let mode = signals.mode.get();
+        if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
     }
 
-    /// What stands against motors being on, before the tick is asked: what to do first, and why.
-    fn obstacle(&self) -> Option<(&'static str, &'static str)> {
+    /// What stands against motors being on, before the tick is asked.
+    fn ready(&self) -> Result<(), No<'static>> {
         if self.unacknowledged {
-            Some(("clear first: ", self.cause.stop.explain()))
-        } else if tick::EMERGENCY.load(Ordering::Relaxed) {
-            Some(("clear first: ", "the emergency stop was pressed"))
+            Err(No::Clear(self.cause.stop.explain()))
+        } else if self.signals.emergency.get() {
+            Err(No::Clear("the emergency stop was pressed"))
         } else if !bridges::stop_released() {
-            Some(("", "the emergency stop is pressed, or not connected"))
-        } else if storage::BUSY.load(Ordering::Acquire) {
-            Some(("", "the settings are being saved"))
+            Err(No::Because("the emergency stop is pressed, or not connected"))
+        } else if self.signals.saving.is(Saving::Busy) {
+            Err(No::Because("the settings are being saved"))
         } else {
-            None
+            match self.signals.mode.get() {
+                Mode::Disarmed => Ok(()),
+                mode => Err(No::Mode(mode)),
+            }
         }
     }
 
     /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
-    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Answer) -> core::fmt::Result {
-        if let Some((first, why)) = self.obstacle() {
-            return write!(to, "error {first}{why}");
-        }
-        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
-        if mode != "disarmed" {
-            return write!(to, "error {mode}, fault {fault}");
-        }
-        let probe = match probe {
-            Ok(probe) => probe,
-            Err(refused) => return write!(to, "error {refused}"),
-        };
-        let number = tick::BEGUN.load(Ordering::Relaxed).wrapping_add(1);
+    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Answer) -> Result<(), No<'static>> {
+        self.ready()?;
+        let probe = probe.map_err(No::Refused)?;
+        let signals = self.signals;
+        let number = signals.begun.get().wrapping_add(1);
         self.probes.write((number, probe));
-        if !carried_out(|| tick::BEGUN.load(Ordering::Acquire) == number).await {
-            return unanswered(to);
+        self.carried_out(|| signals.begun.is(number)).await?;
+        if let mode @ Mode::Faulted(_) = signals.mode.get() {
+            return Err(No::Mode(mode));
         }
-        let (mode, fault) = status::unpack(tick::STATUS.load(Ordering::Relaxed));
-        if mode == "faulted" {
-            return write!(to, "error {mode}, fault {fault}");
-        }
-        write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
+        Ok(write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())?)
     }
 
-    fn probed(&mut self, to: &mut Answer) -> core::fmt::Result {
+    fn probed(&mut self, to: &mut Answer) -> fmt::Result {
         self.probed.fetch();
         let outcome = *self.probed.get();
         let Outcome { joint, end, most_counts, least_counts, verdict_counts, check } = outcome;
@@ -284,53 +316,49 @@ impl Console {
         Ok(())
     }
 
+    fn disarmed(&self) -> Result<(), No<'static>> {
+        if self.signals.mode.get() == Mode::Disarmed { Ok(()) } else { Err(No::Because("disarm first")) }
+    }
+
     /// What is applied goes to flash. An erase takes longer than an answer may: then `status` says how it ended.
-    async fn save(&mut self, to: &mut Answer) -> core::fmt::Result {
-        if !disarmed() {
-            return write!(to, "error disarm first");
+    async fn save(&mut self) -> Result<&'static str, No<'static>> {
+        let signals = self.signals;
+        self.disarmed()?;
+        if !storage::save(signals, &self.applied) {
+            return Err(No::Because("the settings are being saved"));
         }
-        if !storage::save(&self.applied) {
-            return write!(to, "error the settings are being saved");
-        }
-        match carried_out(|| !storage::BUSY.load(Ordering::Acquire)).await {
-            false => write!(to, "ok saving, a few seconds: flash is being erased"),
-            true if storage::FAILED.load(Ordering::Relaxed) => write!(to, "error the flash does not take it"),
-            true => write!(to, "ok saved"),
-        }
-    }
-
-    async fn apply(&mut self, to: &mut Answer) -> core::fmt::Result {
-        if !disarmed() {
-            return write!(to, "error disarm first");
-        }
-        match plan(&self.draft.settings, self.number) {
-            Ok(plan) => {
-                let (before, now) = (&self.applied.settings, &self.draft.settings);
-                let same = (before.axis.count == now.axis.count)
-                    && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);
-                self.device = if same { self.device } else { self.device.wrapping_add(1) };
-                self.plans.write(Plan { device: self.device, ..plan });
-                self.applied = self.draft;
-                net::TOLD.signal(self.draft.settings);
-                write!(to, "ok applied")
-            }
-            Err(why) => write!(to, "error {why}"),
+        match soon(|| !signals.saving.is(Saving::Busy)).await {
+            false => Ok("saving, a few seconds: flash is being erased"),
+            true if signals.saving.is(Saving::Failed) => Err(No::Because("the flash does not take it")),
+            true => Ok("saved"),
         }
     }
-}
 
-fn disarmed() -> bool {
-    status::unpack(tick::STATUS.load(Ordering::Relaxed)).0 == "disarmed"
-}
+    fn apply(&mut self) -> Result<(), No<'static>> {
+        self.disarmed()?;
+        let plan = plan(&self.draft.settings, self.number).map_err(No::Unfit)?;
+        let (before, now) = (&self.applied.settings, &self.draft.settings);
+        let same = (before.axis.count == now.axis.count)
+            && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);
+        self.device = if same { self.device } else { self.device.wrapping_add(1) };
+        self.plans.write(Plan { device: self.device, ..plan });
+        self.applied = self.draft;
+        flow::tell(self.draft.settings);
+        Ok(())
+    }
 
-/// The tick has not done what it was asked for: it must not do it later either.
-fn unanswered(to: &mut Answer) -> core::fmt::Result {
-    tick::DISARM.store(true, Ordering::Release);
-    write!(to, "error the tick did not answer; motors off")
+    /// Waits for the tick. If it does not do what it was asked for, it must not do it later either.
+    async fn carried_out(&self, done: impl Fn() -> bool) -> Result<(), No<'static>> {
+        if soon(done).await {
+            return Ok(());
+        }
+        self.signals.disarm.release(true);
+        Err(No::Because("the tick did not answer; motors off"))
+    }
 }
 
 /// Waits up to 50 ms for something to be done.
-async fn carried_out(done: impl Fn() -> bool) -> bool {
+async fn soon(done: impl Fn() -> bool) -> bool {
     for _ in 0..50 {
         if done() {
             return true;

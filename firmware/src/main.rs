@@ -7,7 +7,9 @@
 //! |---|---|
 //! | `board/` | the only folder that knows the chip |
 //! | `tick.rs` | the 1 kHz interrupt |
-//! | `net.rs` | the 8 ms exchange with the other peer, sealed |
+//! | `net.rs` | brings up the network and starts everything that talks |
+//! | `flow.rs` | the 8 ms exchange with the other peer, sealed |
+//! | `sockets.rs` | sockets that never wait |
 //! | `port.rs` | the operator's port, sealed |
 //! | `console.rs` | what the operator's lines do: arm, stop, settings |
 //! | `telemetry.rs` | what the ticks did, for the operator |
@@ -28,9 +30,13 @@ mod console;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
+mod flow;
+#[cfg(target_os = "none")]
 mod net;
 #[cfg(target_os = "none")]
 mod port;
+#[cfg(target_os = "none")]
+mod sockets;
 #[cfg(target_os = "none")]
 mod storage;
 #[cfg(target_os = "none")]
@@ -45,13 +51,30 @@ mod image {
     use defmt_rtt as _;
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+    use firmware_parts::exchange::{Latest, Queue};
     use firmware_parts::kept::Kept;
+    use firmware_parts::record::Record;
+    use firmware_parts::signals::Signals;
+    use haptic_core::device::probe::{Outcome, Probe};
     use static_cell::StaticCell;
 
     use crate::board::{self, pace};
     use crate::console::{self, Console};
-    use crate::tick::Shared;
+    use crate::telemetry::Telemetry;
+    use crate::tick::{Outgoing, Plan, RECORDS, Received};
     use crate::{fault, net, storage, supervisor, tick};
+
+    /// The words that interrupt and tasks share. Has a name in the image for debuggers and tests/board.
+    #[unsafe(no_mangle)]
+    static SIGNALS: Signals = Signals::at_power_on();
+
+    /// A cell or queue that lives for ever, and its two sides.
+    macro_rules! shared {
+        ($type:ty, $value:expr) => {{
+            static PLACE: StaticCell<$type> = StaticCell::new();
+            PLACE.init_with(|| $value).split()
+        }};
+    }
 
     /// Supervisor: priority 2, below the tick and its bell, above the time driver (3) and Ethernet (4).
     static SUPERVISOR: InterruptExecutor = InterruptExecutor::new();
@@ -77,19 +100,29 @@ mod image {
         defmt::info!("board {}: {=str}", board.number, cause.stop.explain());
 
         let fits = |kept: &Kept| console::plan(&kept.settings, board.number).is_ok();
-        let (store, kept, origin) = storage::load(&board.flash, fits);
+        let (store, kept, origin) = storage::load(&board.flash, &SIGNALS, fits);
         let Ok(plan) = console::plan(&kept.settings, board.number) else { defmt::panic!("the defaults are refused") };
-        static SHARED: StaticCell<Shared> = StaticCell::new();
-        let tasks = tick::prepare(SHARED.init_with(|| Shared::new(plan)));
+        let (plans, plans_out) = shared!(Latest<Plan>, Latest::new(plan));
+        let (incoming, incoming_out) = shared!(Latest<Received>, Latest::new(Received::default()));
+        let (outgoing_in, outgoing) = shared!(Latest<Outgoing>, Latest::new(Outgoing::default()));
+        let (records_in, records) = shared!(Queue<Record, RECORDS>, Queue::default());
+        let (probes, probes_out) = shared!(Latest<(u32, Probe<f32>)>, Latest::new((0, Probe::default())));
+        let (probed_in, probed) = shared!(Latest<Outcome>, Latest::new(Outcome::default()));
+        tick::prepare(tick::Side {
+            plans: plans_out,
+            incoming: incoming_out,
+            outgoing: outgoing_in,
+            records: records_in,
+            probes: probes_out,
+            probed: probed_in,
+            signals: &SIGNALS,
+        });
         pace::start(board.pace);
 
         interrupt::UART4.set_priority(Priority::P2);
         interrupt::UART5.set_priority(Priority::P5);
-        SUPERVISOR.start(interrupt::UART4).spawn(defmt::unwrap!(supervisor::run(
-            board.watchdog,
-            board.alive,
-            board.armed
-        )));
+        let supervisor = SUPERVISOR.start(interrupt::UART4);
+        supervisor.spawn(defmt::unwrap!(supervisor::run(board.watchdog, board.alive, board.armed, &SIGNALS)));
 
         let console = Console {
             number: board.number,
@@ -99,20 +132,15 @@ mod image {
             applied: kept,
             draft: kept,
             device: 0,
-            plans: tasks.plans,
-            orders: 0,
-            probes: tasks.probes,
-            probed: tasks.probed,
+            plans,
+            signals: &SIGNALS,
+            probes,
+            probed,
         };
-        NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net::start(
-            board.ethernet,
-            board.number,
-            tasks.outgoing,
-            tasks.incoming,
-            tasks.records,
-            console,
-        )));
+        let telemetry = Telemetry::new(records, &SIGNALS);
+        let net = net::start(board.ethernet, board.number, outgoing, incoming, telemetry, console);
+        NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net));
         // Thread mode, below everything: programming flash may take its time.
-        spawner.spawn(defmt::unwrap!(storage::run(board.flash, store)));
+        spawner.spawn(defmt::unwrap!(storage::run(board.flash, store, &SIGNALS)));
     }
 }

@@ -38,13 +38,12 @@ mod proof {
     #[cfg(feature = "planted-panic")]
     #[unsafe(no_mangle)]
     extern "C" fn planted() -> u32 {
-        use core::sync::atomic::Ordering;
         unsafe extern "C" {
             fn TIM6_DAC();
         }
         // SAFETY: never run.
         unsafe { TIM6_DAC() }
         let table = [1, 2, 3, 4];
-        table[crate::tick::TICKS.load(Ordering::Relaxed) as usize]
+        table[usize::from(crate::board::encoders::read()[0].0)]
     }
 }

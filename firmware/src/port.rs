@@ -5,10 +5,8 @@
 //! nothing here. The last operator to prove that he holds the key and is there now takes the link over; what was half
 //! said to the one before is dropped, and records are no longer sent.
 //!
-//! Lines are taken one at a time, an answer each ([`Console`]). A record that the network does not take now waits; records
-//! that find no room are lost and counted.
+//! Lines are taken one at a time, an answer each ([`Console`]). A record that the network does not take now waits.
 
-use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
 use haptic_protocol::ends::Ends;
@@ -17,12 +15,11 @@ use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
-use static_cell::ConstStaticCell;
 
 use crate::board::Number;
 use crate::console::Console;
-use crate::net::{self, count};
-use crate::telemetry::{self, Telemetry};
+use crate::sockets;
+use crate::telemetry::Telemetry;
 
 /// Port of the operator.
 const PORT: u16 = 7702;
@@ -50,13 +47,15 @@ struct Port {
     /// Where the operator's last sealed datagram came from.
     operator: Option<IpEndpoint>,
     taken: u32,
+    console: Console,
+    telemetry: Telemetry,
 }
 
 impl Port {
     /// Takes a datagram; gives whom to answer, which a stranger with an old greeting may be, once.
     fn receive(&mut self, datagram: &mut [u8], from: IpEndpoint) -> Option<IpEndpoint> {
         if self.link.receive(Instant::now().as_micros(), datagram).is_err() {
-            count(&net::REFUSED);
+            self.console.signals.refused.count();
             return None;
         }
         let taken = self.link.counts().taken;
@@ -69,11 +68,11 @@ impl Port {
                 Notice::NewPeer { .. } => {
                     defmt::info!("operator: here");
                     self.lines.forget();
-                    telemetry::stream(0);
+                    self.telemetry.stream(0);
                 }
                 Notice::Lost => {
                     defmt::info!("operator: gone");
-                    telemetry::stream(0);
+                    self.telemetry.stream(0);
                 }
                 _ => {}
             }
@@ -84,41 +83,27 @@ impl Port {
 
 /// Listens and answers.
 #[embassy_executor::task]
-pub(crate) async fn run(
-    stack: Stack<'static>,
-    mut console: Console,
-    link: &'static mut Link,
-    mut telemetry: Telemetry,
-) -> ! {
-    static RX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static TX_META: ConstStaticCell<[PacketMetadata; 8]> = ConstStaticCell::new([PacketMetadata::EMPTY; 8]);
-    static RX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    static TX: ConstStaticCell<[u8; 1024]> = ConstStaticCell::new([0; 1024]);
-    let mut socket = UdpSocket::new(stack, RX_META.take(), RX.take(), &mut [], &mut []);
-    if socket.bind(PORT).is_err() {
-        defmt::panic!("the operator's port cannot be bound");
-    }
-    // Answers go out by a socket of their own: dropping answers that nobody takes must not drop orders that came in.
-    let mut answers = net::Sender::new(UdpSocket::new(stack, &mut [], &mut [], TX_META.take(), TX.take()), PORT);
-    let mut port = Port { link, lines: Lines::default(), operator: None, taken: 0 };
+pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static mut Link, telemetry: Telemetry) -> ! {
+    let (socket, mut answers) = sockets::pair(stack, PORT);
+    let mut port = Port { link, lines: Lines::default(), operator: None, taken: 0, console, telemetry };
     let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
     // A record that is sealed and waits.
     let mut waiting: Option<(usize, Datagram)> = None;
     loop {
-        let look = if telemetry.is_on() { BUSY } else { IDLE };
+        let look = if port.telemetry.is_on() { BUSY } else { IDLE };
         let mut to = port.operator;
         match with_timeout(look, socket.recv_from(&mut bytes)).await {
             Ok(Ok((length, from))) => {
                 to = port.receive(bytes.get_mut(..length).unwrap_or_default(), from.endpoint).or(to);
             }
-            Ok(Err(_)) => count(&net::REFUSED),
+            Ok(Err(_)) => port.console.signals.refused.count(),
             Err(_) => answers.tend(),
         }
         if !port.lines.is_saying()
             && let Some(line) = port.lines.hear(port.link)
         {
             let mut answer = Line::new();
-            console.hear(&line, &mut answer).await;
+            port.console.hear(&line, &mut port.telemetry, &mut answer).await;
             defmt::info!("operator: {=str}", answer.as_str());
             port.lines.say(&answer);
         }
@@ -129,7 +114,7 @@ pub(crate) async fn run(
         }
         loop {
             if waiting.is_none()
-                && let Some(sample) = telemetry.next()
+                && let Some(sample) = port.telemetry.next()
             {
                 let mut datagram = [0; MAX_DATAGRAM];
                 let sealed = port.link.send_sample(Instant::now().as_micros(), &sample, &mut datagram);

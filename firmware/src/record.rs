@@ -26,7 +26,10 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::law::Packet;
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, State};
+use haptic_core::safety::Mode;
 use haptic_core::scene::Models;
+
+use crate::signals::Coded;
 
 /// What a sample with a record in it is called on the operator's link.
 pub const CODE: u16 = 1;
@@ -72,7 +75,7 @@ impl Record {
             tick,
             u32::from(count_a) | u32::from(count_b) << 16,
             u32::from(duty_a) | u32::from(duty_b) << 16,
-            crate::status::pack(state.mode()) | u32::from(flags) << 16,
+            state.mode().code() | u32::from(flags) << 16,
             incoming.motion.position.to_bits(),
             incoming.motion.velocity.to_bits(),
             incoming.wave.to_bits(),
@@ -124,13 +127,9 @@ impl Record {
     pub fn duties(&self) -> [i16; AXES] {
         [(self.0[2] as u16).cast_signed(), ((self.0[2] >> 16) as u16).cast_signed()]
     }
-    /// Mode (0 disarmed, 1 armed, 2 faulted, 3 probing).
-    pub fn mode(&self) -> u8 {
-        self.0[3] as u8
-    }
-    /// Fault number, 0 none.
-    pub fn fault(&self) -> u8 {
-        (self.0[3] >> 8) as u8
+    /// Mode, and the fault in it.
+    pub fn mode(&self) -> Mode {
+        Mode::decode(self.0[3])
     }
     /// [`ENABLED`], [`SENT`], [`RECEIVED`], [`OVERRUN`], [`PARTED`], [`ENGAGED`].
     pub fn flags(&self) -> u8 {
@@ -206,7 +205,10 @@ mod tests {
         let record = Record::new(7, counts, None, ENABLED | SENT, &mut state, &Actuators::default());
         let back = Record::from_bytes(&record.bytes());
         assert_eq!(back, record);
-        assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, [0x1234, 0xABCD], 0, ENABLED | SENT));
+        assert_eq!(
+            (back.tick(), back.counts(), back.mode(), back.flags()),
+            (7, [0x1234, 0xABCD], Mode::Disarmed, ENABLED | SENT)
+        );
         assert_eq!(back.digest(), digest(&mut state));
     }
 

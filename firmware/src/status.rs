@@ -1,9 +1,10 @@
-//! Mode, fault and progress, in words that an interrupt can publish with one store each.
+//! Mode, fault and the cause of a start, as a person is told them.
 //!
 //! [`Stop`] numbers why a board is not running: 1–31 are the peer's own faults ([`haptic_core::safety::Fault`]), 32 and up
 //! those of the board around it. Numbers are never reused.
 
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::Mode;
+use haptic_protocol::link::Stage;
 
 /// Why the board started anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,64 +50,36 @@ impl Stop {
     }
 }
 
-/// Mode and fault in one word: mode in bits 0–7, fault number in bits 8–15.
-pub fn pack(mode: Mode) -> u32 {
+/// A mode's name.
+pub fn name(mode: Mode) -> &'static str {
     match mode {
-        Mode::Disarmed => 0,
-        Mode::Armed => 1,
-        Mode::Faulted(fault) => 2 | u32::from(fault.number()) << 8,
-        Mode::Probing => 3,
+        Mode::Disarmed => "disarmed",
+        Mode::Armed => "armed",
+        Mode::Probing => "probing",
+        Mode::Faulted(_) => "faulted",
     }
 }
 
-/// The mode's name and the fault's number (0: none) in a word of [`pack`].
-pub fn unpack(word: u32) -> (&'static str, u8) {
-    let name = match word & 0xFF {
-        0 => "disarmed",
-        1 => "armed",
-        3 => "probing",
-        _ => "faulted",
-    };
-    (name, (word >> 8) as u8)
+/// The number of the fault that a mode holds; 0: none.
+pub fn fault(mode: Mode) -> u8 {
+    if let Mode::Faulted(fault) = mode { fault.number() } else { 0 }
 }
 
-/// A command and its number in one word, so that each is carried out once; 0 is none.
-pub fn order(number: u32, command: Command) -> u32 {
-    let code = match command {
-        Command::Arm => 1,
-        Command::Disarm => 2,
-        Command::Clear => 3,
-    };
-    number << 8 | code
-}
-
-/// The command in a word of [`order`].
-pub fn ordered(word: u32) -> Option<Command> {
-    match word & 0xFF {
-        1 => Some(Command::Arm),
-        2 => Some(Command::Disarm),
-        3 => Some(Command::Clear),
-        _ => None,
+/// How far the link to the other peer is.
+pub fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Calling => "calling",
+        Stage::Joining => "joining",
+        Stage::Idle => "idle",
+        Stage::Running => "running",
+        Stage::Fading => "fading",
+        Stage::Refused => "refused: other settings",
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use haptic_core::safety::Fault;
-
-    #[test]
-    fn words_carry_what_was_put_in() {
-        assert_eq!(unpack(pack(Mode::Disarmed)), ("disarmed", 0));
-        assert_eq!(unpack(pack(Mode::Armed)), ("armed", 0));
-        assert_eq!(unpack(pack(Mode::Probing)), ("probing", 0));
-        assert_eq!(unpack(pack(Mode::Faulted(Fault::PeerLost))), ("faulted", 5));
-        for command in [Command::Arm, Command::Disarm, Command::Clear] {
-            assert_eq!(ordered(order(77, command)), Some(command));
-            assert_ne!(order(77, command), order(78, command));
-        }
-        assert_eq!(ordered(0), None);
-    }
 
     #[test]
     fn numbers_lead_back_to_causes_and_are_not_the_peers() {

@@ -1,23 +1,14 @@
 //! Storage: saves settings when the console asks, in thread mode, where nothing waits for it.
 //!
-//! While it is at work the motors stay off ([`BUSY`] refuses arming), and saving is asked for only while they are.
-
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+//! While it is at work the motors stay off ([`Saving::Busy`] refuses arming), and saving is asked for only while they are.
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use firmware_parts::kept::Kept;
+use firmware_parts::signals::{Saving, Signals};
 use firmware_parts::store::Store;
 
 use crate::board::flash;
-
-/// A save is under way. Set by the console, cleared here.
-pub(crate) static BUSY: AtomicBool = AtomicBool::new(false);
-/// The last save failed; what was saved before stands.
-pub(crate) static FAILED: AtomicBool = AtomicBool::new(false);
-/// How often something was saved; 0: nothing is there. Has a name in the image for debuggers and tests/board.
-#[unsafe(no_mangle)]
-pub(crate) static SETTINGS_GENERATION: AtomicU32 = AtomicU32::new(0);
 
 static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
 
@@ -44,9 +35,9 @@ impl Origin {
 }
 
 /// What is stored, if `fits` finds nothing against it; the defaults otherwise.
-pub(crate) fn load(flash: &flash::Settings, fits: impl Fn(&Kept) -> bool) -> (Store, Kept, Origin) {
+pub(crate) fn load(flash: &flash::Settings, signals: &Signals, fits: impl Fn(&Kept) -> bool) -> (Store, Kept, Origin) {
     let store = Store::open(flash);
-    SETTINGS_GENERATION.store(store.generation(), Ordering::Relaxed);
+    signals.saves.set(store.generation());
     let (kept, origin) = match store.load(flash) {
         None => (Kept::default(), Origin::Defaults),
         Some(Ok(kept)) if fits(&kept) => (kept, Origin::Stored),
@@ -67,30 +58,31 @@ pub(crate) fn load(flash: &flash::Settings, fits: impl Fn(&Kept) -> bool) -> (St
 }
 
 /// Asks for a save; false while one is under way.
-pub(crate) fn save(kept: &Kept) -> bool {
-    if BUSY.swap(true, Ordering::AcqRel) {
+pub(crate) fn save(signals: &Signals, kept: &Kept) -> bool {
+    if signals.saving.is(Saving::Busy) {
         return false;
     }
+    signals.saving.release(Saving::Busy);
     ASKED.signal(*kept);
     true
 }
 
 /// Saves when asked.
 #[embassy_executor::task]
-pub(crate) async fn run(mut flash: flash::Settings, mut store: Store) -> ! {
+pub(crate) async fn run(mut flash: flash::Settings, mut store: Store, signals: &'static Signals) -> ! {
     loop {
         let kept = ASKED.wait().await;
-        match store.save(&mut flash, &kept).await {
+        let saving = match store.save(&mut flash, &kept).await {
             Ok(generation) => {
-                SETTINGS_GENERATION.store(generation, Ordering::Relaxed);
-                FAILED.store(false, Ordering::Relaxed);
+                signals.saves.set(generation);
                 defmt::info!("settings {=u32} saved", generation);
+                Saving::Done
             }
             Err(_) => {
-                FAILED.store(true, Ordering::Relaxed);
                 defmt::error!("the settings could not be saved: the flash does not take them");
+                Saving::Failed
             }
-        }
-        BUSY.store(false, Ordering::Release);
+        };
+        signals.saving.release(saving);
     }
 }

@@ -1,62 +1,62 @@
 //! Telemetry: what the ticks did, to the operator who asked for it: a decimated stream, or so many ticks in a row.
 //!
-//! A record ([`firmware_parts::record`]) is a sample on the operator's link ([`crate::port`]), oldest first. Whoever misses one
-//! sees it by the ticks' numbers. Events go to defmt, from tasks only.
-
-use core::sync::atomic::{AtomicU32, Ordering};
+//! A record ([`firmware_parts::record`]) is a sample on the operator's link ([`crate::port`]), oldest first. One that finds no
+//! room is lost; whoever misses it sees it by the ticks' numbers. Events go to defmt, from tasks only.
 
 use firmware_parts::exchange::Consumer;
 use firmware_parts::record::{self, Record};
+use firmware_parts::signals::Signals;
 use haptic_protocol::wire::Sample;
 
-use crate::tick::{RECORD_EVERY, RECORDS};
+use crate::tick::RECORDS;
 
 const _: () = assert!(record::BYTES <= Sample::MAX_PAYLOAD);
 
-/// How many records are still to go; [`ENDLESS`] until told otherwise.
-static LEFT: AtomicU32 = AtomicU32::new(0);
+/// Records to go when there is no end to them.
 const ENDLESS: u32 = u32::MAX;
-
-/// Every `every`-th tick from now on; 0 ends it.
-pub(crate) fn stream(every: u32) {
-    LEFT.store(if every > 0 { ENDLESS } else { 0 }, Ordering::Relaxed);
-    RECORD_EVERY.store(every, Ordering::Relaxed);
-}
-
-/// The next `ticks` ticks, every one.
-pub(crate) fn capture(ticks: u32) {
-    LEFT.store(ticks, Ordering::Relaxed);
-    RECORD_EVERY.store(u32::from(ticks > 0), Ordering::Relaxed);
-}
 
 /// The records that wait to be sent.
 pub(crate) struct Telemetry {
     records: Consumer<'static, Record, RECORDS>,
+    signals: &'static Signals,
+    /// How many are still to go; [`ENDLESS`] until told otherwise.
+    left: u32,
 }
 
 impl Telemetry {
-    /// Of these records.
-    pub(crate) fn new(records: Consumer<'static, Record, RECORDS>) -> Self {
-        Self { records }
+    /// Of these records, none until asked for.
+    pub(crate) fn new(records: Consumer<'static, Record, RECORDS>, signals: &'static Signals) -> Self {
+        Self { records, signals, left: 0 }
+    }
+
+    /// Every `every`-th tick from now on; 0 ends it.
+    pub(crate) fn stream(&mut self, every: u32) {
+        self.left = if every > 0 { ENDLESS } else { 0 };
+        self.signals.record_every.set(every);
+    }
+
+    /// The next `ticks` ticks, every one.
+    pub(crate) fn capture(&mut self, ticks: u32) {
+        self.left = ticks;
+        self.signals.record_every.set(u32::from(ticks > 0));
     }
 
     /// Whether somebody wants any.
     pub(crate) fn is_on(&self) -> bool {
-        LEFT.load(Ordering::Relaxed) > 0
+        self.left > 0
     }
 
     /// The next record, if there is one and somebody wants it.
     pub(crate) fn next(&mut self) -> Option<Sample> {
-        let left = LEFT.load(Ordering::Relaxed);
-        if left == 0 {
+        if self.left == 0 {
             while self.records.take().is_some() {}
             return None;
         }
         let record = self.records.take()?;
-        if left != ENDLESS {
-            LEFT.store(left - 1, Ordering::Relaxed);
-            if left == 1 {
-                stream(0);
+        if self.left != ENDLESS {
+            self.left -= 1;
+            if self.left == 0 {
+                self.stream(0);
             }
         }
         Sample::new(record::CODE, &record.bytes()).ok()

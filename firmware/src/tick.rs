@@ -5,17 +5,16 @@
 //! never ends is the watchdog's.
 //!
 //! **Rules**: the highest priority there is, above every critical section; code in ITCM, data in DTCM. No lock, no log, no
-//! allocation, no executor, no await; what it shares with tasks is in [`Shared`] and in single words. It cannot panic.
+//! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
 //! Order, as in host-sim's harness: encoders; operator's orders, probes and a new scene at packet boundaries, stopping at once;
 //! exchange; tick; bridges; record.
 
 use core::mem::MaybeUninit;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use firmware_parts::exchange::{Consumer, Latest, Producer, Queue, Reader, Writer};
+use firmware_parts::exchange::{Producer, Reader, Writer};
 use firmware_parts::record::{self, Record};
-use firmware_parts::status;
+use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::Packet;
@@ -54,7 +53,7 @@ pub(crate) struct Outgoing {
 /// What the network has for the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Received {
-    /// Which life of the link it came by ([`LIFE`]).
+    /// Which life of the link it came by ([`Signals::life`]).
     pub(crate) life: u32,
     /// From the other peer.
     pub(crate) packet: Packet<f32>,
@@ -63,79 +62,27 @@ pub(crate) struct Received {
 /// Records that may wait for telemetry: 64 ms at full rate.
 pub(crate) const RECORDS: usize = 64;
 
-/// The memory that the tick and the tasks share.
-pub(crate) struct Shared {
-    plans: Latest<Plan>,
-    incoming: Latest<Received>,
-    outgoing: Latest<Outgoing>,
-    records: Queue<Record, RECORDS>,
-    probes: Latest<(u32, Probe<f32>)>,
-    probed: Latest<Outcome>,
-}
-
-/// The tasks' side of it.
-pub(crate) struct Tasks {
+/// The tick's side of what it shares with the tasks.
+pub(crate) struct Side {
     /// New scenes, taken while disarmed.
-    pub(crate) plans: Writer<'static, Plan>,
+    pub(crate) plans: Reader<'static, Plan>,
     /// Packets from the other peer.
-    pub(crate) incoming: Writer<'static, Received>,
+    pub(crate) incoming: Reader<'static, Received>,
     /// Packets for the other peer.
-    pub(crate) outgoing: Reader<'static, Outgoing>,
+    pub(crate) outgoing: Writer<'static, Outgoing>,
     /// What the ticks did.
-    pub(crate) records: Consumer<'static, Record, RECORDS>,
+    pub(crate) records: Producer<'static, Record, RECORDS>,
     /// Numbered probes, begun while disarmed.
-    pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
+    pub(crate) probes: Reader<'static, (u32, Probe<f32>)>,
     /// What came of them.
-    pub(crate) probed: Reader<'static, Outcome>,
+    pub(crate) probed: Writer<'static, Outcome>,
+    /// Single words.
+    pub(crate) signals: &'static Signals,
 }
-
-impl Shared {
-    /// Nothing exchanged yet.
-    pub(crate) fn new(plan: Plan) -> Self {
-        Self {
-            plans: Latest::new(plan),
-            incoming: Latest::new(Received::default()),
-            outgoing: Latest::new(Outgoing::default()),
-            records: Queue::default(),
-            probes: Latest::new((0, Probe::default())),
-            probed: Latest::new(Outcome::default()),
-        }
-    }
-}
-
-/// Motors off at the next tick, whatever else is going on. Set by tasks, cleared by the tick.
-pub(crate) static DISARM: AtomicBool = AtomicBool::new(false);
-/// An order for the next packet boundary ([`status::order`]). Set by tasks.
-pub(crate) static ORDER: AtomicU32 = AtomicU32::new(0);
-/// The last [`ORDER`] carried out. Set by the tick.
-pub(crate) static DONE: AtomicU32 = AtomicU32::new(0);
-/// Number of the last probe begun. Set by the tick.
-pub(crate) static BEGUN: AtomicU32 = AtomicU32::new(0);
-/// The signs of every joint in use were checked and agree. Set by the tick.
-pub(crate) static CHECKED: AtomicBool = AtomicBool::new(false);
-/// How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. Set by tasks.
-pub(crate) static LIFE: AtomicU32 = AtomicU32::new(0);
-/// Mode and fault ([`status::pack`]). Set by the tick.
-pub(crate) static STATUS: AtomicU32 = AtomicU32::new(0);
-/// Ticks since boot. Set by the tick.
-pub(crate) static TICKS: AtomicU32 = AtomicU32::new(0);
-/// Ticks that were due before the one before them had ended. Set by the tick.
-pub(crate) static OVERRUNS: AtomicU32 = AtomicU32::new(0);
-/// The bridges went off by the emergency stop. Set by the tick, cleared by tasks.
-pub(crate) static EMERGENCY: AtomicBool = AtomicBool::new(false);
-/// Every how-many-th tick leaves a record; 0: none. Set by tasks.
-pub(crate) static RECORD_EVERY: AtomicU32 = AtomicU32::new(0);
-/// Records that found no room. Set by the tick.
-pub(crate) static RECORDS_LOST: AtomicU32 = AtomicU32::new(0);
 
 /// What the tick owns.
 struct Loop {
-    plans: Reader<'static, Plan>,
-    incoming: Reader<'static, Received>,
-    outgoing: Writer<'static, Outgoing>,
-    records: Producer<'static, Record, RECORDS>,
-    probes: Reader<'static, (u32, Probe<f32>)>,
-    probed: Writer<'static, Outcome>,
+    side: Side,
     /// The check before arming: passed by these joints, of this device.
     passed: [bool; AXES],
     device: u32,
@@ -151,47 +98,26 @@ struct Loop {
 
 static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
 
-/// Hands the tick its side of `shared`; call once, before [`pace::start`].
-pub(crate) fn prepare(shared: &'static mut Shared) -> Tasks {
-    let (plans_in, plans) = shared.plans.split();
-    let (incoming_in, incoming) = shared.incoming.split();
-    let (outgoing, outgoing_out) = shared.outgoing.split();
-    let (records, records_out) = shared.records.split();
-    let (probes_in, probes) = shared.probes.split();
-    let (probed, probed_out) = shared.probed.split();
-    let plan = plans.get();
-    let state = State::new(&plan.scene, plan.home);
-    let device = plan.device;
+/// Hands the tick its side; call once, before [`pace::start`].
+pub(crate) fn prepare(side: Side) {
+    let plan = side.plans.get();
     let this = Loop {
-        plans,
-        incoming,
-        outgoing,
-        records,
-        probes,
-        probed,
         passed: [false; AXES],
-        device,
+        device: plan.device,
         probing: false,
-        state,
+        state: State::new(&plan.scene, plan.home),
         tick: 0,
         life: 0,
         until_record: 0,
         driving: false,
         overrun: false,
+        side,
     };
-    // SAFETY: the interrupt that uses LOOP is not enabled yet, and `shared` exists once, so this runs once.
+    // SAFETY: the interrupt that uses LOOP is not enabled yet, and no other task prepares the tick.
     unsafe {
         let place = &raw mut LOOP;
         (*place).write(this)
     };
-    Tasks {
-        plans: plans_in,
-        incoming: incoming_in,
-        outgoing: outgoing_out,
-        records: records_out,
-        probes: probes_in,
-        probed: probed_out,
-    }
 }
 
 /// The interrupt.
@@ -216,31 +142,32 @@ impl Loop {
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 
         if self.driving && !bridges::live() {
-            EMERGENCY.store(true, Ordering::Relaxed);
+            self.side.signals.emergency.set(true);
             self.stop();
         }
-        if DISARM.load(Ordering::Relaxed) {
+        if self.side.signals.disarm.get() {
             self.stop();
-            DISARM.store(false, Ordering::Release);
+            self.side.signals.disarm.release(false);
         }
         let mut incoming = None;
         if self.state.packet_due() {
             self.boundary();
-            let life = LIFE.load(Ordering::Acquire);
+            let life = self.side.signals.life.acquire();
             if life != self.life {
                 self.life = life;
                 self.state.part();
                 flags |= record::PARTED;
             }
-            incoming = self.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
+            incoming =
+                self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
             flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
-            let packet = peer::exchange(&self.plans.get().scene, &mut self.state, incoming);
+            let packet = peer::exchange(&self.side.plans.get().scene, &mut self.state, incoming);
             let armed = self.state.mode() == Mode::Armed;
-            self.outgoing.write(Outgoing { tick: self.tick, armed, packet });
+            self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
-        let actuators = peer::tick(&self.plans.get().scene, &mut self.state, &sensors);
+        let actuators = peer::tick(&self.side.plans.get().scene, &mut self.state, &sensors);
         self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
@@ -253,20 +180,19 @@ impl Loop {
             self.judge();
         }
 
-        STATUS.store(status::pack(self.state.mode()), Ordering::Relaxed);
-        TICKS.store(self.tick, Ordering::Relaxed);
+        self.side.signals.mode.set(self.state.mode());
+        self.side.signals.ticks.set(self.tick);
         if self.record_due() {
             let record = Record::new(self.tick, counts, incoming, flags, &mut self.state, &actuators);
-            if !self.records.put(record) {
-                RECORDS_LOST.store(RECORDS_LOST.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
-            }
+            // Without room it is lost: whoever misses it sees it by the numbers.
+            let _ = self.side.records.put(record);
         }
         if flags & record::SENT != 0 {
             pace::ring();
         }
         self.overrun = pace::due();
         if self.overrun {
-            OVERRUNS.store(OVERRUNS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+            self.side.signals.overruns.count();
         }
     }
 
@@ -274,44 +200,43 @@ impl Loop {
     #[inline(always)]
     fn stop(&mut self) {
         self.command(Command::Disarm);
-        DONE.store(ORDER.load(Ordering::Acquire), Ordering::Release);
-        if self.probes.fetch() {
-            BEGUN.store(self.probes.get().0, Ordering::Release);
+        self.side.signals.done.release(self.side.signals.order.acquire());
+        if self.side.probes.fetch() {
+            self.side.signals.begun.release(self.side.probes.get().0);
         }
     }
 
     /// What may happen only between packets: a new scene or a probe while disarmed, and the operator's order.
     #[inline(always)]
     fn boundary(&mut self) {
-        if self.state.mode() == Mode::Disarmed && self.plans.fetch() {
-            let plan = self.plans.get();
+        if self.state.mode() == Mode::Disarmed && self.side.plans.fetch() {
+            let plan = self.side.plans.get();
             self.state = State::new(&plan.scene, plan.home);
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; AXES];
             }
         }
-        if self.probes.fetch() {
-            let (number, probe) = *self.probes.get();
+        if self.side.probes.fetch() {
+            let (number, probe) = *self.side.probes.get();
             self.state.probe(probe);
             self.probing = self.state.mode() == Mode::Probing;
-            self.probed.write(self.state.probed());
-            BEGUN.store(number, Ordering::Release);
+            self.side.probed.write(self.state.probed());
+            self.side.signals.begun.release(number);
         }
-        let order = ORDER.load(Ordering::Acquire);
-        if order != DONE.load(Ordering::Relaxed) {
-            match status::ordered(order) {
-                Some(Command::Arm) if !self.checked() => {}
-                Some(command) => self.command(command),
-                None => {}
+        let order = self.side.signals.order.acquire();
+        if order != self.side.signals.done.get() {
+            // Unchecked, the motors stay off.
+            if order.command != Command::Arm || self.checked() {
+                self.command(order.command);
             }
-            DONE.store(order, Ordering::Release);
+            self.side.signals.done.release(order);
         }
     }
 
     /// Every joint in use has passed the check before arming.
     fn checked(&self) -> bool {
-        self.passed.iter().take(self.plans.get().scene.axes()).all(|passed| *passed)
+        self.passed.iter().take(self.side.plans.get().scene.axes()).all(|passed| *passed)
     }
 
     /// After the tick that ended a probe.
@@ -327,7 +252,7 @@ impl Loop {
                 }
             }
         }
-        self.probed.write(outcome);
+        self.side.probed.write(outcome);
     }
 
     /// With the motors off: what came of a probe, and whether the last check still stands.
@@ -341,13 +266,13 @@ impl Loop {
         {
             self.passed = [false; AXES];
         }
-        CHECKED.store(self.checked(), Ordering::Relaxed);
+        self.side.signals.checked.set(self.checked());
     }
 
     #[inline(always)]
     fn command(&mut self, command: Command) {
         let before = self.state.mode();
-        self.state.command(&self.plans.get().scene, command);
+        self.state.command(&self.side.plans.get().scene, command);
         if before != Mode::Armed && self.state.mode() == Mode::Armed {
             // Nobody is there until he is heard.
             self.state.part();
@@ -356,7 +281,7 @@ impl Loop {
 
     #[inline(always)]
     fn record_due(&mut self) -> bool {
-        let every = RECORD_EVERY.load(Ordering::Relaxed);
+        let every = self.side.signals.record_every.get();
         if every == 0 {
             self.until_record = 0;
             return false;

@@ -38,7 +38,7 @@ fn generation(firmware: &Arc<Firmware>, flash: &[(u64, u32)]) -> u32 {
     let node = Node::new(firmware.clone(), 1);
     node.run(60_000_000, Inputs { poke: flash.to_vec(), ..Inputs::default() });
     assert_eq!(node.wait().resets, 0);
-    let at = firmware.address("SETTINGS_GENERATION");
+    let at = firmware.address("SIGNALS");
     node.run(60_001_000, Inputs { peek: vec![at], ..Inputs::default() });
     let [generation] = node.wait().peeked[..] else { panic!("one word") };
     node.finish();

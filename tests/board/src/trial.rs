@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use firmware_parts::record::{RECEIVED, Record, SENT};
-use haptic_core::safety::Fault;
+use haptic_core::safety::Mode;
 use haptic_sim::network::rule::{Direction, Fates};
 use haptic_sim::report::table::{Column, Table};
 use haptic_sim::run::{Options, Outcome, PortEnergy, Spread};
@@ -176,8 +176,10 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
     let force = mean(&|_, two| f64::from(two.coordination_n()));
     let variance = mean(&|_, two| (f64::from(two.coordination_n()) - force).powi(2));
     let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
-        let stopped = [one, two].into_iter().position(|record| record.fault() != 0)?;
-        Some((tick, stopped + 1, Fault::from_number([one, two][stopped].fault())?))
+        (1..).zip([one, two]).find_map(|(peer, record)| match record.mode() {
+            Mode::Faulted(fault) => Some((tick, peer, fault)),
+            _ => None,
+        })
     });
     let every = (ticks / like.table.len().max(1)).max(1);
     let rows: Vec<Vec<f64>> = (pairs().enumerate().step_by(every))

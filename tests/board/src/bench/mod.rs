@@ -14,6 +14,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use firmware_parts::record::Record;
+use haptic_core::safety::Mode;
 use haptic_sim::scene::SceneFile;
 
 use crate::cost::Meter;
@@ -285,7 +286,7 @@ impl Bench {
     /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
     pub fn armed_ticks(&self, number: usize) -> &[Record] {
         let records = &self.pc.records[number - 1];
-        let armed = records.iter().position(|record| record.mode() == 1).unwrap_or(records.len());
+        let armed = records.iter().position(|record| record.mode() == Mode::Armed).unwrap_or(records.len());
         let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
         let first = records.get(armed).map_or(0, |record| record.tick() + held);
         &records[armed + records[armed..].iter().take_while(|record| record.tick() < first).count()..]

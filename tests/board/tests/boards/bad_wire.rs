@@ -6,6 +6,7 @@ use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial::{self, Trial};
 use firmware_parts::record::Record;
+use haptic_core::safety::Mode;
 use haptic_sim::scenes;
 
 const SECONDS: f64 = 10.0;
@@ -56,7 +57,7 @@ fn they_stay_armed_and_nothing_jerks() {
     let ticks = (1000.0 * SECONDS) as u64;
     for trial in [&clean, &bad] {
         assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, ticks, 0));
-        assert!(trial.records.iter().flatten().all(|record| record.mode() == 1), "a board did not stay armed");
+        assert!(trial.records.iter().flatten().all(|record| record.mode() == Mode::Armed), "a board did not stay armed");
         assert_eq!(trial.equal.first_difference, None);
         assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
         trial.reports.iter().for_each(reviewed::check);

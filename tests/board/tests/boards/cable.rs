@@ -9,6 +9,7 @@ use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
+use haptic_core::safety::Mode;
 use haptic_sim::board::recording;
 use haptic_sim::scenes;
 
@@ -58,14 +59,14 @@ fn pulled_and_put_back() {
 
     let records = bench.armed_ticks(2);
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
-    assert!(records.iter().all(|record| record.mode() == 1), "it stayed armed");
+    assert!(records.iter().all(|record| record.mode() == Mode::Armed), "it stayed armed");
     for record in records {
         let row = recording::row(&record.bytes(), 0.001).expect("a record");
         let named = |name: &str| row[recording::COLUMNS.iter().position(|column| *column == name).expect("a column")];
         let [counts, _] = record.counts();
         let [duty, _] = record.duties();
         assert_eq!(named("tick"), f64::from(record.tick()));
-        assert_eq!([named("mode"), named("fault")], [record.mode(), record.fault()].map(f64::from));
+        assert_eq!([named("mode"), named("fault")], [1.0, 0.0]);
         assert_eq!(named("flags"), f64::from(record.flags()));
         assert_eq!([named("encoder_1_counts"), 32767.0 * named("duty_1")], [f64::from(counts), f64::from(duty)]);
         let [received, sent] = record.energy_j().map(f64::from);

@@ -1,0 +1,160 @@
+//! The flow to and from the other peer: the 8 ms exchange, sealed ([`Link`]). Never waits for the network.
+//!
+//! From port 7701 to port 7701, one datagram each packet period, the moment the tick has made it. A datagram that cannot be
+//! handed to the driver now (neighbour unresolved, link down, queue full) is dropped: the next one is newer. Of what comes in
+//! the link takes what is authentic and newer than the last; only flow of a peer whose motors are on reaches the tick. When
+//! the link lets go of the other peer, the tick does too ([`Signals::life`]).
+
+use embassy_futures::select::{Either3, select3};
+use embassy_net::{IpEndpoint, Stack};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
+use embassy_time::Instant;
+use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::packet;
+use firmware_parts::signals::Signals;
+use haptic_core::settings::Settings;
+use haptic_protocol::ends::Ends;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Config, Incoming, Link, Notice};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
+
+use crate::board::{Number, pace, random};
+use crate::sockets::{self, send_now};
+use crate::tick::{Outgoing, Received};
+
+/// Port of the flow, at both ends.
+pub(crate) const PORT: u16 = 7701;
+
+/// Settings that the tick was told: the link has to agree with the other peer about them anew.
+static TOLD: Signal<CriticalSectionRawMutex, Settings> = Signal::new();
+
+/// Tells the link which settings the tick was told.
+pub(crate) fn tell(settings: Settings) {
+    TOLD.signal(settings);
+}
+
+/// A link to the other peer that begins to call; `None` without randomness.
+pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<Link> {
+    let timing = &settings.timing;
+    Link::new(Config {
+        key: key.clone(),
+        ends: Ends { local: number.peer(), remote: number.other().peer() },
+        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
+        parameters: packet::parameters(settings),
+        entropy: random::draw()?,
+    })
+    .ok()
+}
+
+/// The flow to and from the other peer.
+pub(crate) struct Flow {
+    pub(crate) key: Key,
+    pub(crate) number: Number,
+    pub(crate) link: &'static mut Link,
+    pub(crate) peer: IpEndpoint,
+    pub(crate) outgoing: Reader<'static, Outgoing>,
+    pub(crate) incoming: Writer<'static, Received>,
+    pub(crate) signals: &'static Signals,
+    /// The other peer's motors have gone off since its last flow that counted.
+    pub(crate) apart: bool,
+    /// The link still has the old settings.
+    pub(crate) outdated: bool,
+}
+
+impl Flow {
+    /// Takes a datagram.
+    fn receive(&mut self, datagram: &mut [u8]) {
+        let taken = self.link.receive(now(), datagram);
+        // Before the flow is handed on: it may be the first of another life of the other peer.
+        self.heed();
+        match taken {
+            Ok(Some(Incoming::Flow(flow))) => {
+                self.signals.received.count();
+                if self.outdated {
+                    return;
+                }
+                if !flow.engaged {
+                    self.apart = true;
+                } else {
+                    if core::mem::take(&mut self.apart) {
+                        // Armed anew it counts from zero, from another place: nothing that came before goes with it.
+                        self.signals.life.count();
+                    }
+                    let life = self.signals.life.get();
+                    self.incoming.write(Received { life, packet: packet::packet(&flow) });
+                }
+            }
+            Ok(_) => {}
+            Err(_) => self.signals.refused.count(),
+        }
+    }
+
+    /// What the link has noticed.
+    fn heed(&mut self) {
+        while let Some(notice) = self.link.take_notice() {
+            match notice {
+                Notice::Joined => defmt::info!("peer: joined"),
+                Notice::NewPeer { .. } => defmt::info!("peer: has started anew"),
+                Notice::Engaged => defmt::info!("peer: engaged, flow comes"),
+                Notice::Fading => defmt::warn!("peer: fading, no flow for 3 packets"),
+                Notice::Resumed => defmt::info!("peer: resumed, flow again"),
+                Notice::Disengaged => {
+                    defmt::warn!("peer: disengaged, no flow for 12 packets or another session");
+                    self.signals.life.count();
+                }
+                Notice::Lost => defmt::warn!("peer: lost, silent for 12 packets or another session"),
+                Notice::Refused { table } => {
+                    defmt::error!("peer: refused, it was told other settings: table {=str}", table);
+                }
+            }
+        }
+        self.signals.stage.set(self.link.stage());
+    }
+
+    /// Other settings: the other peer has to be told them too before the two meet again.
+    #[inline(never)]
+    fn told(&mut self, settings: &Settings) {
+        self.signals.life.count();
+        if let Some(link) = connect(&self.key, self.number, settings) {
+            *self.link = link;
+            self.outdated = false;
+        } else {
+            self.outdated = true;
+            defmt::error!("peer: no randomness for a new session, so no peer: the old session has the old settings");
+        }
+    }
+}
+
+fn now() -> u64 {
+    Instant::now().as_micros()
+}
+
+/// Sends what the tick made, the moment it made it, and takes in what the other peer sent.
+#[embassy_executor::task]
+pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
+    let socket = sockets::socket(stack, PORT);
+    let signals = flow.signals;
+    let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
+    loop {
+        match select3(pace::rung(), socket.recv_from(&mut bytes), TOLD.wait()).await {
+            Either3::First(()) => {
+                if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
+                    && !flow.outdated
+                    && let Some(length) = flow.link.send_flow(now(), &packet::flow(packet, armed, tick), &mut out)
+                {
+                    let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
+                    (if sent { &signals.sent } else { &signals.dropped }).count();
+                }
+            }
+            Either3::Second(Ok((length, _))) => flow.receive(bytes.get_mut(..length).unwrap_or_default()),
+            Either3::Second(Err(_)) => signals.refused.count(),
+            Either3::Third(settings) => flow.told(&settings),
+        }
+        while let Some(length) = flow.link.poll(now(), &mut out) {
+            // What the link repeats by itself needs no count.
+            send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
+        }
+        flow.heed();
+    }
+}

@@ -1,0 +1,278 @@
+//! Every word that the 1 kHz interrupt and the tasks share, typed. What does not fit in a word goes through [`crate::exchange`].
+//!
+//! A word is loaded and stored whole: nobody sees half a value, and nothing here waits. Each is written from one priority only,
+//! named beside it; where two are named, the tasks ask by it and the tick answers, or the other way round.
+//!
+//! Limit: order. Whoever reads by [`Word::acquire`] what was stored by [`Word::release`] also sees all that was done before it;
+//! [`Word::get`] and [`Word::set`] say nothing about other memory.
+
+use core::marker::PhantomData;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use haptic_core::safety::{Command, Fault, Mode};
+use haptic_protocol::link::Stage;
+
+/// What fits in a word.
+pub trait Coded: Copy {
+    /// As a number; a word that nothing was stored in is 0.
+    fn code(self) -> u32;
+    /// From such a number; any other means the same as one of them.
+    fn decode(code: u32) -> Self;
+}
+
+impl Coded for u32 {
+    #[inline]
+    fn code(self) -> u32 {
+        self
+    }
+    #[inline]
+    fn decode(code: u32) -> Self {
+        code
+    }
+}
+
+/// Mode in bits 0–7, fault number in bits 8–15, as in a record.
+impl Coded for Mode {
+    #[inline]
+    fn code(self) -> u32 {
+        match self {
+            Self::Disarmed => 0,
+            Self::Armed => 1,
+            Self::Faulted(fault) => 2 | u32::from(fault.number()) << 8,
+            Self::Probing => 3,
+        }
+    }
+    fn decode(code: u32) -> Self {
+        match code & 0xFF {
+            0 => Self::Disarmed,
+            1 => Self::Armed,
+            3 => Self::Probing,
+            _ => Self::Faulted(Fault::from_number((code >> 8) as u8).unwrap_or(Fault::NonFiniteInput)),
+        }
+    }
+}
+
+/// An order of the operator; its number tells it from the same command given again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    number: u32,
+    /// What is to be done.
+    pub command: Command,
+}
+
+impl Order {
+    /// The order after this one.
+    pub fn next(self, command: Command) -> Self {
+        Self { number: self.number.wrapping_add(1) & 0xFF_FFFF, command }
+    }
+}
+
+/// Command in bits 0–7, number in bits 8–31. A word that nobody ordered anything by could only disarm.
+impl Coded for Order {
+    #[inline]
+    fn code(self) -> u32 {
+        let command = match self.command {
+            Command::Disarm => 0,
+            Command::Arm => 1,
+            Command::Clear => 2,
+        };
+        self.number << 8 | command
+    }
+    #[inline]
+    fn decode(code: u32) -> Self {
+        let command = match code & 0xFF {
+            1 => Command::Arm,
+            2 => Command::Clear,
+            _ => Command::Disarm,
+        };
+        Self { number: code >> 8, command }
+    }
+}
+
+/// How the last save of settings stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Saving {
+    /// There was none, or it succeeded.
+    Done,
+    /// It is under way.
+    Busy,
+    /// It failed; what was saved before stands.
+    Failed,
+}
+
+/// What is one of a few, the first of them by default.
+macro_rules! listed {
+    ($($type:ty: $first:expr $(, $other:expr)*;)*) => {$(
+        impl Coded for $type {
+            #[inline]
+            fn code(self) -> u32 {
+                self as u32
+            }
+            #[inline]
+            fn decode(code: u32) -> Self {
+                $(if code == $other as u32 { return $other })*
+                $first
+            }
+        }
+    )*};
+}
+
+listed! {
+    bool: false, true;
+    Saving: Saving::Done, Saving::Busy, Saving::Failed;
+    Stage: Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused;
+}
+
+/// A word that holds a `T`.
+#[derive(Debug)]
+pub struct Word<T>(AtomicU32, PhantomData<fn(T) -> T>);
+
+impl<T: Coded> Word<T> {
+    const fn zero() -> Self {
+        Self(AtomicU32::new(0), PhantomData)
+    }
+
+    /// What it holds.
+    #[inline]
+    pub fn get(&self) -> T {
+        T::decode(self.0.load(Ordering::Relaxed))
+    }
+
+    /// Holds this from now on.
+    #[inline]
+    pub fn set(&self, value: T) {
+        self.0.store(value.code(), Ordering::Relaxed);
+    }
+
+    /// What it holds, before anything that follows is done.
+    #[inline]
+    pub fn acquire(&self) -> T {
+        T::decode(self.0.load(Ordering::Acquire))
+    }
+
+    /// Holds this from now on, after all that came before is done.
+    #[inline]
+    pub fn release(&self, value: T) {
+        self.0.store(value.code(), Ordering::Release);
+    }
+
+    /// Whether it holds this, as [`Word::acquire`] does.
+    #[inline]
+    pub fn is(&self, value: T) -> bool {
+        self.0.load(Ordering::Acquire) == value.code()
+    }
+}
+
+impl Word<u32> {
+    /// One more.
+    #[inline]
+    pub fn count(&self) {
+        self.release(self.get().wrapping_add(1));
+    }
+}
+
+/// Declares the words; all begin at 0.
+macro_rules! signals {
+    ($($(#[$doc:meta])* $name:ident: $type:ty,)*) => {
+        /// All of them.
+        #[derive(Debug)]
+        #[repr(C)]
+        pub struct Signals {
+            $($(#[$doc])* pub $name: Word<$type>,)*
+        }
+
+        impl Signals {
+            /// As they are when power comes on.
+            pub const fn at_power_on() -> Self {
+                Self { $($name: Word::zero(),)* }
+            }
+        }
+    };
+}
+
+signals! {
+    /// How often settings were saved; 0: nothing is there. By storage; the first word, where debuggers and tests/board look.
+    saves: u32,
+    /// By console and storage.
+    saving: Saving,
+    /// Motors off at the next tick, whatever else is going on. Set by tasks, cleared by the tick.
+    disarm: bool,
+    /// For the next packet boundary. By the console.
+    order: Order,
+    /// The last order carried out or withdrawn. By the tick.
+    done: Order,
+    /// Number of the last probe begun. By the tick.
+    begun: u32,
+    /// The signs of every joint in use were checked and agree. By the tick.
+    checked: bool,
+    /// The bridges went off by the emergency stop. Set by the tick, cleared by tasks.
+    emergency: bool,
+    /// How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By the network.
+    life: u32,
+    /// By the tick.
+    mode: Mode,
+    /// Ticks since boot. By the tick.
+    ticks: u32,
+    /// Ticks that were due before the one before them had ended. By the tick.
+    overruns: u32,
+    /// Every how-many-th tick leaves a record; 0: none. By telemetry.
+    record_every: u32,
+    /// How far the link to the other peer is. By the network.
+    stage: Stage,
+    /// Datagrams handed to the driver. By the network.
+    sent: u32,
+    /// Datagrams dropped because the driver could not take them. By the network.
+    dropped: u32,
+    /// Datagrams taken in. By the network.
+    received: u32,
+    /// Datagrams refused: not authentic, or of no use; on the operator's port too. By the network.
+    refused: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Code and value lead to each other, and no two values share a code.
+    fn told_apart<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {
+        let signals = all.iter().map(|value| (value, value.code()));
+        for (value, code) in signals.clone() {
+            assert_eq!(T::decode(code), *value);
+            assert_eq!(signals.clone().filter(|(_, other)| *other == code).count(), 1, "{value:?}");
+        }
+    }
+
+    #[test]
+    fn words_carry_what_was_put_in() {
+        let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter();
+        let modes = modes.chain(Fault::ALL.into_iter().map(Mode::Faulted));
+        told_apart(&modes.collect::<heapless::Vec<_, 16>>());
+        told_apart(&[Saving::Done, Saving::Busy, Saving::Failed]);
+        told_apart(&[Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused]);
+        told_apart(&[false, true]);
+        assert_eq!(Mode::Faulted(Fault::PeerLost).code(), 0x0502, "as records have it");
+
+        let signals = Signals::at_power_on();
+        assert_eq!(
+            (signals.mode.get(), signals.saving.get(), signals.stage.get()),
+            (Mode::Disarmed, Saving::Done, Stage::Calling)
+        );
+        assert_eq!((signals.order.get().command, signals.order.get()), (Command::Disarm, signals.done.get()));
+    }
+
+    #[test]
+    fn the_same_command_given_again_is_another_order() {
+        let signals = Signals::at_power_on();
+        for command in [Command::Arm, Command::Arm, Command::Disarm, Command::Clear, Command::Clear] {
+            let order = signals.order.get().next(command);
+            signals.order.release(order);
+            assert!(signals.order.is(order) && !signals.done.is(order));
+            assert_eq!(signals.order.acquire().command, command);
+            signals.done.release(signals.order.acquire());
+            assert!(signals.done.is(order));
+        }
+        // Numbers come round.
+        let last = Order { number: 0xFF_FFFF, command: Command::Arm };
+        told_apart(&[last, last.next(Command::Arm), last.next(Command::Arm).next(Command::Arm)]);
+    }
+}
