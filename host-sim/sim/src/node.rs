@@ -1,8 +1,8 @@
 //! One peer on a wire, whoever brings the time and the datagrams: the tick and exchange that fly, a simulated device in a
 //! simulated hand, a sealed link.
 //!
-//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time ([`super::peer`]), a
-//! flood ([`super::flood`]) and restarts in virtual time ([`super::restarts`]) drive the same lines.
+//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time , a
+//! flood  and restarts in virtual time  drive the same lines.
 //!
 //! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
 //! end lets go at once. The peer's own ladder (`haptic_core::law::ladder`) knows *how much* comes: it fades packets

@@ -12,7 +12,7 @@
 //!
 //! | module | serves |
 //! |---|---|
-//! | [`cases`] | what is counted, on a PC and on the microcontroller's processor |
+//! | `haptic_cases` | what is counted, on a PC and on the microcontroller's processor |
 //! | [`counts`] | instructions, counted and reviewed, of the board's processor and of a PC's |
 //! | [`pareto`] | which choices nobody beats |
 //! | [`cost`] | what each model adds to a scene's tick |
