@@ -44,12 +44,7 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     step("parts of the image", parts_of_the_image)?;
 
-    step("golden traces, release", || {
-        for (package, test) in golden_tests()? {
-            run(&mut cargo(&["test", "--locked", "--release", "--package", &package, "--test", &test]))?;
-        }
-        Ok(())
-    })?;
+    step("golden traces, release", golden_traces)?;
 
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
 
@@ -130,35 +125,9 @@ fn virtual_board(ready: &Ready) -> Result<(), Failure> {
     })
 }
 
-/// Tests that must give the same bits in every build, found by their names: package and test target of every
-/// `<room>/tests/golden*.rs`.
-fn golden_tests() -> Result<Vec<(String, String)>, Failure> {
-    let unreadable = |cause| Failure::new(format!("cannot list the rooms of {}: {cause}", run::root().display()));
-    let mut found = Vec::new();
-    for room in std::fs::read_dir(run::root()).map_err(unreadable)?.flatten() {
-        let Ok(tests) = std::fs::read_dir(room.path().join("tests")) else { continue };
-        for test in tests.flatten() {
-            let name = test.file_name().to_string_lossy().into_owned();
-            if let Some(stem) = name.strip_suffix(".rs").filter(|stem| stem.starts_with("golden")) {
-                found.push((package(&room.file_name().to_string_lossy()), stem.to_owned()));
-            }
-        }
-    }
-    found.sort();
-    if found.is_empty() {
-        return Err(Failure::new(
-            "there is no golden trace: expected host-sim/tests/golden.rs; was it moved or renamed?",
-        ));
-    }
-    Ok(found)
-}
-
-/// The package in a room.
-fn package(room: &str) -> String {
-    match room {
-        "core" | "protocol" => format!("haptic-{room}"),
-        other => other.to_owned(),
-    }
+/// The golden traces of every built-in scene: the same bits in every build.
+fn golden_traces() -> Result<(), Failure> {
+    run(&mut cargo(&["test", "--locked", "--release", "--package", "haptic-sim", "--test", "golden"]))
 }
 
 fn advice(failure: &Failure, advice: &str) -> Failure {

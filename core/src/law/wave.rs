@@ -10,7 +10,7 @@
 //! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
 //! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where there
-//! is one, `host-sim/tests/analysis/bounds.rs` says. Square roots are taken once, in `build()`.
+//! is one, `host-sim/analysis/tests/suite/bounds.rs` says. Square roots are taken once, in `build()`.
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};

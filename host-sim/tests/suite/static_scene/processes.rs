@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use serde_json::Value;
 
+use super::world_file::TWO_ROOMS;
 use crate::program::{Keys, free, host_sim, report};
-use crate::world_file::TWO_ROOMS;
 
 /// A server that ends with the test.
 struct Served(Child);

@@ -5,7 +5,7 @@ use haptic_sim::scene::SceneFile;
 
 #[test]
 fn every_row_of_the_oracle() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/oracle/spectral.csv");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/spectral.csv");
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
     let header = reader.headers().unwrap().clone();
     let mut rows = 0;

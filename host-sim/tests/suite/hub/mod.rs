@@ -2,6 +2,4 @@
 
 mod junction;
 mod processes;
-#[path = "../program/mod.rs"]
-mod program;
 mod virtual_time;

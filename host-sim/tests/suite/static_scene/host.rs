@@ -7,7 +7,7 @@ use host_sim::shared::visit::host::{Host, MOST_LINES};
 use host_sim::shared::visit::visitor::{Setup, Visitor};
 use host_sim::shared::world::load;
 
-use crate::world_file::TWO_ROOMS;
+use super::world_file::TWO_ROOMS;
 
 const CLIENT: u32 = 1;
 const STRANGER: u32 = 666;

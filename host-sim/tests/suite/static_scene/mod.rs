@@ -3,8 +3,6 @@
 mod host;
 mod network;
 mod processes;
-#[path = "../program/mod.rs"]
-mod program;
 mod render;
 mod sim;
 mod stroke;

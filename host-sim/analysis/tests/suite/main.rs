@@ -5,6 +5,7 @@ mod advice;
 mod agreement;
 mod bounds;
 mod envelope;
+mod hard_cases;
 mod oracle;
 mod random;
 mod theory;

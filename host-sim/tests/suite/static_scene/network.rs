@@ -11,8 +11,8 @@ use haptic_protocol::wire::PeerId;
 use host_sim::shared::world::render::Renderer;
 use host_sim::shared::world::{OBJECTS, World, load, parse};
 
-use crate::sim::Sim;
-use crate::world_file::TWO_ROOMS;
+use super::sim::Sim;
+use super::world_file::TWO_ROOMS;
 
 /// 30 % loss in runs, jitter, reorder, duplicates and broken bits.
 const BAD: &[&str] = &[

@@ -3,7 +3,7 @@
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::SceneFile;
 
-const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/oracle/simulations.csv");
+const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/simulations.csv");
 
 /// Every scene of the table: seeded random masses, gains, delays of force 0…1 tick, laws, decodes, integrators.
 #[test]

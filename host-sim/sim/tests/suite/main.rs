@@ -1,0 +1,4 @@
+//! Runs against an independent oracle, and calibration of a simulated board.
+
+mod calibrate;
+mod oracle;

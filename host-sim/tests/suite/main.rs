@@ -1,0 +1,18 @@
+//! host-sim as a user runs it, and what it offers beside its command line. One program for all, so that they are linked once.
+
+mod accuracy;
+mod architectures;
+mod bad_input;
+mod campaign;
+mod collaborate;
+mod command_line;
+mod cooperative;
+mod costs;
+mod flood;
+mod hub;
+mod live;
+mod operator;
+mod program;
+mod restarts;
+mod squash;
+mod static_scene;
