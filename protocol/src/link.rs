@@ -27,8 +27,8 @@ use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
 use crate::wire::{
-    Ask, Challenge, Datagram, Event, Flow, Greeting, GreetingKind, Message, Moved, Part, Presence, Probe, Push, Reply,
-    Sample, Telemetry,
+    Ask, Challenge, Datagram, Event, Flow, Goodbye, Greeting, GreetingKind, Message, Moved, Part, Presence, Probe,
+    Push, Reply, Sample, Telemetry,
 };
 
 mod error;
@@ -249,6 +249,16 @@ impl Link {
     pub fn send_moved(&mut self, now: u64, moved: &Moved, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         self.seal(now, &Message::Moved(*moved), out)
+    }
+
+    /// Seals a goodbye into `out` and ends the session; `None` as for [`Link::send_flow`]. The other end then knows at once what it
+    /// would otherwise gather from 12 packet periods of silence. Said once: lost, it is the silence after all. A link that is
+    /// polled on calls anew.
+    pub fn goodbye(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
+        self.advance(now);
+        let len = self.seal(now, &Message::Goodbye(Goodbye), out);
+        self.end();
+        len
     }
 
     /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.

@@ -131,6 +131,7 @@ impl Link {
             Message::Moved(moved) => return Some(Incoming::Moved(moved)),
             Message::Event(event) => self.event(event),
             Message::Ack(ack) => self.sender.acknowledge(&ack),
+            Message::Goodbye(_) => self.end(),
             Message::Probe(wire::Probe { sent_us }) => self.probed = Some((sent_us, now)),
             Message::Reply(reply) => {
                 // A reply with impossible times says nothing; the sender's clock may have been set.

@@ -41,7 +41,7 @@ pub enum Notice {
     Resumed,
     /// The engagement is 0: no flow for 12 packet periods, or the session has ended.
     Disengaged,
-    /// The session has ended: silence for 12 packet periods, or the other peer has started another one.
+    /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
     Lost,
     /// The other peer was told something else.
     Refused {

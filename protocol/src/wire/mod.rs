@@ -18,6 +18,7 @@ mod ask;
 pub(crate) mod bytes;
 mod event;
 mod flow;
+mod goodbye;
 mod greeting;
 mod header;
 mod moved;
@@ -33,6 +34,7 @@ pub use ack::Ack;
 pub use ask::{Ask, Bits, Topic};
 pub use event::Event;
 pub use flow::Flow;
+pub use goodbye::Goodbye;
 pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
 pub use moved::Moved;
@@ -81,6 +83,8 @@ pub enum Message {
     Probe(Probe),
     /// The answer to a probe.
     Reply(Reply),
+    /// The sender ends the session.
+    Goodbye(Goodbye),
     /// A client wants parts of the world.
     Ask(Ask),
     /// A part of the world.
@@ -105,6 +109,7 @@ impl Message {
             Some(Ack::KIND) => Ack::parse(bytes).map(Self::Ack),
             Some(Probe::KIND) => Probe::parse(bytes).map(Self::Probe),
             Some(Reply::KIND) => Reply::parse(bytes).map(Self::Reply),
+            Some(Goodbye::KIND) => Goodbye::parse(bytes).map(Self::Goodbye),
             Some(Ask::KIND) => Ask::parse(bytes).map(Self::Ask),
             Some(Part::KIND) => Part::parse(bytes).map(Self::Part),
             Some(Presence::KIND) => Presence::parse(bytes).map(Self::Presence),
@@ -125,6 +130,7 @@ impl Message {
             Self::Ack(ack) => ack.emit(out),
             Self::Probe(probe) => probe.emit(out),
             Self::Reply(reply) => reply.emit(out),
+            Self::Goodbye(goodbye) => goodbye.emit(out),
             Self::Ask(ask) => ask.emit(out),
             Self::Part(part) => part.emit(out),
             Self::Presence(presence) => presence.emit(out),

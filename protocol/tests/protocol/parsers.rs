@@ -3,8 +3,8 @@
 use haptic_protocol::database::{Manifest, Scope};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
-    Ack, Ask, Bits, Event, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved, Page, Part,
-    Payload, PeerId, Presence, Probe, Push, Reply, Sighting, TABLES, Telemetry, Topic,
+    Ack, Ask, Bits, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved,
+    Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sighting, TABLES, Telemetry, Topic,
 };
 use proptest::prelude::*;
 
@@ -103,6 +103,7 @@ fn messages() -> impl Strategy<Value = Message> {
         presence,
         push,
         moved,
+        Just(Message::Goodbye(Goodbye)),
         any::<(u32, u32)>().prop_map(|(next, ahead)| Message::Ack(Ack { next, ahead })),
         any::<u64>().prop_map(|sent_us| Message::Probe(Probe { sent_us })),
         any::<[u64; 3]>().prop_map(|[probe_sent_us, probe_received_us, sent_us]| {
@@ -125,7 +126,7 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
             bytes
         });
     let any_kind =
-        (prop_oneof![1..7u8, 16..19u8], prop::collection::vec(any::<u8>(), 0..130)).prop_map(|(kind, mut bytes)| {
+        (prop_oneof![1..8u8, 16..19u8], prop::collection::vec(any::<u8>(), 0..130)).prop_map(|(kind, mut bytes)| {
             if let Some(first) = bytes.first_mut() {
                 *first = kind;
             }

@@ -1,7 +1,8 @@
 //! Peers restart at any instant, 10,000 times, and always find each other again: from zero, within half a second.
 
-use crate::world::{CLEAN, Impairment, World};
-use haptic_protocol::link::{Notice, Stage};
+use crate::world::{CLEAN, Impairment, World, config, state};
+use haptic_protocol::link::{Link, Notice, Stage};
+use haptic_protocol::wire::MAX_DATAGRAM;
 
 /// Restarts one peer or the other at random instants; the longest time to re-engage and to full engagement, ms.
 fn restarts(count: u32, seed: u64, impairment: Impairment) -> (u64, u64) {
@@ -87,4 +88,29 @@ fn far_apart() {
         let mut world = World::new(5, Impairment { loss: 0.2, duplicate: 0.1, delay, jitter: 12_000 });
         assert!(world.run_until(3_000_000, World::is_engaged).is_some(), "{delay} µs: {:?}", world.stages());
     }
+}
+
+/// A peer that says goodbye is gone at once, and not after 12 packet periods of silence; a lost goodbye is that silence.
+#[test]
+fn a_goodbye_ends_the_session_at_once() {
+    for (heard, limit) in [(true, 2_000), (false, 120_000)] {
+        let mut world = World::engaged(7);
+        let mut out = [0; MAX_DATAGRAM];
+        let len = world.links[0].goodbye(world.clock(0), &mut out).expect("a session to end");
+        world.off[0] = true;
+        if heard {
+            world.send(0, &out[..len]);
+        }
+        world.notices[1].clear();
+        let after = world.run_until(limit, |world| world.stages()[1] == Stage::Calling);
+        assert!(after.is_some_and(|after| heard || after > 80_000), "{after:?}");
+        assert!(world.notices[1].ends_with(&[Notice::Disengaged, Notice::Lost]), "{:?}", world.notices[1]);
+        // Said once more it ends nothing: the session that it is for is over.
+        let before = state(&world.links[1]);
+        assert!(world.links[1].receive(world.clock(1), &mut out[..len]).is_err() && state(&world.links[1]) == before);
+        // The same peer again: it calls, and both go on.
+        world.off[0] = false;
+        assert!(world.run_until(1_000_000, World::is_engaged).is_some());
+    }
+    assert_eq!(Link::new(config(1, 2, [1; 32])).expect("a link").goodbye(0, &mut [0; MAX_DATAGRAM]), None);
 }
