@@ -14,6 +14,7 @@
 //! | [`qemu`] | haptic-core on another model of the board's processor |
 //! | [`provision`] | gives a board its key |
 //! | [`readme`] | writes what commands print into README.md |
+//! | [`rooms`] | who leans on whom: circles, imports that climb, sizes |
 //! | [`run`] | how chores call other programs, and how they fail |
 //!
 //! Exit status: 0 when the chore succeeded, 1 when it failed, 2 when the command line is wrong.
@@ -28,6 +29,7 @@ mod no_panic;
 mod provision;
 mod qemu;
 mod readme;
+mod rooms;
 mod run;
 mod setup;
 mod test;
@@ -51,6 +53,7 @@ Usage: cargo xtask COMMAND [--help]
   no-panic     show that no panic is reachable from the 1 kHz interrupt
   provision    give a board the key that it shares with its peer and its operator, over the debug probe
   qemu         haptic-core alone on QEMU's Cortex-M7: same bits as host-sim, outputs off when it ends
+  rooms        who leans on whom: circles, imports that climb, lines of every package
   readme       write what the commands named in README.md print, and the pictures they draw, into it
 ";
 
@@ -177,6 +180,16 @@ Usage: cargo xtask readme [--check]
   --check   change nothing; fail if the text would change
 ";
 
+const ROOMS_HELP: &str = "\
+Prints every package's lines of Rust (src and benches, comments and tests inside files included) and who leans on whom.
+Fails on files that import each other in a circle, on an import that climbs against the order in xtask/rooms.txt, and on a
+package that has outgrown its lines there.
+
+Usage: cargo xtask rooms [--root DIR]
+
+  --root  another checkout to look at, by the same rules
+";
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -225,6 +238,9 @@ fn main() -> ExitCode {
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),
+        ["rooms", "--help" | "-h"] => print(ROOMS_HELP),
+        ["rooms"] => rooms::rooms(run::root()),
+        ["rooms", "--root", other] => rooms::rooms(std::path::Path::new(other)),
         ["setup"] => setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
         ["test"] => test::test(),
         ["board-test"] => test::board_test(),
