@@ -21,7 +21,7 @@ fn main() {
     println!("cargo::rerun-if-changed=no_panic.x");
     fs::copy("no_panic.x", out.join("no_panic.x")).expect("no_panic.x stands here");
     let start = if env::var_os("CARGO_FEATURE_PLANTED_PANIC").is_some() { "planted" } else { "TIM6_DAC" };
-    for argument in ["--nmagic", "-Tno_panic.x", "--gc-sections", "-e", start] {
+    for argument in ["--nmagic", "-Tno_panic.x", "--gc-sections", "--orphan-handling=error", "-e", start] {
         println!("cargo::rustc-link-arg-bin=no-panic={argument}");
     }
 }

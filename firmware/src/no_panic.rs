@@ -1,11 +1,12 @@
-//! The proof that the tick cannot panic: this program links only if no panic is reachable from the interrupt.
+//! Two proofs about the tick: it cannot panic, and all of its code lies in ITCM. This program links only if both hold.
 //!
-//! It holds the interrupt's own lines (`tick.rs` and what it uses), starts at the interrupt, and its panic handler calls a
-//! function that does not exist. The linker drops what cannot be reached from the start; if the handler is left, so is its
-//! call, and the link fails with the name of that function. The program is never run.
+//! It holds the interrupt's own lines (`tick.rs` and what it uses) and starts at the interrupt; the linker drops what cannot be
+//! reached from there. If the panic handler is left, so is its call of a function that does not exist, and the link fails
+//! with that name. `no_panic.x` has a place for code in ITCM only, as memory.x fills it: code that is left and not there makes
+//! the link fail with its own name. The program is never run.
 //!
-//! `cargo xtask no-panic` links it, and once more with the feature `planted-panic`, which must fail: a proof that cannot
-//! fail proves nothing.
+//! `cargo xtask no-panic` links it, and once more with the feature `planted-panic`, which must fail on both counts: a proof
+//! that cannot fail proves nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![allow(dead_code, reason = "tasks use the rest")]
 
@@ -34,7 +35,7 @@ mod proof {
         unsafe { a_panic_is_reachable_from_the_tick() }
     }
 
-    /// The tick with a mistake in it: the start of the program with the feature `planted-panic`.
+    /// The tick with a mistake in it, and not in ITCM: the start of the program with the feature `planted-panic`.
     #[cfg(feature = "planted-panic")]
     #[unsafe(no_mangle)]
     extern "C" fn planted() -> u32 {

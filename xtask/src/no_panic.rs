@@ -1,6 +1,7 @@
-//! `cargo xtask no-panic`: no panic is reachable from the 1 kHz interrupt, shown by the linker (firmware/src/no_panic.rs).
+//! `cargo xtask no-panic`: no panic is reachable from the 1 kHz interrupt, and all that is lies in ITCM, shown by the linker
+//! (firmware/src/no_panic.rs).
 //!
-//! The proof must link, and must fail to link once a panic is planted, for the very reason that it looks for.
+//! The proof must link, and must fail to link once a panic is planted outside ITCM, for the very reasons that it looks for.
 
 use std::process::Command;
 
@@ -20,20 +21,26 @@ fn build(ready: &Ready, feature: &str) -> Command {
     build
 }
 
+/// What the linker says of code that no place is for: the tick's, outside ITCM.
+const ASTRAY: &str = ") is being placed in '.text";
+
 /// Links it with and without the mistake.
 pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
     let (linked, words) = outcome(&mut build(ready, "proof"))?;
     if !linked {
         let reason = if words.contains(NOWHERE) {
             "a panic is reachable from the tick: look for an index, an unwrap, an integer division or a clamp"
+                .to_owned()
+        } else if words.contains(ASTRAY) {
+            format!("the tick calls what is not in ITCM: put {} into memory.x", astray(&words).join(", "))
         } else {
-            "the proof does not build"
+            "the proof does not build".to_owned()
         };
         eprint!("{words}");
         return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, "proof")))));
     }
     match outcome(&mut build(ready, "planted-panic"))? {
-        (false, words) if words.contains(NOWHERE) => Ok(()),
+        (false, words) if words.contains(NOWHERE) && astray(&words).contains(&"planted") => Ok(()),
         (true, _) => Err(Failure::new("the proof links with a panic planted in it: it proves nothing")),
         (false, words) => {
             eprint!("{words}");
@@ -42,9 +49,28 @@ pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
     }
 }
 
+/// Names of functions that the linker had no place for.
+fn astray(words: &str) -> Vec<&str> {
+    let sections = words.lines().filter(|line| line.contains(ASTRAY)).filter_map(|line| line.rsplit_once("'.text."));
+    sections.map(|(_, name)| name.trim_end_matches('\'')).collect()
+}
+
 /// Whether a command succeeds, and what it says on standard error.
 fn outcome(command: &mut Command) -> Result<(bool, String), Failure> {
     eprintln!("    {}", run::spelled(command));
     let output = command.output().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
     Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_linker_has_no_place_for_is_named() {
+        let said = "rust-lld: error: a.rcgu.o:(.text._RNvMs_4core3fmt) is being placed in '.text._RNvMs_4core3fmt'\n\
+                    rust-lld: error: b.rcgu.o:(.text.planted) is being placed in '.text.planted'\n\
+                    rust-lld: error: b.rcgu.o:(.comment) is being placed in '.comment'";
+        assert_eq!(astray(said), ["_RNvMs_4core3fmt", "planted"]);
+    }
 }

@@ -10,7 +10,7 @@
 pub mod code;
 pub mod thumb;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
 
 use code::{Code, veneer};
@@ -98,20 +98,19 @@ impl<'a> Stack<'a> {
         Ok(Path { bytes, steps })
     }
 
-    /// Whether one function can be reached from another.
+    /// Where the functions begin that can be reached from an entry, and what they are called; the entry is one of them.
     ///
     /// # Errors
     /// It cannot be said, and why.
-    pub fn reaches(&self, from: &str, to: &str) -> Result<bool, String> {
-        let named = |name: &str| self.code.find(name).ok_or_else(|| format!("the image has no {name}"));
-        let (mut open, to) = (vec![named(from)?], named(to)?);
-        let mut seen = BTreeSet::new();
+    pub fn reached(&self, entry: &str) -> Result<BTreeMap<u64, String>, String> {
+        let mut open = vec![self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?];
+        let mut seen = BTreeMap::new();
         while let Some(at) = open.pop() {
-            if seen.insert(at) {
+            if seen.insert(at, self.name(at)).is_none() {
                 open.extend(self.callees(at)?);
             }
         }
-        Ok(seen.contains(&to))
+        Ok(seen)
     }
 
     /// Functions whose address is taken and of which no line says who calls them.
