@@ -13,10 +13,7 @@
 //! Limits: one writer, one reader.
 
 #[cfg(not(loom))]
-use core::{
-    cell::UnsafeCell,
-    sync::atomic::{AtomicU8, AtomicU32},
-};
+use core::sync::atomic::{AtomicU8, AtomicU32};
 #[cfg(loom)]
 use loom::{
     cell::UnsafeCell,
@@ -24,6 +21,26 @@ use loom::{
 };
 
 use core::sync::atomic::Ordering;
+
+/// Loom's interface, on memory.
+#[cfg(not(loom))]
+#[derive(Debug)]
+struct UnsafeCell<T>(core::cell::UnsafeCell<T>);
+
+#[cfg(not(loom))]
+impl<T> UnsafeCell<T> {
+    fn new(value: T) -> Self {
+        Self(core::cell::UnsafeCell::new(value))
+    }
+    #[inline(always)]
+    fn with<R>(&self, look: impl FnOnce(*const T) -> R) -> R {
+        look(self.0.get())
+    }
+    #[inline(always)]
+    fn with_mut<R>(&self, change: impl FnOnce(*mut T) -> R) -> R {
+        change(self.0.get())
+    }
+}
 
 /// Set beside the index of the free slot when it holds a value that the reader has not fetched.
 const FRESH: u8 = 4;
@@ -81,14 +98,8 @@ impl<T> Writer<'_, T> {
     /// Publishes a value in place of the last one.
     #[inline]
     pub fn write(&mut self, value: T) {
-        let slot = self.cell.slot(self.own);
-        #[cfg(not(loom))]
         // SAFETY: the index `own` is this side's alone.
-        unsafe {
-            *slot.get() = value;
-        }
-        #[cfg(loom)]
-        slot.with_mut(|slot| unsafe { *slot = value });
+        self.cell.slot(self.own).with_mut(|slot| unsafe { *slot = value });
         self.own = self.cell.free.swap(self.own | FRESH, Ordering::AcqRel) & INDEX;
     }
 }
@@ -116,26 +127,25 @@ impl<T> Reader<'_, T> {
     #[cfg(not(loom))]
     pub fn get(&self) -> &T {
         // SAFETY: the index `front` is this side's alone, and changes only through `&mut self`.
-        unsafe { &*self.cell.slot(self.front).get() }
+        self.cell.slot(self.front).with(|slot| unsafe { &*slot })
     }
 
-    /// The value taken over last.
-    #[cfg(loom)]
-    pub fn copy(&self) -> T
+    #[inline]
+    fn copy(&self) -> T
     where
         T: Copy,
     {
+        // SAFETY: as above.
         self.cell.slot(self.front).with(|slot| unsafe { *slot })
     }
 
     /// The newest value, if it was not taken before.
     #[inline]
-    #[cfg(not(loom))]
     pub fn take(&mut self) -> Option<T>
     where
         T: Copy,
     {
-        if self.fetch() { Some(*self.get()) } else { None }
+        if self.fetch() { Some(self.copy()) } else { None }
     }
 }
 
@@ -191,14 +201,8 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
         if head.wrapping_sub(self.queue.tail.load(Ordering::Acquire)) >= N as u32 {
             return false;
         }
-        let slot = self.queue.slot(head);
-        #[cfg(not(loom))]
         // SAFETY: the reader gave this slot back, and sees it again only after the store below.
-        unsafe {
-            *slot.get() = value;
-        }
-        #[cfg(loom)]
-        slot.with_mut(|slot| unsafe { *slot = value });
+        self.queue.slot(head).with_mut(|slot| unsafe { *slot = value });
         self.queue.head.store(head.wrapping_add(1), Ordering::Release);
         true
     }
@@ -217,12 +221,8 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
         if tail == self.queue.head.load(Ordering::Acquire) {
             return None;
         }
-        let slot = self.queue.slot(tail);
-        #[cfg(not(loom))]
         // SAFETY: the writer handed this slot over, and writes it again only after the store below.
-        let value = unsafe { *slot.get() };
-        #[cfg(loom)]
-        let value = slot.with(|slot| unsafe { *slot });
+        let value = self.queue.slot(tail).with(|slot| unsafe { *slot });
         self.queue.tail.store(tail.wrapping_add(1), Ordering::Release);
         Some(value)
     }

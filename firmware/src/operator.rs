@@ -15,6 +15,8 @@
 //! | `stream n`, `stream off` | every n-th tick to the operator; nothing any more |
 //! | `capture n` | the next n ticks, every one |
 
+use core::str::FromStr;
+
 use haptic_core::device::probe::{self, Shape};
 use haptic_core::safety::Command;
 use haptic_core::settings::{Choice, Value};
@@ -91,53 +93,42 @@ pub fn value(text: &str) -> Value<'_> {
 /// It is none.
 pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
-    let word = words.next().ok_or(Misread::Empty)?;
-    let arguments = [words.next(), words.next(), words.next()];
-    if word == "probe" {
-        return probe(arguments, [words.next(), words.next(), words.next()]).ok_or(Misread::Arguments);
-    }
-    Ok(match (word, arguments) {
-        ("status", [None, ..]) => Request::Status,
-        ("arm", [None, ..]) => Request::Command(Command::Arm),
+    let request = match words.next().ok_or(Misread::Empty)? {
         // Whatever else stands in the line: stopping must not fail for a slip of the finger.
-        ("disarm", _) => Request::Command(Command::Disarm),
-        ("check", [Some(joint), None, _]) => Request::Check(joint.parse().map_err(|_| Misread::Arguments)?),
-        ("probed", [None, ..]) => Request::Probed,
-        ("clear", [None, ..]) => Request::Command(Command::Clear),
-        ("set", [Some(key), Some(text), None]) => Request::Set(key, value(text)),
-        ("get", [Some(key), None, _]) => Request::Get(key),
-        ("defaults", [None, ..]) => Request::Defaults,
-        ("apply", [None, ..]) => Request::Apply,
-        ("save", [None, ..]) => Request::Save,
-        ("stream", [Some("off"), None, _]) => Request::Stream(0),
-        ("stream", [Some(n), None, _]) => Request::Stream(n.parse().map_err(|_| Misread::Arguments)?),
-        ("capture", [Some(n), None, _]) => Request::Capture(n.parse().map_err(|_| Misread::Arguments)?),
-        (
-            "arm" | "status" | "check" | "probed" | "clear" | "set" | "get" | "defaults" | "apply" | "save" | "stream"
-            | "capture",
-            _,
-        ) => {
-            return Err(Misread::Arguments);
-        }
+        "disarm" => return Ok(Request::Command(Command::Disarm)),
+        "status" => Some(Request::Status),
+        "arm" => Some(Request::Command(Command::Arm)),
+        "clear" => Some(Request::Command(Command::Clear)),
+        "check" => number(&mut words).map(Request::Check),
+        "probe" => probe(&mut words).map(Request::Probe),
+        "probed" => Some(Request::Probed),
+        "set" => words.next().zip(words.next()).map(|(key, text)| Request::Set(key, value(text))),
+        "get" => words.next().map(Request::Get),
+        "defaults" => Some(Request::Defaults),
+        "apply" => Some(Request::Apply),
+        "save" => Some(Request::Save),
+        "stream" => words.next().and_then(|n| if n == "off" { Some(0) } else { n.parse().ok() }).map(Request::Stream),
+        "capture" => number(&mut words).map(Request::Capture),
         _ => return Err(Misread::Word),
-    })
+    };
+    // Nothing may be missing, and nothing be left.
+    request.filter(|_| words.next().is_none()).ok_or(Misread::Arguments)
+}
+
+/// The next word, as a number.
+fn number<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Option<T> {
+    words.next()?.parse().ok()
 }
 
 /// `joint shape duty s [Hz]`.
-fn probe<'a>(
-    [joint, shape, duty]: [Option<&'a str>; 3],
-    [seconds, hertz, more]: [Option<&'a str>; 3],
-) -> Option<Request<'a>> {
-    if more.is_some() {
-        return None;
-    }
-    Some(Request::Probe(probe::Request {
-        joint: joint?.parse().ok()?,
-        shape: Shape::from_name(shape?)?,
-        duty: duty?.parse().ok()?,
-        duration_s: seconds?.parse().ok()?,
-        frequency_hz: hertz.map_or(Some(0.0), |hertz| hertz.parse().ok())?,
-    }))
+fn probe<'a>(words: &mut impl Iterator<Item = &'a str>) -> Option<probe::Request> {
+    Some(probe::Request {
+        joint: number(words)?,
+        shape: Shape::from_name(words.next()?)?,
+        duty: number(words)?,
+        duration_s: number(words)?,
+        frequency_hz: words.next().map_or(Some(0.0), |hertz| hertz.parse().ok())?,
+    })
 }
 
 #[cfg(test)]
