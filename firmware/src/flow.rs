@@ -16,8 +16,8 @@ use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Notice};
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
+use haptic_protocol::link::{Config, Link, Notice};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 
 use crate::board::{Number, pace, random};
 use crate::sockets::{self, send_now};
@@ -69,7 +69,7 @@ impl Flow {
         // Before the flow is handed on: it may be the first of another life of the other peer.
         self.heed();
         match taken {
-            Ok(Some(Incoming::Flow(flow))) => {
+            Ok(Some(Message::Flow(flow))) => {
                 self.signals.received.count();
                 if self.outdated {
                     return;
@@ -141,7 +141,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
             Either3::First(()) => {
                 if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
                     && !flow.outdated
-                    && let Some(length) = flow.link.send_flow(now(), &packet::flow(packet, armed, tick), &mut out)
+                    && let Some(length) = flow.link.send(now(), packet::flow(packet, armed, tick), &mut out)
                 {
                     let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
                     (if sent { &signals.sent } else { &signals.dropped }).count();

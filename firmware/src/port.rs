@@ -117,7 +117,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
                 && let Some(sample) = port.telemetry.next()
             {
                 let mut datagram = [0; MAX_DATAGRAM];
-                let sealed = port.link.send_sample(Instant::now().as_micros(), &sample, &mut datagram);
+                let sealed = port.link.send(Instant::now().as_micros(), sample, &mut datagram);
                 waiting = sealed.map(|length| (length, datagram));
             }
             let Some((length, datagram)) = &waiting else { break };

@@ -126,12 +126,12 @@ impl Handshake {
         let (count, tables) = self.parameters.hashes();
         let Ends { local: from, remote: to } = self.ends;
         let Offer { challenge, incarnation } = self.offer;
-        let length = wire::Error::Length { message: "greeting", wanted: Greeting::LEN, got: out.len() };
-        let (body, rest) = out.split_at_mut_checked(Greeting::BODY).ok_or(length)?;
+        let length = wire::Error::Length { message: "greeting", wanted: Greeting::TAGGED, got: out.len() };
+        let (body, rest) = out.split_at_mut_checked(Greeting::LEN).ok_or(length)?;
         let tag = rest.first_chunk_mut().ok_or(length)?;
         Greeting { kind, from, to, line: self.line, challenge, echo, incarnation, count, tables }.emit(body)?;
         *tag = self.outward.tag(body);
-        Ok(Greeting::LEN)
+        Ok(Greeting::TAGGED)
     }
 
     /// Reads a greeting if it is for this peer, from the other end and authentic.

@@ -13,7 +13,8 @@ use blake2::digest::consts::U16;
 use blake2::digest::{FixedOutput, KeyInit, Mac, Update};
 use blake2::{Blake2sMac, Blake2sMac256};
 
-use crate::wire::TAG_LEN;
+/// Bytes of the authentication tag that ends every datagram.
+pub const TAG_LEN: usize = 16;
 
 /// 32 secret bytes.
 #[derive(Clone, PartialEq, Eq)]

@@ -18,7 +18,7 @@
 //! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
 //! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
 //! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
-//! | [`database`] | the objects of a world, with ids, versions and checksums |
+//! | [`world`] | the objects of a world, with ids, versions and checksums |
 //! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball, whose engine moves the object; carried by the events |
 //! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
 //!
@@ -37,9 +37,9 @@
 //! ```
 //! use haptic_protocol::ends::Ends;
 //! use haptic_protocol::key::Key;
-//! use haptic_protocol::link::{Config, Incoming, Link, Notice, Stage};
+//! use haptic_protocol::link::{Config, Link, Notice, Stage};
 //! use haptic_protocol::parameters::{Parameters, Table};
-//! use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId};
+//! use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Message, PeerId};
 //!
 //! fn link(local: u8, remote: u8, entropy: u8) -> Link {
 //!     let mut parameters = Parameters::new();
@@ -60,14 +60,14 @@
 //!     let (mut out, mut say, mut newest) = ([0; MAX_DATAGRAM], Vec::new(), None);
 //!     for mut datagram in came.drain(..) {
 //!         // A refused datagram is only worth a line in a log.
-//!         if let Ok(Some(Incoming::Flow(flow))) = link.receive(now, &mut datagram) {
+//!         if let Ok(Some(Message::Flow(flow))) = link.receive(now, &mut datagram) {
 //!             newest = Some(flow);
 //!         }
 //!         while let Some(len) = link.poll(now, &mut out) {
 //!             say.push(out[..len].to_vec());
 //!         }
 //!     }
-//!     if let Some(len) = link.send_flow(now, &flow, &mut out) {
+//!     if let Some(len) = link.send(now, flow, &mut out) {
 //!         say.push(out[..len].to_vec());
 //!     }
 //!     while let Some(len) = link.poll(now, &mut out) {
@@ -104,13 +104,13 @@
 //! loop {
 //!     match select(socket.recv_from(&mut came), packet_period.next()).await {
 //!         First(Ok((len, _))) => match link.receive(now(), &mut came[..len]) {
-//!             Ok(Some(Incoming::Flow(flow))) => EXCHANGE.incoming.put(flow),
+//!             Ok(Some(Message::Flow(flow))) => EXCHANGE.incoming.put(flow),
 //!             _ => {}
 //!         },
 //!         First(Err(_)) => {}
 //!         Second(()) => {
 //!             EXCHANGE.engagement.put(link.engagement());
-//!             if let Some(len) = link.send_flow(now(), &EXCHANGE.outgoing.get(), &mut out) { send(&out[..len]) }
+//!             if let Some(len) = link.send(now(), EXCHANGE.outgoing.get(), &mut out) { send(&out[..len]) }
 //!         }
 //!     }
 //!     while let Some(len) = link.poll(now(), &mut out) { send(&out[..len]) }
@@ -123,10 +123,11 @@
     deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)
 )]
 
+mod bytes;
 pub mod clock;
-pub mod database;
 pub mod ends;
 pub mod engagement;
+mod error;
 pub mod handshake;
 pub mod key;
 pub mod lines;
@@ -139,3 +140,4 @@ pub mod roles;
 pub mod seal;
 pub mod session;
 pub mod wire;
+pub mod world;

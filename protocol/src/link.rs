@@ -6,7 +6,7 @@
 //!    │  └──────────────────────────12 silent└───────────────────no flow for 12──────────────┘
 //! ```
 //!
-//! The caller owns socket, clock and buffers. Each packet period it calls [`Link::send_flow`]; after every datagram that
+//! The caller owns socket, clock and buffers. Each packet period it sends its flow ([`Link::send`]); after every datagram that
 //! came ([`Link::receive`]) and at least once a packet period it calls [`Link::poll`] until there is nothing more to send.
 //! Nothing here waits, and the flow waits for nothing.
 //!
@@ -26,17 +26,13 @@ use crate::parameters::Parameters;
 use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
-use crate::wire::{
-    Ask, Challenge, Datagram, Event, Flow, Goodbye, Greeting, GreetingKind, Message, Moved, Part, Presence, Probe,
-    Push, Reply, Sample, Telemetry,
-};
+use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
 
 mod error;
 mod incoming;
 mod stage;
 
 pub use error::{ConfigError, Error};
-pub use incoming::Incoming;
 pub use stage::{Notice, Stage};
 
 /// Packet periods between hellos.
@@ -202,61 +198,29 @@ impl Link {
         None
     }
 
-    /// Seals this packet period's flow into `out` and gives the datagram's length; `None` while there is no session, or
-    /// when a number in it is not finite.
-    pub fn send_flow(&mut self, now: u64, flow: &Flow, out: &mut Datagram) -> Option<usize> {
+    /// Seals a message into `out` and gives the datagram's length; `None` while there is no session, or when a number in it is
+    /// not finite. An event is taken in charge as by [`Link::push_event`] and comes with a later [`Link::poll`]; what the link says
+    /// by itself (acknowledgements, probes, replies) it sends for nobody else.
+    pub fn send(&mut self, now: u64, message: impl Into<Message>, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
-        self.seal(now, &Message::Flow(*flow), out)
+        match message.into() {
+            Message::Event(event) => {
+                // No room: whoever has to be sure asks [`Link::push_event`].
+                let _ = self.push_event(event);
+                None
+            }
+            Message::Goodbye(_) => self.goodbye(now, out),
+            Message::Ack(_) | Message::Probe(_) | Message::Reply(_) => None,
+            message => self.seal(now, &message, out),
+        }
     }
 
-    /// Seals telemetry into `out` and gives the datagram's length; `None` as for [`Link::send_flow`].
-    pub fn send_telemetry(&mut self, now: u64, telemetry: &Telemetry, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Telemetry(*telemetry), out)
-    }
-
-    /// Seals a question about the world; `None` as for [`Link::send_flow`].
-    pub fn send_ask(&mut self, now: u64, ask: &Ask, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Ask(*ask), out)
-    }
-
-    /// Seals a part of the world; `None` as for [`Link::send_flow`].
-    pub fn send_part(&mut self, now: u64, part: &Part, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Part(*part), out)
-    }
-
-    /// Seals where clients are; `None` as for [`Link::send_flow`].
-    pub fn send_presence(&mut self, now: u64, presence: &Presence, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Presence(*presence), out)
-    }
-
-    /// Seals a sample into `out` and gives the datagram's length; `None` while there is no session.
-    pub fn send_sample(&mut self, now: u64, sample: &Sample, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Sample(*sample), out)
-    }
-
-    /// Seals a client's push into `out`; `None` as for [`Link::send_flow`].
-    pub fn send_push(&mut self, now: u64, push: &Push, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Push(*push), out)
-    }
-
-    /// Seals the object as it is moved into `out`; `None` as for [`Link::send_flow`].
-    pub fn send_moved(&mut self, now: u64, moved: &Moved, out: &mut Datagram) -> Option<usize> {
-        self.advance(now);
-        self.seal(now, &Message::Moved(*moved), out)
-    }
-
-    /// Seals a goodbye into `out` and ends the session; `None` as for [`Link::send_flow`]. The other end then knows at once what it
+    /// Seals a goodbye into `out` and ends the session; `None` as for [`Link::send`]. The other end then knows at once what it
     /// would otherwise gather from 12 packet periods of silence. Said once: lost, it is the silence after all. A link that is
     /// polled on calls anew.
     pub fn goodbye(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
-        let len = self.seal(now, &Message::Goodbye(Goodbye), out);
+        let len = self.seal(now, &Message::Goodbye(Goodbye {}), out);
         self.end();
         len
     }
@@ -333,4 +297,4 @@ impl Link {
 }
 
 // A link on a microcontroller: everything it will ever need, at once.
-const _: () = assert!(size_of::<Link>() <= 4096 && Greeting::LEN == size_of::<Datagram>());
+const _: () = assert!(size_of::<Link>() <= 4096 && Greeting::TAGGED == size_of::<Datagram>());

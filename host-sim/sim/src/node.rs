@@ -19,9 +19,9 @@ use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Settings, Value};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, Incoming, Link, Notice, Stage};
+use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, TooManyTables};
-use haptic_protocol::wire::{Flow, MAX_DATAGRAM, PeerId, Telemetry};
+use haptic_protocol::wire::{Flow, MAX_DATAGRAM, Message, PeerId, Telemetry};
 
 use super::flows::{Inbox, flow_of, packet_of};
 use crate::plant::Plant;
@@ -121,8 +121,8 @@ impl Node {
         // Before the flow is kept: it may be the first of another life of the other peer.
         self.heed(now_us);
         let flow = match taken? {
-            Some(Incoming::Flow(flow)) => flow,
-            Some(Incoming::Telemetry(telemetry)) => {
+            Some(Message::Flow(flow)) => flow,
+            Some(Message::Telemetry(telemetry)) => {
                 self.heard = Some(telemetry);
                 return Ok(None);
             }
@@ -165,14 +165,14 @@ impl Node {
             }
             let packet = peer::exchange(&self.scene, &mut self.state, flow.as_ref().map(packet_of));
             let flow = flow_of(packet, self.state.mode() == Mode::Armed, self.ticks);
-            if let Some(len) = self.link.send_flow(now_us, &flow, &mut out) {
+            if let Some(len) = self.link.send(now_us, flow, &mut out) {
                 send(&out[..len]);
             }
         }
         if self.until_telemetry == 0 {
             let telemetry = self.telemetry(now_us);
             // Without a session it is made up for as soon as there is one.
-            if let Some(len) = self.link.send_telemetry(now_us, &telemetry, &mut out) {
+            if let Some(len) = self.link.send(now_us, telemetry, &mut out) {
                 send(&out[..len]);
                 self.until_telemetry = (TELEMETRY_S / self.period_s) as u32;
             }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_protocol::database::{Block, Shape};
+use haptic_protocol::world::{Block, Shape};
 use serde::Serialize;
 
 use super::stability::{folder, tell, write};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_protocol::database::{Field, Shape};
+use haptic_protocol::world::{Field, Shape};
 use serde::Serialize;
 
 use super::{Failure, print_json};
@@ -61,7 +61,7 @@ impl World {
             margin_m: world.margin_m,
             objects,
             regions,
-            bytes: objects * haptic_protocol::database::Object::LEN + regions * haptic_protocol::database::Region::LEN,
+            bytes: objects * haptic_protocol::world::Object::LEN + regions * haptic_protocol::world::Region::LEN,
         };
         if self.json {
             return print_json(&summary);

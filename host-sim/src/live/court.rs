@@ -6,10 +6,10 @@ use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
     Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict,
 };
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 

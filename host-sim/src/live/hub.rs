@@ -17,8 +17,8 @@
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Incoming, Link, Notice, Stage};
-use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, PeerId, Telemetry};
+use haptic_protocol::link::{Link, Notice, Stage};
+use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 
 use crate::shared::cooperative::MOST_USERS;
 use crate::shared::cooperative::junction::{Junction, Port};
@@ -162,8 +162,8 @@ impl<A: Copy> Hub<A> {
             Self::heed(line, &mut self.junction, at, now_us);
             let Ok(incoming) = taken else { continue };
             match incoming {
-                Some(Incoming::Flow(flow)) => line.inbox.put(self.tick, flow),
-                Some(Incoming::Telemetry(telemetry)) => line.heard = Some(telemetry),
+                Some(Message::Flow(flow)) => line.inbox.put(self.tick, flow),
+                Some(Message::Telemetry(telemetry)) => line.heard = Some(telemetry),
                 _ => {}
             }
             if !greeting {
@@ -231,7 +231,7 @@ impl<A: Copy> Hub<A> {
         self.packets = self.packets.map(|packets| packets + 1);
         for (line, port) in self.lines.iter_mut().zip(self.junction.ports()) {
             let flow = flow_of(port.back, true, self.tick);
-            if let Some((address, len)) = line.address.zip(line.link.send_flow(now_us, &flow, &mut self.out)) {
+            if let Some((address, len)) = line.address.zip(line.link.send(now_us, flow, &mut self.out)) {
                 send(address, &self.out[..len]);
             }
         }
@@ -253,8 +253,7 @@ impl<A: Copy> Hub<A> {
                 ..Telemetry::default()
             };
             line.link.describe(now_us, &mut telemetry);
-            if let Some((address, len)) = line.address.zip(line.link.send_telemetry(now_us, &telemetry, &mut self.out))
-            {
+            if let Some((address, len)) = line.address.zip(line.link.send(now_us, telemetry, &mut self.out)) {
                 send(address, &self.out[..len]);
             }
         }

@@ -11,11 +11,11 @@ use std::time::Instant;
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::roles::squash::{Court, Message, SERVER};
-use haptic_protocol::roles::{Outbox, code};
-use haptic_protocol::wire::{Event, MAX_DATAGRAM, PeerId, Sample};
+use haptic_protocol::roles::{Carried, Outbox};
+use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
 use serde::Serialize;
 
 use super::socket;
@@ -128,18 +128,15 @@ impl Post {
                         met.last_heard_s = Some(now as f64 * 1e-6);
                         met.first_heard_s = met.first_heard_s.or(met.last_heard_s);
                     }
-                    if let Some(Incoming::Sample(sample)) = taken
-                        && let Ok(event) = Event::new(sample.code, sample.payload())
-                        && let Ok(message) = Message::parse(&event)
-                    {
-                        came.push((PeerId(met.number), message));
-                    }
+                    came.extend(
+                        taken.and_then(|taken| Message::read(&taken)).map(|(_, message)| (PeerId(met.number), message)),
+                    );
                 }
             }
         });
         for Other { link, met } in others {
             while let Some(event) = link.take_event() {
-                came.extend(Message::parse(&event).map(|message| (PeerId(met.number), message)));
+                came.extend(Message::parse(&event).map(|(_, message)| (PeerId(met.number), message)));
             }
         }
         came
@@ -153,18 +150,10 @@ impl Post {
         let send = |address: SocketAddr, bytes: &[u8]| drop(socket.send_to(bytes, address));
         while let Some((to, message)) = roles.take() {
             let Some(Other { link, met }) = others.iter_mut().find(|other| other.met.number == to.0) else { continue };
-            let Ok(event) = message.event() else { continue };
-            match message {
-                Message::Join | Message::Leave | Message::Hit { .. } | Message::Miss { .. } => {
-                    let _ = link.push_event(event);
-                }
-                _ => {
-                    if let Ok(sample) = Sample::new(code::SQUASH, event.payload())
-                        && let Some(len) = link.send_sample(now, &sample, &mut out)
-                    {
-                        send(met.address, &out[..len]);
-                    }
-                }
+            if let Ok(message) = message.carry(0)
+                && let Some(len) = link.send(now, message, &mut out)
+            {
+                send(met.address, &out[..len]);
             }
         }
         for Other { link, met } in others {

@@ -14,12 +14,12 @@ use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::database::Scope;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link};
+use haptic_protocol::link::{Config, Link};
 use haptic_protocol::roles::static_scene::Download;
-use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, PeerId, Presence, Sighting};
+use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
+use haptic_protocol::world::Scope;
 use serde::Serialize;
 
 use crate::live::histogram::{Histogram, Quantiles};
@@ -268,13 +268,13 @@ impl<'a> Load<'a> {
             let speed = 0.05 * std::f32::consts::TAU / 10.0;
             let velocity = [-speed * angle.sin(), speed * angle.cos()];
             let said = Presence::new(client.tick, [Sighting { who: 0, position, velocity }]);
-            if let Some(len) = client.link.send_presence(now, &said, &mut out) {
+            if let Some(len) = client.link.send(now, said, &mut out) {
                 client.sent_ns[client.tick as usize % UNDER_WAY] = now_ns;
                 self.packets += u64::from(self.measured.is_some());
                 send(&out[..len]);
             }
             if let Some(ask) = client.download.poll(now, 4 * PACKET_US)
-                && let Some(len) = client.link.send_ask(now, &ask, &mut out)
+                && let Some(len) = client.link.send(now, ask, &mut out)
             {
                 send(&out[..len]);
             }
@@ -297,7 +297,7 @@ impl<'a> Load<'a> {
         };
         let Some((at, client)) = at.and_then(|at| Some((at, self.clients.get_mut(at)?))) else { return };
         match client.link.receive(now_ns / 1_000, datagram) {
-            Ok(Some(Incoming::Presence(told))) => {
+            Ok(Some(Message::Presence(told))) => {
                 let sent_ns = std::mem::take(&mut client.sent_ns[told.tick as usize % UNDER_WAY]);
                 if self.measured.is_some() && sent_ns > 0 {
                     self.answered += 1;
@@ -305,7 +305,7 @@ impl<'a> Load<'a> {
                     self.round_trip.add(now_ns - sent_ns);
                 }
             }
-            Ok(Some(Incoming::Part(part))) => {
+            Ok(Some(Message::Part(part))) => {
                 client.download.take(&part);
                 client.complete |= client.download.is_complete();
             }

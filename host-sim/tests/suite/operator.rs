@@ -74,7 +74,7 @@ impl Board {
                     sample = Some(Sample::new(7, line.as_bytes()).unwrap());
                     streams = line == "stream 1";
                 }
-                if let Some(length) = sample.and_then(|sample| link.send_sample(now, &sample, &mut out)) {
+                if let Some(length) = sample.and_then(|sample| link.send(now, sample, &mut out)) {
                     assert!(send(&out[..length], to));
                 }
                 lines.push(&mut link);

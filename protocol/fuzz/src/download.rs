@@ -2,9 +2,9 @@
 //! held is always part of a world that was published; a download that says it is complete has exactly what is in scope; and
 //! in the end it is.
 
-use haptic_protocol::database::{Body, Bounds, Database, Object, Region, Scope, Shape};
 use haptic_protocol::roles::static_scene::{BURST, Download, Server};
 use haptic_protocol::wire::{Ask, Part, Payload};
+use haptic_protocol::world::{Body, Bounds, Database, Object, Region, Scope, Shape};
 
 use super::net::Net;
 use super::script::Script;

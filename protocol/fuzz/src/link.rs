@@ -20,7 +20,7 @@ pub(super) fn run(bytes: &[u8]) {
             2 => datagram.splice(..0, [1, 1, 2, 1]).for_each(drop),
             _ => {
                 // A true datagram with the given bytes laid over it: nothing, or an alteration.
-                let len = two.send_flow(5_000, &Flow::default(), &mut out).expect("a session");
+                let len = two.send(5_000, Flow::default(), &mut out).expect("a session");
                 let original = out[..len].to_vec();
                 let mut altered = original.clone();
                 for (byte, with) in altered.iter_mut().zip(&datagram) {
@@ -33,6 +33,6 @@ pub(super) fn run(bytes: &[u8]) {
         }
         assert!(one.receive(5_000, &mut datagram).is_err());
     }
-    let len = two.send_flow(6_000, &Flow::default(), &mut out).expect("a session");
+    let len = two.send(6_000, Flow::default(), &mut out).expect("a session");
     assert!(matches!(one.receive(6_000, &mut out[..len]), Ok(Some(_))));
 }

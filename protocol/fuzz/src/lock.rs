@@ -4,9 +4,9 @@
 
 use std::collections::HashMap;
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::Lease;
 use haptic_protocol::roles::collaborative::lock::{Client, Message, Notice, Phase, Server, wait_bound_us};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};

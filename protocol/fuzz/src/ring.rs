@@ -4,9 +4,9 @@
 
 use std::collections::BTreeMap;
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::Lease;
 use haptic_protocol::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster, wait_bound_us};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};

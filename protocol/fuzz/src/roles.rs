@@ -2,7 +2,7 @@
 
 use haptic_protocol::roles::collaborative::{Lease, lock, ring};
 use haptic_protocol::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, ServerConfig};
-use haptic_protocol::roles::{Outbox, code, cooperative, squash};
+use haptic_protocol::roles::{Outbox, Role, code, cooperative, squash};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::script::Script;
@@ -128,8 +128,8 @@ fn games(mut any: Anything) {
     player.receive(any.now, PeerId(0), &said, &mut out);
     while any.script.goes_on() {
         let (from, event, act) = any.next(code::SQUASH);
-        if let Ok(message) = squash::Message::parse(&event) {
-            assert_eq!(message.event(), Ok(event));
+        if let Ok((_, message)) = squash::Message::parse(&event) {
+            assert_eq!(message.event(0), Ok(event));
             server.receive(any.now, from, &message, &mut out);
             player.receive(any.now, from, &message, &mut out);
         }

@@ -21,8 +21,8 @@ pub(super) fn run(bytes: &[u8]) {
                 None
             }
             1 | 2 => link.poll(now, &mut out),
-            3 => link.send_flow(now, &Flow::default(), &mut out),
-            4 => link.send_telemetry(now, &Telemetry::default(), &mut out),
+            3 => link.send(now, Flow::default(), &mut out),
+            4 => link.send(now, Telemetry::default(), &mut out),
             5 => {
                 let event = Event::new(life.into(), &pushed[peer].to_le_bytes()).expect("a short payload");
                 pushed[peer] += u32::from(link.push_event(event).is_ok());
@@ -63,7 +63,7 @@ pub(super) fn run(bytes: &[u8]) {
     for _ in 0..25 {
         now += 8_000;
         for from in [0, 1] {
-            let flow = links[from].send_flow(now, &Flow::default(), &mut out);
+            let flow = links[from].send(now, Flow::default(), &mut out);
             if let Some(len) = flow {
                 let _ = links[1 - from].receive(now, &mut out[..len]);
             }

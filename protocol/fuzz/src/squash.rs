@@ -3,10 +3,10 @@
 
 use std::collections::HashMap;
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
     Ball, Court, Message, Notice, PLAYERS, Phase, Player, PlayerConfig, Racket, Server, ServerConfig, Verdict,
 };
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 use super::net::Net;

@@ -10,8 +10,8 @@ pub(super) fn run(bytes: &[u8]) {
         assert_eq!(&out[..len], bytes);
     }
     if let Ok((greeting, body, _)) = Greeting::parse(bytes) {
-        let mut out = [0; Greeting::BODY];
-        assert_eq!(greeting.emit(&mut out), Ok(Greeting::BODY));
+        let mut out = [0; Greeting::LEN];
+        assert_eq!(greeting.emit(&mut out), Ok(Greeting::LEN));
         assert_eq!(out, body);
     }
     if let Ok((header, head, sealed)) = Header::parse(&mut bytes.to_vec()) {

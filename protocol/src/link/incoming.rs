@@ -4,39 +4,16 @@ use super::{Error, Link, Notice};
 use crate::clock::Clock;
 use crate::handshake::{self, Standing};
 use crate::reliable::{Receiver, Sender};
-use crate::wire::{
-    self, Ask, Event, Flow, Greeting, GreetingKind, Header, Message, Moved, Part, Presence, Push, Sample, Telemetry,
-};
-
-/// What has come for the caller. Events wait in [`Link::take_event`], what the link itself needs it keeps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)] // 92 bytes on the way to the caller, and nowhere else.
-pub enum Incoming {
-    /// Flow, newer than any before.
-    Flow(Flow),
-    /// How the other peer is doing.
-    Telemetry(Telemetry),
-    /// A client wants parts of the world.
-    Ask(Ask),
-    /// A part of the world.
-    Part(Part),
-    /// Where clients are.
-    Presence(Presence),
-    /// What an instrument of the other peer saw.
-    Sample(Sample),
-    /// What a client does to the shared object.
-    Push(Push),
-    /// The shared object as it is moved.
-    Moved(Moved),
-}
+use crate::wire::{Greeting, GreetingKind, Header, Message, Probe};
 
 impl Link {
-    /// Takes a datagram, which is opened in place. `Ok(None)`: it was the link's own business, or flow that came late.
+    /// Takes a datagram, which is opened in place, and gives the message in it. `Ok(None)`: it was the link's own business, flow
+    /// that came late, or an event, which waits in [`Link::take_event`].
     ///
     /// An error is no reason to do anything: the datagram was not taken, nothing has changed but [`super::Counts::refused`];
     /// where it was authentic ([`Error::Wire`] from within the seal), also that the other peer was heard. It says what was
     /// wrong, for a person who wonders why two peers do not meet.
-    pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Incoming>, Error> {
+    pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         self.advance(now);
         let taken = match datagram.get(1) {
             Some(kind) if Greeting::is_kind(*kind) => self.greeted(now, datagram).map(|()| None),
@@ -78,7 +55,7 @@ impl Link {
     }
 
     /// A sealed datagram.
-    fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Incoming>, Error> {
+    fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         let (header, head, sealed) = Header::parse(datagram).map_err(Error::Wire)?;
         self.ends.check(header.from, header.to).map_err(Error::Ends)?;
         let session = self.session.as_mut().ok_or(Error::NoSession)?;
@@ -111,38 +88,31 @@ impl Link {
         self.sender.hurry();
     }
 
-    fn take(&mut self, now: u64, sequence: u64, message: Message) -> Option<Incoming> {
+    /// What the link itself needs it keeps; the rest is the caller's.
+    fn take(&mut self, now: u64, sequence: u64, message: Message) -> Option<Message> {
         match message {
-            Message::Flow(flow) => {
+            Message::Flow(_) => {
                 if self.newest_flow.is_some_and(|newest| sequence < newest) {
                     self.past.late = self.past.late.saturating_add(1);
                     return None;
                 }
                 self.newest_flow = Some(sequence);
                 self.engagement.hear(now);
-                return Some(Incoming::Flow(flow));
+                return Some(message);
             }
-            Message::Telemetry(telemetry) => return Some(Incoming::Telemetry(telemetry)),
-            Message::Ask(ask) => return Some(Incoming::Ask(ask)),
-            Message::Part(part) => return Some(Incoming::Part(part)),
-            Message::Presence(presence) => return Some(Incoming::Presence(presence)),
-            Message::Sample(sample) => return Some(Incoming::Sample(sample)),
-            Message::Push(push) => return Some(Incoming::Push(push)),
-            Message::Moved(moved) => return Some(Incoming::Moved(moved)),
-            Message::Event(event) => self.event(event),
+            Message::Event(event) => {
+                self.receiver.receive(event);
+                self.ack_due = true;
+            }
             Message::Ack(ack) => self.sender.acknowledge(&ack),
             Message::Goodbye(_) => self.end(),
-            Message::Probe(wire::Probe { sent_us }) => self.probed = Some((sent_us, now)),
+            Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now)),
             Message::Reply(reply) => {
                 // A reply with impossible times says nothing; the sender's clock may have been set.
                 let _ = self.clock.sample(reply.probe_sent_us, reply.probe_received_us, reply.sent_us, now);
             }
+            _ => return Some(message),
         }
         None
-    }
-
-    fn event(&mut self, event: Event) {
-        self.receiver.receive(event);
-        self.ack_due = true;
     }
 }

@@ -1,49 +1,15 @@
 //! Acknowledgement: which events have arrived.
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | kind = 4 | |
-//! | 1 | u8 × 3 | 0 | |
-//! | 4 | u32 | next: every event before this number has arrived | |
-//! | 8 | u32 | ahead: bit i set = event next + 1 + i has arrived too | |
-//!
-//! 12 bytes.
 
-use super::Error;
-use super::bytes::{Reader, Writer};
+use crate::bytes::layout;
 
-/// Which events have arrived.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Ack {
-    /// Every event before this number has arrived.
-    pub next: u32,
-    /// Bit i: event `next + 1 + i` has arrived too.
-    pub ahead: u32,
-}
-
-impl Ack {
-    /// First byte.
-    pub const KIND: u8 = 4;
-    /// Bytes.
-    pub const LEN: usize = 12;
-
-    /// Reads an acknowledgement, which must fill `bytes` exactly.
-    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let mut reader = Reader::exact(bytes, "acknowledgement", Self::LEN)?;
-        reader.kind(Self::KIND)?;
-        reader.reserved::<3>()?;
-        let ack = Self { next: reader.u32()?, ahead: reader.u32()? };
-        reader.end()?;
-        Ok(ack)
-    }
-
-    /// Writes the acknowledgement to the front of `out` and gives its length.
-    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        Writer::new(out, "acknowledgement")
-            .put(&[Self::KIND, 0, 0, 0])
-            .put(&self.next.to_le_bytes())
-            .put(&self.ahead.to_le_bytes())
-            .end()
+layout! {
+    /// Which events have arrived.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub message Ack("acknowledgement", 12 bytes, kind 4) {
+        /// Every event before this number has arrived.
+        4 => next: u32,
+        /// Bit i: event `next + 1 + i` has arrived too.
+        8 => ahead: u32,
     }
 }
 

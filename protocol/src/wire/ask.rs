@@ -16,9 +16,9 @@
 //!
 //! 52 bytes. The manifest is number 0.
 
-use super::Error;
-use super::bytes::{Reader, Writer};
-use crate::database::Scope;
+use crate::bytes::{Reader, Writer, byte_enum, newtype};
+use crate::error::Error;
+use crate::world::Scope;
 
 /// 256 yes or no.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,27 +48,21 @@ impl Bits {
     }
 }
 
-/// What is asked for, or told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Topic {
-    /// What the world is: version, checksum, how many objects and regions.
-    #[default]
-    Manifest = 0,
-    /// Regions, by number.
-    Region = 1,
-    /// Which of 8 objects are in scope, and their checksums.
-    Page = 2,
-    /// Objects, by their place in the order of ids.
-    Object = 3,
-}
+newtype!(Bits);
 
-impl Topic {
-    pub(super) fn parse(byte: u8, message: &'static str) -> Result<Self, Error> {
-        [Self::Manifest, Self::Region, Self::Page, Self::Object]
-            .into_iter()
-            .find(|topic| *topic as u8 == byte)
-            .ok_or(Error::OutOfRange { message, field: "topic" })
+byte_enum! {
+    /// What is asked for, or told.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Topic("topic") {
+        /// What the world is: version, checksum, how many objects and regions.
+        #[default]
+        Manifest = 0,
+        /// Regions, by number.
+        Region = 1,
+        /// Which of 8 objects are in scope, and their checksums.
+        Page = 2,
+        /// Objects, by their place in the order of ids.
+        Object = 3,
     }
 }
 
@@ -102,43 +96,38 @@ impl Ask {
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let mut reader = Reader::exact(bytes, "ask", Self::LEN)?;
         reader.kind(Self::KIND)?;
-        let topic = Topic::parse(reader.u8()?, "ask")?;
-        let first = reader.u16()?;
+        let (topic, first) = (reader.get()?, reader.get()?);
         let [scope, region, tag] = reader.array()?;
-        reader.reserved::<1>()?;
-        let point = [reader.f32()?, reader.f32()?, reader.f32()?];
+        reader.zeros_to(8)?;
+        let point: [f32; 3] = reader.get()?;
         // Minus zero is another encoding of zero: only the one with all bits 0 is meant.
         let no_point = point.iter().all(|number| number.to_bits() == 0);
         let scope = match (scope, region, point) {
             (0, 0, _) if no_point => Scope::All,
             (1, 0, [x, y, radius]) if radius.is_sign_positive() => Scope::Around { x, y, radius },
             (2, region, _) if no_point => Scope::Region(region),
-            _ => return Err(Error::OutOfRange { message: "ask", field: "scope" }),
+            _ => return Err(reader.out_of_range("scope")),
         };
-        let wanted = Bits(reader.array()?);
-        reader.end()?;
-        Ok(Self { topic, first, scope, tag, wanted })
+        Ok(Self { topic, first, scope, tag, wanted: reader.get()? })
     }
 
     /// Writes the question to the front of `out` and gives its length.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let (scope, region, [x, y, radius]) = match self.scope {
+        let (scope, region, point) = match self.scope {
             Scope::All => (0, 0, [0.0; 3]),
+            Scope::Around { radius, .. } if !radius.is_sign_positive() => {
+                return Err(Error::OutOfRange { message: "ask", field: "scope" });
+            }
             Scope::Around { x, y, radius } => (1, 0, [x, y, radius]),
             Scope::Region(region) => (2, region, [0.0; 3]),
         };
-        if !radius.is_sign_positive() {
-            return Err(Error::OutOfRange { message: "ask", field: "scope" });
-        }
-        Writer::new(out, "ask")
-            .put(&[Self::KIND, self.topic as u8])
-            .put(&self.first.to_le_bytes())
-            .put(&[scope, region, self.tag, 0])
-            .f32(x)
-            .f32(y)
-            .f32(radius)
-            .put(&self.wanted.0)
-            .end()
+        let mut writer = Writer::new(out, "ask");
+        writer.bytes(&[Self::KIND, self.topic as u8]);
+        writer.put(&self.first);
+        writer.bytes(&[scope, region, self.tag, 0]);
+        writer.put(&point);
+        writer.put(&self.wanted);
+        writer.end()
     }
 }
 

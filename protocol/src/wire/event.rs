@@ -7,21 +7,19 @@
 //! | 2 | u16 | code: what the payload means to the application | |
 //! | 4 | u32 | number: 0, 1, 2 … in the order of sending, wraps | |
 //! | 8 | u8 × n | payload | |
-//!
-//! 8 + n bytes.
 
-use super::Error;
-use super::bytes::{Reader, Writer};
+use super::payload::Payload;
+use crate::bytes::Writer;
+use crate::error::Error;
 
 /// One event.
-#[derive(Clone, Copy, Debug, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     /// Place in the sender's order; [`crate::reliable`] sets it.
     pub number: u32,
     /// What the payload means, for the application to choose.
     pub code: u16,
-    payload: [u8; Self::MAX_PAYLOAD],
-    len: u8,
+    payload: Payload<{ Self::MAX_PAYLOAD }>,
 }
 
 impl Event {
@@ -36,11 +34,7 @@ impl Event {
 
     /// An event; its payload may not be longer than [`Event::MAX_PAYLOAD`].
     pub fn new(code: u16, payload: &[u8]) -> Result<Self, Error> {
-        let mut event = Self { number: 0, code, payload: [0; Self::MAX_PAYLOAD], len: 0 };
-        let too_long = Error::Length { message: "event payload", wanted: Self::MAX_PAYLOAD, got: payload.len() };
-        event.payload.get_mut(..payload.len()).ok_or(too_long)?.copy_from_slice(payload);
-        event.len = u8::try_from(payload.len()).map_err(|_| too_long)?;
-        Ok(event)
+        Ok(Self { number: 0, code, payload: Payload::new(payload, "event payload")? })
     }
 
     /// The same event at another place in the sender's order.
@@ -50,44 +44,29 @@ impl Event {
 
     /// The payload.
     pub fn payload(&self) -> &[u8] {
-        self.payload.get(..usize::from(self.len)).unwrap_or(&[])
+        self.payload.get()
     }
 
     /// Bytes of the event before it is sealed.
     pub fn emitted_len(&self) -> usize {
-        Self::HEAD + usize::from(self.len)
+        Self::HEAD + usize::from(self.payload.len)
     }
 
     /// Reads an event, which must fill `bytes` exactly.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let len = bytes.get(1).copied().map_or(0, usize::from);
-        if len > Self::MAX_PAYLOAD {
-            return Err(Error::OutOfRange { message: "event", field: "payload length" });
-        }
-        let mut reader = Reader::exact(bytes, "event", Self::HEAD.saturating_add(len))?;
-        reader.kind(Self::KIND)?;
-        reader.u8()?;
-        let code = reader.u16()?;
-        let number = reader.u32()?;
-        let event = Self::new(code, reader.slice(len)?)?;
-        reader.end()?;
-        Ok(event.numbered(number))
+        let (mut reader, len) = Payload::<{ Self::MAX_PAYLOAD }>::open(bytes, "event", Self::KIND, Self::HEAD)?;
+        let (code, number) = (reader.get()?, reader.get()?);
+        Ok(Self::new(code, reader.slice(len)?)?.numbered(number))
     }
 
     /// Writes the event to the front of `out` and gives its length.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        Writer::new(out, "event")
-            .put(&[Self::KIND, self.len])
-            .put(&self.code.to_le_bytes())
-            .put(&self.number.to_le_bytes())
-            .put(self.payload())
-            .end()
-    }
-}
-
-impl PartialEq for Event {
-    fn eq(&self, other: &Self) -> bool {
-        self.number == other.number && self.code == other.code && self.payload() == other.payload()
+        let mut writer = Writer::new(out, "event");
+        writer.bytes(&[Self::KIND, self.payload.len]);
+        writer.put(&self.code);
+        writer.put(&self.number);
+        writer.bytes(self.payload());
+        writer.end()
     }
 }
 

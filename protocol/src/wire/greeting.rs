@@ -1,25 +1,10 @@
-//! Greeting: hello (kind 1, asks for an answer) and welcome (kind 2, is one). Readable, authenticated by the shared key.
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | version = 1 | |
-//! | 1 | u8 | kind: 1 hello, 2 welcome | |
-//! | 2 | u8 | from: the sender's number | |
-//! | 3 | u8 | to: the receiver's number | |
-//! | 4 | u32 | line: which of a server's clients this is about, 0 between two peers | |
-//! | 8 | u8 × 16 | challenge: fresh from the sender, for the receiver to echo | |
-//! | 24 | u8 × 16 | echo: the receiver's challenge, 0 if the sender has none | |
-//! | 40 | u64 | incarnation: drawn when the sender started | |
-//! | 48 | u8 | tables: how many of the hashes below are in use, 0 to 16 | |
-//! | 49 | u8 × 7 | 0 | |
-//! | 56 | u64 × 16 | hash of each table of parameters, 0 where unused | |
-//! | 184 | u8 × 16 | tag over bytes 0 to 183 | |
-//!
-//! 200 bytes. [`crate::handshake`] makes and checks the tag and says what the two challenges do.
+//! Greeting: hello (asks for an answer) and welcome (is one). Readable, authenticated by the shared key: what is declared below,
+//! then a tag over it of 16 bytes, 200 in all. [`crate::handshake`] makes and checks the tag and says what the two challenges do.
 
-use super::bytes::{Reader, Writer};
 use super::header::PeerId;
-use super::{Error, TAG_LEN, VERSION};
+use crate::bytes::{Field, Reader, Writer, layout};
+use crate::error::{Error, VERSION};
+use crate::key::TAG_LEN;
 
 /// Most tables of parameters that a greeting can name.
 pub const TABLES: usize = 16;
@@ -36,34 +21,50 @@ pub enum GreetingKind {
     Welcome = 2,
 }
 
-/// One step of the handshake.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Greeting {
-    /// Hello or welcome.
-    pub kind: GreetingKind,
-    /// Who sent it.
-    pub from: PeerId,
-    /// For whom it is.
-    pub to: PeerId,
-    /// Which of a server's clients this is about ([`crate::key::Key::line`]); 0 between two peers.
-    pub line: u32,
-    /// The sender's challenge.
-    pub challenge: Challenge,
-    /// The receiver's challenge as the sender knows it; 0 if it does not.
-    pub echo: Challenge,
-    /// Drawn when the sender started: a different one means that it has forgotten everything.
-    pub incarnation: u64,
-    /// How many of `tables` are in use.
-    pub count: u8,
-    /// Hash of each table of parameters; 0 where unused.
-    pub tables: [u64; TABLES],
+impl Field for GreetingKind {
+    const LEN: usize = 1;
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
+        match reader.get()? {
+            1 => Ok(Self::Hello),
+            2 => Ok(Self::Welcome),
+            kind => Err(Error::UnknownKind { kind }),
+        }
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.put(&(*self as u8));
+    }
+}
+
+layout! {
+    /// One step of the handshake.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Greeting(184 bytes, version VERSION) {
+        /// Hello or welcome.
+        1 => kind: GreetingKind,
+        /// Who sent it.
+        2 => from: PeerId,
+        /// For whom it is.
+        3 => to: PeerId,
+        /// Which of a server's clients this is about ([`crate::key::Key::line`]); 0 between two peers.
+        4 => line: u32,
+        /// The sender's challenge.
+        8 => challenge: Challenge,
+        /// The receiver's challenge as the sender knows it; 0 if it does not.
+        24 => echo: Challenge,
+        /// Drawn when the sender started: a different one means that it has forgotten everything.
+        40 => incarnation: u64,
+        /// How many of `tables` are in use.
+        48 => count: u8 where |count| usize::from(*count) <= TABLES,
+        /// Hash of each table of parameters; 0 where unused.
+        56 => tables: [u64; TABLES],
+    }
 }
 
 impl Greeting {
-    /// Bytes, tag included.
-    pub const LEN: usize = 200;
-    /// Bytes that the tag covers.
-    pub const BODY: usize = Self::LEN - TAG_LEN;
+    /// Bytes with the tag.
+    pub const TAGGED: usize = Self::LEN + TAG_LEN;
 
     /// Whether the second byte of a datagram names a greeting.
     pub fn is_kind(kind: u8) -> bool {
@@ -72,53 +73,19 @@ impl Greeting {
 
     /// Takes a greeting apart: fields, the bytes the tag covers, and the tag, which is **not** checked here.
     pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &[u8; TAG_LEN]), Error> {
-        let mut reader = Reader::exact(datagram, "greeting", Self::LEN)?;
-        let version = reader.u8()?;
-        if version != VERSION {
-            return Err(Error::UnknownVersion { version });
+        let mut reader = Reader::exact(datagram, "greeting", Self::TAGGED)?;
+        let greeting: Self = reader.get()?;
+        if greeting.tables.iter().skip(usize::from(greeting.count)).any(|unused| *unused != 0) {
+            return Err(reader.reserved());
         }
-        let kind = match reader.u8()? {
-            1 => GreetingKind::Hello,
-            2 => GreetingKind::Welcome,
-            kind => return Err(Error::UnknownKind { kind }),
-        };
-        let (from, to) = (PeerId(reader.u8()?), PeerId(reader.u8()?));
-        let line = reader.u32()?;
-        let (challenge, echo) = (reader.array()?, reader.array()?);
-        let incarnation = reader.u64()?;
-        let count = reader.u8()?;
-        if usize::from(count) > TABLES {
-            return Err(Error::OutOfRange { message: "greeting", field: "tables" });
-        }
-        reader.reserved::<7>()?;
-        let mut tables = [0; TABLES];
-        for table in &mut tables {
-            *table = reader.u64()?;
-        }
-        if tables.iter().skip(usize::from(count)).any(|unused| *unused != 0) {
-            return Err(Error::Reserved { message: "greeting" });
-        }
-        let greeting = Self { kind, from, to, line, challenge, echo, incarnation, count, tables };
-        reader.array::<TAG_LEN>()?;
-        reader.end()?;
-        let length = Error::Length { message: "greeting", wanted: Self::LEN, got: datagram.len() };
-        let (body, tag) = datagram.split_last_chunk().ok_or(length)?;
+        let (body, tag) = datagram.split_last_chunk().ok_or(reader.length())?;
         Ok((greeting, body, tag))
     }
 
-    /// Writes everything but the tag to the front of `out` and gives its length, [`Greeting::BODY`].
+    /// Writes everything but the tag to the front of `out` and gives its length, [`Greeting::LEN`].
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let mut writer = Writer::new(out, "greeting")
-            .put(&[VERSION, self.kind as u8, self.from.0, self.to.0])
-            .put(&self.line.to_le_bytes())
-            .put(&self.challenge)
-            .put(&self.echo)
-            .put(&self.incarnation.to_le_bytes())
-            .put(&[self.count])
-            .put(&[0; 7]);
-        for table in &self.tables {
-            writer = writer.put(&table.to_le_bytes());
-        }
+        let mut writer = Writer::new(out, "greeting");
+        writer.put(self);
         writer.end()
     }
 }
@@ -146,7 +113,7 @@ mod tests {
 
     #[test]
     fn literal_bytes() {
-        let mut bytes = [0; Greeting::LEN];
+        let mut bytes = [0; Greeting::TAGGED];
         bytes[..8].copy_from_slice(&[1, 2, 1, 2, 1, 2, 3, 4]);
         bytes[8..24].fill(0xaa);
         bytes[24..40].fill(0xbb);
@@ -154,8 +121,8 @@ mod tests {
         bytes[48] = 2;
         bytes[56..64].copy_from_slice(&[8, 7, 6, 5, 4, 3, 2, 1]);
         bytes[64..72].fill(0xff);
-        let mut out = [0; Greeting::LEN];
-        assert_eq!(sample().emit(&mut out), Ok(Greeting::BODY));
+        let mut out = [0; Greeting::TAGGED];
+        assert_eq!(sample().emit(&mut out), Ok(Greeting::LEN));
         assert_eq!(out, bytes);
         bytes[184..].fill(0x77);
         assert_eq!(Greeting::parse(&bytes), Ok((sample(), &bytes[..184], &[0x77; 16])));
@@ -163,9 +130,9 @@ mod tests {
 
     #[test]
     fn refuses_more_tables_than_there_is_room_for() {
-        let mut out = [0; Greeting::LEN];
+        let mut out = [0; Greeting::TAGGED];
         Greeting { count: 17, ..sample() }.emit(&mut out).unwrap();
-        assert_eq!(Greeting::parse(&out), Err(Error::OutOfRange { message: "greeting", field: "tables" }));
+        assert_eq!(Greeting::parse(&out), Err(Error::OutOfRange { message: "greeting", field: "count" }));
         Greeting { count: 1, ..sample() }.emit(&mut out).unwrap();
         assert_eq!(Greeting::parse(&out), Err(Error::Reserved { message: "greeting" }));
     }

@@ -1,42 +1,32 @@
-//! Header: what can be read of a sealed datagram. It is authenticated together with what it heads.
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | version = 1 | |
-//! | 1 | u8 | kind = 3 (sealed); 1 and 2 are greetings | |
-//! | 2 | u8 | from: the sender's number | |
-//! | 3 | u8 | to: the receiver's number | |
-//! | 4 | u32 | session: which keys opened it, 0 in greetings | |
-//! | 8 | u64 | sequence: grows by 1 with every sealed datagram of the sender; also the nonce | |
-//!
-//! 16 bytes, then the sealed message, then a tag of 16 bytes.
+//! Header: what can be read of a sealed datagram. It is authenticated together with what it heads: 16 bytes, then the sealed
+//! message, then a tag of 16 bytes. Kinds 1 and 2 are greetings.
 
-use super::bytes::{Reader, Writer};
-use super::{Error, TAG_LEN, VERSION};
+use crate::bytes::{Reader, Writer, layout, newtype};
+use crate::error::{Error, VERSION};
+use crate::key::TAG_LEN;
 
 /// Which peer of the installation; the two ends of a link have different numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PeerId(pub u8);
 
-/// The readable part of a sealed datagram.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Header {
-    /// Who sent it.
-    pub from: PeerId,
-    /// For whom it is.
-    pub to: PeerId,
-    /// Which session's keys seal it.
-    pub session: u32,
-    /// Place in the sender's order, and the nonce.
-    pub sequence: u64,
+newtype!(PeerId);
+
+layout! {
+    /// The readable part of a sealed datagram.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Header(16 bytes, version VERSION, kind 3) {
+        /// Who sent it.
+        2 => from: PeerId,
+        /// For whom it is.
+        3 => to: PeerId,
+        /// Which session's keys seal it.
+        4 => session: u32,
+        /// Place in the sender's order, and the nonce.
+        8 => sequence: u64,
+    }
 }
 
 impl Header {
-    /// Second byte of a sealed datagram.
-    pub const KIND: u8 = 3;
-    /// Bytes.
-    pub const LEN: usize = 16;
-
     /// Takes a sealed datagram apart: header as bytes and as fields, and the sealed rest with its tag.
     pub fn parse(datagram: &mut [u8]) -> Result<(Self, &[u8; Self::LEN], &mut [u8]), Error> {
         let least = Error::Length { message: "sealed", wanted: Self::LEN + TAG_LEN, got: datagram.len() };
@@ -44,29 +34,15 @@ impl Header {
             return Err(least);
         }
         let (head, sealed) = datagram.split_first_chunk_mut::<{ Self::LEN }>().ok_or(least)?;
-        let mut reader = Reader::exact(head, "header", Self::LEN)?;
-        let version = reader.u8()?;
-        if version != VERSION {
-            return Err(Error::UnknownVersion { version });
-        }
-        reader.kind(Self::KIND)?;
-        let header = Self {
-            from: PeerId(reader.u8()?),
-            to: PeerId(reader.u8()?),
-            session: reader.u32()?,
-            sequence: reader.u64()?,
-        };
-        reader.end()?;
+        let header = Reader::exact(head, "header", Self::LEN)?.get()?;
         Ok((header, head, sealed))
     }
 
     /// The header as bytes.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        Writer::new(out, "header")
-            .put(&[VERSION, Self::KIND, self.from.0, self.to.0])
-            .put(&self.session.to_le_bytes())
-            .put(&self.sequence.to_le_bytes())
-            .end()
+        let mut writer = Writer::new(out, "header");
+        writer.put(self);
+        writer.end()
     }
 }
 

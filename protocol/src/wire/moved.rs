@@ -1,70 +1,29 @@
 //! Moved: the shared object as whoever has the dynamics engine moves it, to each client; once each packet period, newest
-//! wins ([`crate::roles::cooperative`]).
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | kind = 20 | |
-//! | 1 | u8 × 3 | 0 | |
-//! | 4 | u32 | version: which engine | |
-//! | 8 | f32 × 4 | x, ẋ, y, ẏ of the object | m, m/s |
-//! | 24 | u64 | echo: when this client's newest push was sent; 0: none | µs, the client's clock |
-//! | 32 | u64 | when that push came | µs, the engine's clock |
-//! | 40 | u64 | sent | µs, the engine's clock |
-//!
-//! 48 bytes. With the time of its arrival the three times are a sample for [`crate::clock::Clock`].
+//! wins ([`crate::roles::cooperative`]). With the time of its arrival the three times are a sample for [`crate::clock::Clock`].
 
-use super::Error;
-use super::bytes::{Reader, Writer};
+use crate::bytes::layout;
 
-/// The object, as it is moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moved {
-    /// Which engine.
-    pub version: u32,
-    /// Position (m) and velocity (m/s) along x and y.
-    pub axes: [[f32; 2]; 2],
-    /// When the newest push of this client was sent, µs of its clock; 0: none yet.
-    pub echo_us: u64,
-    /// When it came, µs of the engine's clock.
-    pub came_us: u64,
-    /// When this was sent, µs of the engine's clock.
-    pub sent_us: u64,
-}
-
-impl Moved {
-    /// First byte.
-    pub const KIND: u8 = 20;
-    /// Bytes.
-    pub const LEN: usize = 48;
-
-    /// Reads a motion, which must fill `bytes` exactly.
-    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let mut reader = Reader::exact(bytes, "moved", Self::LEN)?;
-        reader.kind(Self::KIND)?;
-        reader.reserved::<3>()?;
-        let moved = Self {
-            version: reader.u32()?,
-            axes: [[reader.f32()?, reader.f32()?], [reader.f32()?, reader.f32()?]],
-            echo_us: reader.u64()?,
-            came_us: reader.u64()?,
-            sent_us: reader.u64()?,
-        };
-        reader.end()?;
-        Ok(moved)
-    }
-
-    /// Writes the motion to the front of `out` and gives its length.
-    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let writer = Writer::new(out, "moved").put(&[Self::KIND, 0, 0, 0]).put(&self.version.to_le_bytes());
-        let writer = self.axes.iter().flatten().fold(writer, |writer, number| writer.f32(*number));
-        let times = [self.echo_us, self.came_us, self.sent_us];
-        times.iter().fold(writer, |writer, time| writer.put(&time.to_le_bytes())).end()
+layout! {
+    /// The object, as it is moved.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub message Moved("moved", 48 bytes, kind 20) {
+        /// Which engine.
+        4 => version: u32,
+        /// Position (m) and velocity (m/s) along x and y.
+        8 => axes: [[f32; 2]; 2],
+        /// When the newest push of this client was sent, µs of its clock; 0: none yet.
+        24 => echo_us: u64,
+        /// When it came, µs of the engine's clock.
+        32 => came_us: u64,
+        /// When this was sent, µs of the engine's clock.
+        40 => sent_us: u64,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn literal_bytes() {

@@ -17,26 +17,27 @@
 //! | page | 68 | u8 mask (bit i: object 8·number + i is in scope), u8 × 3 0, u64 × 8 their checksums, 0 where not in scope |
 //! | object | 64 | an object's record |
 //!
-//! Records are passed on as they are; [`crate::database`] says what is in them and checks their sums.
+//! Records are passed on as they are; [`crate::world`] says what is in them and checks their sums.
 
-use super::bytes::{Reader, Writer};
-use super::{Error, Topic};
-use crate::database::{Manifest, Object, Region};
+use super::Topic;
+use crate::bytes::{Reader, Writer, layout};
+use crate::error::Error;
+use crate::world::{Manifest, Object, Region};
 
-/// Which of 8 objects are in scope, and their checksums.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Page {
-    /// Bit i: the i-th is in scope.
-    pub mask: u8,
-    /// Checksums; 0 where not in scope.
-    pub checksums: [u64; Page::OBJECTS],
+layout! {
+    /// Which of 8 objects are in scope, and their checksums.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Page(68 bytes) {
+        /// Bit i: the i-th is in scope.
+        0 => mask: u8,
+        /// Checksums; 0 where not in scope.
+        4 => checksums: [u64; Page::OBJECTS],
+    }
 }
 
 impl Page {
     /// Objects on a page.
     pub const OBJECTS: usize = 8;
-    /// Bytes.
-    pub const LEN: usize = 4 + 8 * Self::OBJECTS;
 }
 
 /// A piece of the world.
@@ -87,7 +88,7 @@ impl Part {
 
     /// Reads a part, which must fill `bytes` exactly.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let topic = Topic::parse(bytes.get(1).copied().unwrap_or(0), "part")?;
+        let topic = Reader::exact(bytes.get(1..2).unwrap_or(&[0]), "part", 1)?.get()?;
         let len = match topic {
             Topic::Manifest => Manifest::LEN,
             Topic::Region => Region::LEN,
@@ -96,47 +97,41 @@ impl Part {
         };
         let mut reader = Reader::exact(bytes, "part", Self::HEAD + len)?;
         reader.kind(Self::KIND)?;
-        reader.u8()?;
-        let (number, tag) = (reader.u16()?, reader.u8()?);
-        reader.reserved::<3>()?;
-        let world = reader.u64()?;
+        reader.get::<Topic>()?;
+        let (number, tag) = (reader.get()?, reader.get()?);
+        reader.zeros_to(8)?;
+        let world = reader.get()?;
         let payload = match topic {
-            Topic::Manifest if number != 0 => return Err(Error::OutOfRange { message: "part", field: "number" }),
-            Topic::Manifest => Payload::Manifest(Manifest::parse(&reader.array::<{ Manifest::LEN }>()?)?),
+            Topic::Manifest if number != 0 => return Err(reader.out_of_range("number")),
+            Topic::Manifest => Payload::Manifest(reader.get()?),
             Topic::Region => Payload::Region(reader.array()?),
             Topic::Page => {
-                let mut page = Page { mask: reader.u8()?, ..Page::default() };
-                reader.reserved::<3>()?;
-                for (at, checksum) in page.checksums.iter_mut().enumerate() {
-                    *checksum = reader.u64()?;
-                    if *checksum != 0 && page.mask >> at & 1 == 0 {
-                        return Err(Error::Reserved { message: "part" });
-                    }
+                let page: Page = reader.get()?;
+                let strays = page.checksums.iter().enumerate().any(|(at, sum)| *sum != 0 && page.mask >> at & 1 == 0);
+                if strays {
+                    return Err(reader.reserved());
                 }
                 Payload::Page(page)
             }
             Topic::Object => Payload::Object(reader.array()?),
         };
-        reader.end()?;
         Ok(Self { number, tag, world, payload })
     }
 
     /// Writes the part to the front of `out` and gives its length.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let head = Writer::new(out, "part")
-            .put(&[Self::KIND, self.payload.topic() as u8])
-            .put(&self.number.to_le_bytes())
-            .put(&[self.tag, 0, 0, 0])
-            .put(&self.world.to_le_bytes());
+        let mut writer = Writer::new(out, "part");
+        writer.bytes(&[Self::KIND, self.payload.topic() as u8]);
+        writer.put(&self.number);
+        writer.bytes(&[self.tag, 0, 0, 0]);
+        writer.put(&self.world);
         match &self.payload {
-            Payload::Manifest(manifest) => head.put(&manifest.emit()?),
-            Payload::Region(record) => head.put(record),
-            Payload::Page(page) => {
-                page.checksums.iter().fold(head.put(&[page.mask, 0, 0, 0]), |out, sum| out.put(&sum.to_le_bytes()))
-            }
-            Payload::Object(record) => head.put(record),
+            Payload::Manifest(manifest) => writer.put(manifest),
+            Payload::Region(record) => writer.bytes(record),
+            Payload::Page(page) => writer.put(page),
+            Payload::Object(record) => writer.bytes(record),
         }
-        .end()
+        writer.end()
     }
 }
 

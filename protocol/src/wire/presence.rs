@@ -7,28 +7,22 @@
 //! | 1 | u8 | how many clients n, 0 to 4 | |
 //! | 2 | u16 | 0 | |
 //! | 4 | u32 | tick: of whoever asked first; a server sends the newest it has from this client | control periods |
-//! | 8 + 20·i | u32 | who: the client's line | |
-//! | 12 + 20·i | f32 | position x | m |
-//! | 16 + 20·i | f32 | position y | m |
-//! | 20 + 20·i | f32 | velocity x | m/s |
-//! | 24 + 20·i | f32 | velocity y | m/s |
-//!
-//! 8 + 20·n bytes.
+//! | 8 + 20·i | 20 bytes | a [`Sighting`] | |
 
-use heapless::Vec;
+use crate::bytes::{Reader, Writer, layout};
+use crate::error::Error;
 
-use super::Error;
-use super::bytes::{Reader, Writer};
-
-/// One client seen somewhere.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sighting {
-    /// Which client: its line.
-    pub who: u32,
-    /// Position, m.
-    pub position: [f32; 2],
-    /// Velocity, m/s.
-    pub velocity: [f32; 2],
+layout! {
+    /// One client seen somewhere.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Sighting(20 bytes) {
+        /// Which client: its line.
+        0 => who: u32,
+        /// Position, m.
+        4 => position: [f32; 2],
+        /// Velocity, m/s.
+        12 => velocity: [f32; 2],
+    }
 }
 
 /// Where clients are.
@@ -46,11 +40,9 @@ impl Presence {
     /// Most clients in one message.
     pub const MOST: usize = 4;
     /// Longest message, bytes.
-    pub const MAX_LEN: usize = Self::HEAD + Self::EACH * Self::MOST;
+    pub const MAX_LEN: usize = Self::HEAD + Sighting::LEN * Self::MOST;
 
     const HEAD: usize = 8;
-    const EACH: usize = 20;
-
     /// The first [`Presence::MOST`] of `seen`.
     pub fn new(tick: u32, seen: impl IntoIterator<Item = Sighting>) -> Self {
         let mut presence = Self { tick, ..Self::default() };
@@ -69,35 +61,26 @@ impl Presence {
     /// Reads a message, which must fill `bytes` exactly.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let count = bytes.get(1).copied().map_or(0, usize::from);
-        if count > Self::MOST {
-            return Err(Error::OutOfRange { message: "presence", field: "count" });
-        }
-        let mut reader = Reader::exact(bytes, "presence", Self::HEAD + Self::EACH * count)?;
+        let mut presence = Self::default();
+        let seen = presence.seen.get_mut(..count).ok_or(Error::OutOfRange { message: "presence", field: "count" })?;
+        let mut reader = Reader::exact(bytes, "presence", Self::HEAD + Sighting::LEN * count)?;
         reader.kind(Self::KIND)?;
-        reader.u8()?;
-        reader.reserved::<2>()?;
-        let tick = reader.u32()?;
-        let mut seen = Vec::<Sighting, { Self::MOST }>::new();
-        for _ in 0..count {
-            let sighting = Sighting {
-                who: reader.u32()?,
-                position: [reader.f32()?, reader.f32()?],
-                velocity: [reader.f32()?, reader.f32()?],
-            };
-            // There is room: `count` was checked.
-            let _ = seen.push(sighting);
+        presence.count = reader.get()?;
+        reader.zeros_to(4)?;
+        presence.tick = reader.get()?;
+        for sighting in seen {
+            *sighting = reader.get()?;
         }
-        reader.end()?;
-        Ok(Self::new(tick, seen))
+        Ok(presence)
     }
 
     /// Writes the message to the front of `out` and gives its length.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let head = Writer::new(out, "presence").put(&[Self::KIND, self.count, 0, 0]).put(&self.tick.to_le_bytes());
-        let body = self.seen().iter().fold(head, |out, Sighting { who, position: [x, y], velocity: [u, v] }| {
-            out.put(&who.to_le_bytes()).f32(*x).f32(*y).f32(*u).f32(*v)
-        });
-        body.end()
+        let mut writer = Writer::new(out, "presence");
+        writer.bytes(&[Self::KIND, self.count, 0, 0]);
+        writer.put(&self.tick);
+        self.seen().iter().for_each(|sighting| writer.put(sighting));
+        writer.end()
     }
 }
 

@@ -6,25 +6,17 @@
 //! | 1 | u8 | payload length n, 0 to 88 | bytes |
 //! | 2 | u16 | code: what the payload means to the application | |
 //! | 4 | u8 × n | payload | |
-//!
-//! 4 + n bytes.
 
-use super::Error;
-use super::bytes::{Reader, Writer};
+use super::payload::Payload;
+use crate::bytes::Writer;
+use crate::error::Error;
 
 /// What an instrument saw.
-#[derive(Clone, Copy, Debug, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
     /// What the payload means, for the application to choose.
     pub code: u16,
-    payload: [u8; Self::MAX_PAYLOAD],
-    len: u8,
-}
-
-impl PartialEq for Sample {
-    fn eq(&self, other: &Self) -> bool {
-        self.code == other.code && self.payload() == other.payload()
-    }
+    payload: Payload<{ Self::MAX_PAYLOAD }>,
 }
 
 impl Sample {
@@ -39,36 +31,28 @@ impl Sample {
 
     /// A sample; its payload may not be longer than [`Sample::MAX_PAYLOAD`].
     pub fn new(code: u16, payload: &[u8]) -> Result<Self, Error> {
-        let mut sample = Self { code, payload: [0; Self::MAX_PAYLOAD], len: 0 };
-        let too_long = Error::Length { message: "sample payload", wanted: Self::MAX_PAYLOAD, got: payload.len() };
-        sample.payload.get_mut(..payload.len()).ok_or(too_long)?.copy_from_slice(payload);
-        sample.len = u8::try_from(payload.len()).map_err(|_| too_long)?;
-        Ok(sample)
+        Ok(Self { code, payload: Payload::new(payload, "sample payload")? })
     }
 
     /// The payload.
     pub fn payload(&self) -> &[u8] {
-        self.payload.get(..usize::from(self.len)).unwrap_or(&[])
+        self.payload.get()
     }
 
     /// Reads a sample, which must fill `bytes` exactly.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let len = bytes.get(1).copied().map_or(0, usize::from);
-        if len > Self::MAX_PAYLOAD {
-            return Err(Error::OutOfRange { message: "sample", field: "payload length" });
-        }
-        let mut reader = Reader::exact(bytes, "sample", Self::HEAD.saturating_add(len))?;
-        reader.kind(Self::KIND)?;
-        reader.u8()?;
-        let code = reader.u16()?;
-        let sample = Self::new(code, reader.slice(len)?)?;
-        reader.end()?;
-        Ok(sample)
+        let (mut reader, len) = Payload::<{ Self::MAX_PAYLOAD }>::open(bytes, "sample", Self::KIND, Self::HEAD)?;
+        let code = reader.get()?;
+        Self::new(code, reader.slice(len)?)
     }
 
     /// Writes the sample to the front of `out` and gives its length.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        Writer::new(out, "sample").put(&[Self::KIND, self.len]).put(&self.code.to_le_bytes()).put(self.payload()).end()
+        let mut writer = Writer::new(out, "sample");
+        writer.bytes(&[Self::KIND, self.payload.len]);
+        writer.put(&self.code);
+        writer.bytes(self.payload());
+        writer.end()
     }
 }
 

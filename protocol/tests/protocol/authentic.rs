@@ -1,7 +1,7 @@
 //! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 1 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::format`]).
 
-use haptic_protocol::link::{Error, Incoming, Link, Stage};
+use haptic_protocol::link::{Error, Link, Stage};
 use haptic_protocol::wire::{self, Flow, MAX_DATAGRAM, Message};
 use haptic_protocol::{replay, session};
 
@@ -57,7 +57,7 @@ impl Ear {
         Self { link, session, now, sequence: 1 << 20 }
     }
 
-    fn hear(&mut self, message: &[u8]) -> Result<Option<Incoming>, Error> {
+    fn hear(&mut self, message: &[u8]) -> Result<Option<Message>, Error> {
         self.sequence += 1;
         self.link.receive(self.now, &mut self.session.seal(2, 1, self.sequence, message))
     }
@@ -90,7 +90,7 @@ fn a_number_that_is_none_is_refused_and_the_coordination_goes_on() {
             let again = ear.link.receive(ear.now, &mut ear.session.seal(2, 1, ear.sequence, &bytes));
             assert_eq!(again, Err(Error::Session(session::Error::Replay(replay::Error::Replayed))));
             // And the next flow is as good as ever.
-            assert_eq!(ear.hear(&bytes), Ok(Some(Incoming::Flow(good))));
+            assert_eq!(ear.hear(&bytes), Ok(Some(Message::Flow(good))));
         }
     }
 }
@@ -146,6 +146,6 @@ fn any_bytes_under_a_right_tag_are_a_message_of_version_1_or_nothing() {
     assert!((2_000..18_000).contains(&taken), "{taken}");
     // After all that it is as good a link as any.
     let (good, bytes) = flow(9);
-    assert_eq!(ear.hear(&bytes), Ok(Some(Incoming::Flow(good))));
+    assert_eq!(ear.hear(&bytes), Ok(Some(Message::Flow(good))));
     assert_eq!(ear.link.stage(), Stage::Running);
 }

@@ -2,8 +2,8 @@
 
 use haptic_protocol::handshake;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, Incoming, Link};
-use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Presence, Sighting};
+use haptic_protocol::link::{Config, Error, Link};
+use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, Presence, Sighting};
 
 use crate::world::config;
 
@@ -40,10 +40,10 @@ fn a_thousand_clients_of_one_server_are_told_apart_by_line_and_session() {
         assert_eq!(pair[1].session_number(), Some(session));
         assert!(sessions.insert(session), "session numbers of different keys differ");
         let sighting = Sighting { who: line, ..Sighting::default() };
-        let len = pair[1].send_presence(10_000, &Presence::new(5, [sighting]), &mut out).unwrap();
+        let len = pair[1].send(10_000, Presence::new(5, [sighting]), &mut out).unwrap();
         assert_eq!(Header::parse(&mut out[..len]).unwrap().0.session, session);
         match pair[0].receive(10_000, &mut out[..len]) {
-            Ok(Some(Incoming::Presence(presence))) => assert_eq!(presence.seen(), [sighting]),
+            Ok(Some(Message::Presence(presence))) => assert_eq!(presence.seen(), [sighting]),
             other => panic!("{other:?}"),
         }
     }

@@ -3,7 +3,6 @@
 mod authentic;
 mod clock;
 mod cooperative;
-mod database;
 mod events;
 mod format;
 mod handshake;
@@ -11,6 +10,7 @@ mod ladder;
 mod lines;
 mod memory;
 mod parsers;
+mod records;
 mod replay;
 mod restarts;
 mod static_scene;

@@ -1,11 +1,11 @@
 //! Every parser against anything: no panic, one encoding only, and nothing changed by what is refused.
 
-use haptic_protocol::database::{Manifest, Scope};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
     Ack, Ask, Bits, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved,
     Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sighting, TABLES, Telemetry, Topic,
 };
+use haptic_protocol::world::{Manifest, Scope};
 use proptest::prelude::*;
 
 use crate::world::{World, config, state};
@@ -103,7 +103,7 @@ fn messages() -> impl Strategy<Value = Message> {
         presence,
         push,
         moved,
-        Just(Message::Goodbye(Goodbye)),
+        Just(Message::Goodbye(Goodbye {})),
         any::<(u32, u32)>().prop_map(|(next, ahead)| Message::Ack(Ack { next, ahead })),
         any::<u64>().prop_map(|sent_us| Message::Probe(Probe { sent_us })),
         any::<[u64; 3]>().prop_map(|[probe_sent_us, probe_received_us, sent_us]| {
@@ -156,7 +156,7 @@ proptest! {
     }
 
     #[test]
-    fn greetings_likewise(mut bytes in prop::collection::vec(any::<u8>(), Greeting::LEN), kind in 0..4u8, count in 0..20u8, clean: bool) {
+    fn greetings_likewise(mut bytes in prop::collection::vec(any::<u8>(), Greeting::TAGGED), kind in 0..4u8, count in 0..20u8, clean: bool) {
         bytes[..2].copy_from_slice(&[1, kind]);
         if clean {
             bytes[4..8].fill(0);
@@ -167,15 +167,15 @@ proptest! {
         }
         match Greeting::parse(&bytes) {
             Ok((greeting, body, tag)) => {
-                let mut out = [0; Greeting::BODY];
-                prop_assert_eq!(greeting.emit(&mut out), Ok(Greeting::BODY));
-                prop_assert_eq!(&out[..], &bytes[..Greeting::BODY]);
-                prop_assert_eq!((body, &tag[..]), bytes.split_at(Greeting::BODY));
+                let mut out = [0; Greeting::LEN];
+                prop_assert_eq!(greeting.emit(&mut out), Ok(Greeting::LEN));
+                prop_assert_eq!(&out[..], &bytes[..Greeting::LEN]);
+                prop_assert_eq!((body, &tag[..]), bytes.split_at(Greeting::LEN));
                 prop_assert!(greeting.kind == GreetingKind::Hello || greeting.kind == GreetingKind::Welcome);
             }
             Err(_) => prop_assert!(!clean || kind == 0 || kind == 3 || usize::from(count) > TABLES),
         }
-        for len in 0..Greeting::LEN {
+        for len in 0..Greeting::TAGGED {
             prop_assert!(Greeting::parse(&bytes[..len]).is_err());
         }
     }
@@ -206,7 +206,7 @@ proptest! {
                 (1, Some(head)) => head.copy_from_slice(&[1, 3, 2, 1]),
                 (2, Some(head)) => {
                     head.copy_from_slice(&[1, 1, 2, 1]);
-                    datagram.resize(Greeting::LEN, 0);
+                    datagram.resize(Greeting::TAGGED, 0);
                 }
                 _ => {}
             }
@@ -227,8 +227,8 @@ proptest! {
                 0 => { now = now.wrapping_add(value % 300_000); None }
                 1 => { if value % 50 == 0 { now = value } None }
                 2 | 3 => link.poll(now, &mut out),
-                4 => link.send_flow(now, &Flow { tick: value as u32, ..Flow::default() }, &mut out),
-                5 => link.send_telemetry(now, &Telemetry::default(), &mut out),
+                4 => link.send(now, Flow { tick: value as u32, ..Flow::default() }, &mut out),
+                5 => link.send(now, Telemetry::default(), &mut out),
                 6 => { let _ = link.push_event(Event::new(1, &value.to_le_bytes()).unwrap()); None }
                 7 => { let _ = (link.take_event(), link.take_notice()); None }
                 _ => {

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use haptic_protocol::database::{Body, Bounds, Database, Manifest, Object, Region, Scope, Shape};
 use haptic_protocol::roles::static_scene::{BURST, Board, Download, Roam, Server, Taken};
 use haptic_protocol::wire::{Ask, Page, Part, Payload, Presence, Sighting, Topic};
+use haptic_protocol::world::{Body, Bounds, Database, Manifest, Object, Region, Scope, Shape};
 
 use crate::world::Rng;
 

@@ -37,12 +37,12 @@ fn sealed() -> Vec<(&'static str, usize, World, Vec<u8>)> {
     let mut world = silent(1);
     let now = world.clock(0);
     let flow = Flow { engaged: true, tick: 9, position: 0.25, ..Flow::default() };
-    let len = world.links[0].send_flow(now, &flow, &mut out).unwrap();
+    let len = world.links[0].send(now, flow, &mut out).unwrap();
     all.push(("flow", 68, world, out[..len].to_vec()));
 
     let mut world = silent(2);
     let now = world.clock(0);
-    let len = world.links[0].send_telemetry(now, &Telemetry::default(), &mut out).unwrap();
+    let len = world.links[0].send(now, Telemetry::default(), &mut out).unwrap();
     all.push(("telemetry", 124, world, out[..len].to_vec()));
 
     let mut world = silent(3);

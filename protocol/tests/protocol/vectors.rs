@@ -1,7 +1,6 @@
 //! Known answers, made by a second implementation (`vectors.py`, from FORMAT.md and the RFCs alone): another language can talk
 //! to this crate.
 
-use haptic_protocol::database::{Bounds, Database, Object, Region, Scope, Shape, Wall};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::handshake::{Error, Handshake};
 use haptic_protocol::key::Key;
@@ -12,6 +11,7 @@ use haptic_protocol::session::{self, Offer, Session};
 use haptic_protocol::wire::{
     Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting, Topic,
 };
+use haptic_protocol::world::{Bounds, Database, Object, Region, Scope, Shape, Wall};
 
 const HELLO: &str = concat!(
     "0101010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f08070605040302010200",

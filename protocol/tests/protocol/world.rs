@@ -2,9 +2,9 @@
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Notice, Stage};
+use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Message, PeerId};
 
 /// The packet period of every test, µs.
 pub(crate) const PERIOD: u64 = 8_000;
@@ -172,7 +172,7 @@ impl World {
                 continue;
             }
             let now = self.clock(peer);
-            if let Ok(Some(Incoming::Flow(flow))) = self.links[peer].receive(now, &mut datagram.bytes) {
+            if let Ok(Some(Message::Flow(flow))) = self.links[peer].receive(now, &mut datagram.bytes) {
                 self.flows[peer].push(flow);
             }
             self.poll(peer);
@@ -187,7 +187,7 @@ impl World {
                 let flow =
                     Flow { tick: self.tick, position: 0.5, energy_sent: f64::from(self.tick), ..Flow::default() };
                 let mut out = [0; MAX_DATAGRAM];
-                if let Some(len) = self.links[peer].send_flow(self.clock(peer), &flow, &mut out) {
+                if let Some(len) = self.links[peer].send(self.clock(peer), flow, &mut out) {
                     self.send(peer, &out[..len]);
                 }
             }

@@ -1,8 +1,8 @@
 //! A lock, message by message.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::lock::{Client, Message, Notice, Phase, Server};
 use haptic_protocol::roles::collaborative::{Lease, NotOwner};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 const SERVER: PeerId = PeerId(0);

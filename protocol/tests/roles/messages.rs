@@ -71,7 +71,7 @@ pub(crate) fn squashes() -> impl Strategy<Value = squash::Message> {
                 prop_oneof![
                     Just(squash::Message::Join),
                     Just(squash::Message::Leave),
-                    Just(squash::Message::Game(game)),
+                    Just(squash::Message::Game { game }),
                     Just(squash::Message::Place { turn, revision, life, number, round_trip_us, racket: ball }),
                     Just(squash::Message::Hit { turn, at_us: sent_us, ball }),
                     Just(squash::Message::Miss { turn, ending }),
@@ -85,7 +85,7 @@ pub(crate) fn squashes() -> impl Strategy<Value = squash::Message> {
 proptest! {
     #[test]
     fn there_and_back(object: u16, lock in locks(), ring in rings(), squash in squashes()) {
-        prop_assert_eq!(squash::Message::parse(&squash.event().unwrap()), Ok(squash));
+        prop_assert_eq!(squash::Message::parse(&squash.event(object).unwrap()), Ok((0, squash)));
         prop_assert_eq!(lock::Message::parse(&lock.event(object).unwrap()), Ok((object, lock)));
         prop_assert_eq!(ring::Message::parse(&ring.event(object).unwrap()), Ok((object, ring)));
     }
@@ -101,8 +101,8 @@ proptest! {
             prop_assert_eq!(message.event(object).unwrap(), event);
         }
         let event = Event::new(code(code::SQUASH), &bytes[..bytes.len().min(48)]).unwrap();
-        if let Ok(message) = squash::Message::parse(&event) {
-            prop_assert_eq!(message.event().unwrap(), event);
+        if let Ok((object, message)) = squash::Message::parse(&event) {
+            prop_assert_eq!(message.event(object).unwrap(), event);
         }
         let event = Event::new(code(code::RING), &bytes[..bytes.len().min(48)]).unwrap();
         if let Ok((object, message)) = ring::Message::parse(&event) {

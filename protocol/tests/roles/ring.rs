@@ -1,8 +1,8 @@
 //! A token ring on a network that delivers everything at once, and what happens when one end is cut off.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, NotOwner};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 const LEASE_US: u32 = 300_000;

@@ -1,9 +1,9 @@
 //! A game of squash, as long as one can be.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
     Court, Ending, Message, Notice, Phase, Player, PlayerConfig, RALLIES, Server, ServerConfig, Turn,
 };
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 /// Two who never hit the ball: a rally is over as soon as it has begun. Each end and each beginning is heard to the last.

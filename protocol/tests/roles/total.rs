@@ -1,9 +1,9 @@
 //! Any message from anybody at any time: no role panics, and each is one value of fixed size.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, lock};
 use haptic_protocol::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, Server, ServerConfig};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 use proptest::prelude::*;
 

@@ -14,9 +14,9 @@ use std::time::{Duration, Instant};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::lines::{LONGEST, Lines};
-use haptic_protocol::link::{Config, Incoming, Link, Notice, Stage};
+use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId, Sample};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message, PeerId, Sample};
 
 use crate::key_file;
 
@@ -63,7 +63,7 @@ impl Session {
                 self.lines.forget();
             }
         }
-        if let Ok(Some(Incoming::Sample(sample))) = taken {
+        if let Ok(Some(Message::Sample(sample))) = taken {
             self.samples.push(sample);
         }
         while let Some(line) = self.lines.hear(&mut self.link) {

@@ -1,8 +1,8 @@
 //! Server and clients of a lock as the world sees them. Peer 0 is the server.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::lock::{self, Client, Message, Notice, Phase, Record, Server};
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::history::History;

@@ -1,9 +1,9 @@
 //! Members of a token ring as the world sees them. Some begin as founders and the others join; all but the first leave and join
 //! again in the time of trouble, and one leaves for good.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{self, Config, Message, Notice, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::history::History;

@@ -1,7 +1,7 @@
 //! A contestant: a player's role and the bot that plays it, simulated or live.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{Court, Message, Notice, Player, PlayerConfig, Strike};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::PeerId;
 
 use super::bot::{Action, BALL_KG, Bot, MOTION};

@@ -4,10 +4,10 @@
 
 use std::collections::VecDeque;
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::squash::{
     Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, SERVER, Server, ServerConfig,
 };
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::{PeerId, SEAL_LEN};
 
 use super::bot::SCALE;
@@ -96,10 +96,10 @@ impl<'a> World<'a> {
     /// What a peer has said goes out.
     fn send(&mut self, now_us: u64, from: usize) {
         let said: Vec<_> = match from.checked_sub(1) {
-            None => self.server_out.events(Message::event).collect(),
+            None => self.server_out.events(|message| message.event(0)).collect(),
             Some(seat) => {
                 let Seat { out, bytes, .. } = &mut self.seats[seat];
-                out.events(Message::event)
+                out.events(|message| message.event(0))
                     .inspect(|(_, event)| *bytes += (SEAL_LEN + event.emitted_len()) as u64)
                     .collect()
             }
@@ -117,7 +117,7 @@ impl<'a> World<'a> {
     /// What has arrived.
     fn deliver(&mut self, now_us: u64) {
         while let Some((due, Letter { from, to, event })) = self.flying.take(now_us) {
-            let Ok(message) = Message::parse(&event) else { continue };
+            let Ok((_, message)) = Message::parse(&event) else { continue };
             if !self.peers[to].on {
                 continue;
             }

@@ -11,9 +11,9 @@ use std::collections::HashMap;
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::roles::static_scene::{Board, Server};
-use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId};
 
 use super::{CLIENT, PACKET_US, parameters};
 use crate::shared::world::{OBJECTS, World};
@@ -159,21 +159,21 @@ impl<A: Copy> Host<A> {
             line.address = Some(from);
         }
         match incoming {
-            Some(Incoming::Ask(ask)) => {
+            Some(Message::Ask(ask)) => {
                 self.counts.asks += 1;
                 for part in self.server.answer(&ask) {
-                    if let Some(len) = line.link.send_part(now, &part, &mut self.out) {
+                    if let Some(len) = line.link.send(now, part, &mut self.out) {
                         self.counts.parts += 1;
                         self.counts.sent += 1;
                         send(from, &self.out[..len]);
                     }
                 }
             }
-            Some(Incoming::Presence(said)) => {
+            Some(Message::Presence(said)) => {
                 self.counts.presences += 1;
                 if let Some((told, seat)) = self.board.hear(now, number, &said, line.seat) {
                     line.seat = Some(seat);
-                    if let Some(len) = line.link.send_presence(now, &told, &mut self.out) {
+                    if let Some(len) = line.link.send(now, told, &mut self.out) {
                         self.counts.sent += 1;
                         send(from, &self.out[..len]);
                     }

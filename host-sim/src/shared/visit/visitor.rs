@@ -6,12 +6,12 @@
 use std::collections::BTreeMap;
 
 use haptic_core::num::Motion;
-use haptic_protocol::database::{Manifest, Object, Region, Scope};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
-use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Presence, Sighting};
+use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
+use haptic_protocol::world::{Manifest, Object, Region, Scope};
 
 use super::{CLIENT, PACKET_US, parameters};
 use crate::shared::world::OBJECTS;
@@ -144,12 +144,12 @@ impl Visitor {
             if matches!(contact.link.stage(), Stage::Idle | Stage::Running | Stage::Fading) {
                 let round_trip = u64::from(contact.link.clock().round_trip_us().unwrap_or(0));
                 let asked = contact.download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US);
-                if let Some(len) = asked.and_then(|ask| contact.link.send_ask(now, &ask, &mut out)) {
+                if let Some(len) = asked.and_then(|ask| contact.link.send(now, ask, &mut out)) {
                     send(Party::Server(*server), &out[..len]);
                 }
                 // Only those at the same server know of each other.
                 if *server == self.roam.home()
-                    && let Some(len) = contact.link.send_presence(now, &presence, &mut out)
+                    && let Some(len) = contact.link.send(now, presence, &mut out)
                 {
                     send(Party::Server(*server), &out[..len]);
                 }
@@ -159,7 +159,7 @@ impl Visitor {
             }
         }
         for (who, link) in &mut self.friends {
-            if let Some(len) = link.send_presence(now, &presence, &mut out) {
+            if let Some(len) = link.send(now, presence, &mut out) {
                 send(Party::Client(*who), &out[..len]);
             }
             while let Some(len) = link.poll(now, &mut out) {
@@ -215,7 +215,7 @@ impl Visitor {
             },
         };
         match (link.receive(now, datagram), download) {
-            (Ok(Some(Incoming::Part(part))), Some(download)) => match download.take(&part) {
+            (Ok(Some(Message::Part(part))), Some(download)) => match download.take(&part) {
                 Taken::Nothing => {}
                 Taken::Corrupt => self.corrupt += 1,
                 Taken::World | Taken::More => self.news = true,
@@ -225,7 +225,7 @@ impl Visitor {
                     self.manifest = download.world().map_or(self.manifest, |(_, manifest)| manifest);
                 }
             },
-            (Ok(Some(Incoming::Presence(told))), _) => {
+            (Ok(Some(Message::Presence(told))), _) => {
                 for other in told.seen() {
                     // A friend speaks for itself only.
                     let who = if let Party::Client(who) = from { who } else { other.who };

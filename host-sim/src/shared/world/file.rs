@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use haptic_protocol::database::{Block, Bounds, Field, Object, Region, Shape, Strip};
+use haptic_protocol::world::{Block, Bounds, Field, Object, Region, Shape, Strip};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -32,7 +32,7 @@ pub use file::{OWN_KEYS, WorldError, load, parse};
 pub const OBJECTS: usize = 1024;
 
 /// A world as a server holds it.
-pub type World = haptic_protocol::database::Database<OBJECTS>;
+pub type World = haptic_protocol::world::Database<OBJECTS>;
 
 /// How often local rendering computes a force, s: contact with a strip is stable or not by this period.
 pub const CONTROL_PERIOD_S: f64 = 0.001;

@@ -21,7 +21,7 @@ use haptic_core::num::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;
-use haptic_protocol::database::{Object, Strip};
+use haptic_protocol::world::{Object, Strip};
 
 use super::CONTROL_PERIOD_S;
 use super::solid::{Solid, contact, solid};

@@ -3,7 +3,7 @@
 use haptic_core::contact::shape::{self, Edge};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::settings::Settings;
-use haptic_protocol::database::{Block, Shape, Strip, Wall};
+use haptic_protocol::world::{Block, Shape, Strip, Wall};
 
 use super::render::Frame;
 

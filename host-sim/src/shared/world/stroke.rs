@@ -19,7 +19,7 @@ use haptic_core::num::Motion;
 use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;
-use haptic_protocol::database::Shape;
+use haptic_protocol::world::Shape;
 use serde::Serialize;
 
 use super::render::{Vector, dot, minus};

@@ -2,9 +2,9 @@
 //!
 //! Who owns the body moves its copy; the other's copy is the last one that was released.
 
-use haptic_protocol::roles::Outbox;
 use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
+use haptic_protocol::roles::{Outbox, Role};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};

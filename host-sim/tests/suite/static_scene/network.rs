@@ -1,13 +1,13 @@
 //! Clients and servers over a bad network: what is felt is what the world is, whatever the network does.
 
 use haptic_core::num::Motion;
-use haptic_protocol::database::{Object, Shape, Wall};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::roles::static_scene::Download;
 use haptic_protocol::wire::PeerId;
+use haptic_protocol::world::{Object, Shape, Wall};
 use host_sim::shared::world::render::Renderer;
 use host_sim::shared::world::{OBJECTS, World, load, parse};
 

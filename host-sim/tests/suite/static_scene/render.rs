@@ -1,7 +1,7 @@
 //! Local rendering against closed forms: walls, bodies and a strip, and what a download does to what is touched.
 
 use haptic_core::num::Motion;
-use haptic_protocol::database::{Block, Body, Object, Shape, Strip, Wall};
+use haptic_protocol::world::{Block, Body, Object, Shape, Strip, Wall};
 use host_sim::shared::world::render::Renderer;
 
 type Hand = [Motion<f64>; 2];

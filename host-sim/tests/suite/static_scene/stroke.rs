@@ -1,6 +1,6 @@
 //! A stroke around an object that is pushed about: against statics, against the energy that it takes, against geometry.
 
-use haptic_protocol::database::{Block, Body, Shape, Strip, Wall};
+use haptic_protocol::world::{Block, Body, Shape, Strip, Wall};
 use host_sim::shared::world::stroke::{ARM, Options, Stroke, stroke};
 
 /// A triangle with a corner that points inwards: 51°, 217°, 51°, 41°.

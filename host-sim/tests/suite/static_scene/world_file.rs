@@ -1,6 +1,6 @@
 //! World files: what is read, and what is refused in one line that says where, what and what is allowed.
 
-use haptic_protocol::database::Shape;
+use haptic_protocol::world::Shape;
 use host_sim::shared::world::{load, parse};
 
 pub(crate) const TWO_ROOMS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/worlds/two-rooms.toml");

@@ -6,6 +6,8 @@
 //!
 //! m, s, m/s, f32; the same bits on every machine that rounds as IEEE 754 says (no square root, no other function).
 
+use crate::bytes::layout;
+
 /// The court, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Court {
@@ -20,13 +22,15 @@ impl Court {
     pub const SINGLES: Self = Self { length_m: 9.75, width_m: 6.4 };
 }
 
-/// A ball.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ball {
-    /// Where, m: from the back, from the first side.
-    pub position: [f32; 2],
-    /// How fast, m/s.
-    pub velocity: [f32; 2],
+layout! {
+    /// A ball.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Ball(16 bytes) {
+        /// Where, m: from the back, from the first side.
+        0 => position: [f32; 2],
+        /// How fast, m/s.
+        8 => velocity: [f32; 2],
+    }
 }
 
 impl Court {

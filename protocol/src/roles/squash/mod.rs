@@ -44,7 +44,8 @@ pub use player::{Notice, Player, PlayerConfig, Strike};
 pub use server::{Server, ServerConfig};
 pub use stroke::{Impact, Racket};
 
-use crate::wire::{Error, PeerId};
+use crate::bytes::{byte_enum, layout};
+use crate::wire::PeerId;
 
 /// Players that a game can have.
 pub const PLAYERS: usize = 8;
@@ -62,99 +63,91 @@ pub const HEARTBEAT_LIMIT_US: u64 = 1_500_000;
 /// The server's number; players are 1 to [`PLAYERS`].
 pub const SERVER: PeerId = PeerId(0);
 
-/// Which hit of which rally. Stroke 0 is before the serve, 1 is the serve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Turn {
-    /// 1, 2, 3 …
-    pub rally: u16,
-    /// How often the ball has been hit.
-    pub stroke: u16,
-}
-
-/// What the server is doing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Phase {
-    /// Players come; or all are told how the last rally ended.
-    #[default]
-    Waiting = 0,
-    /// A rally.
-    Rally = 1,
-    /// The game is over.
-    Over = 2,
-}
-
-impl Phase {
-    fn from_byte(byte: u8) -> Result<Self, Error> {
-        [Self::Waiting, Self::Rally, Self::Over]
-            .into_iter()
-            .find(|phase| *phase as u8 == byte)
-            .ok_or(Error::OutOfRange { message: "squash", field: "phase" })
+layout! {
+    /// Which hit of which rally. Stroke 0 is before the serve, 1 is the serve.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    pub struct Turn(4 bytes) {
+        /// 1, 2, 3 …
+        0 => rally: u16,
+        /// How often the ball has been hit.
+        2 => stroke: u16,
     }
 }
 
-/// How a rally ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Ending {
-    /// Nothing has ended yet.
-    #[default]
-    None = 0,
-    /// The active player did not hit the ball before it left the court: a point for who hit it last.
-    Missed = 1,
-    /// The active player did not send the ball to the front: a point for who hit it before.
-    Fault = 2,
-    /// The ball had left the court before the active player knew that it was hit: played again. A bounder is there to
-    /// make this impossible.
-    Unseen = 3,
-    /// A player has left or was no longer heard: played again.
-    Broken = 4,
+byte_enum! {
+    /// What the server is doing.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Phase("phase") {
+        /// Players come; or all are told how the last rally ended.
+        #[default]
+        Waiting = 0,
+        /// A rally.
+        Rally = 1,
+        /// The game is over.
+        Over = 2,
+    }
+}
+
+byte_enum! {
+    /// How a rally ended.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Ending("ending") {
+        /// Nothing has ended yet.
+        #[default]
+        None = 0,
+        /// The active player did not hit the ball before it left the court: a point for who hit it last.
+        Missed = 1,
+        /// The active player did not send the ball to the front: a point for who hit it before.
+        Fault = 2,
+        /// The ball had left the court before the active player knew that it was hit: played again. A bounder is there to
+        /// make this impossible.
+        Unseen = 3,
+        /// A player has left or was no longer heard: played again.
+        Broken = 4,
+    }
 }
 
 impl Ending {
-    fn from_byte(byte: u8) -> Result<Self, Error> {
-        [Self::None, Self::Missed, Self::Fault, Self::Unseen, Self::Broken]
-            .into_iter()
-            .find(|ending| *ending as u8 == byte)
-            .ok_or(Error::OutOfRange { message: "squash", field: "ending" })
-    }
-
     /// Whether somebody scores.
     pub fn scores(self) -> bool {
         matches!(self, Self::Missed | Self::Fault)
     }
 }
 
-/// What a rally came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verdict {
-    /// Which rally; 0 while there was none.
-    pub rally: u16,
-    /// Hits.
-    pub strokes: u16,
-    /// How it ended.
-    pub ending: Ending,
-    /// Who was active then.
-    pub loser: PeerId,
+layout! {
+    /// What a rally came to.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Verdict(6 bytes) {
+        /// Which rally; 0 while there was none.
+        0 => rally: u16,
+        /// Hits.
+        2 => strokes: u16,
+        /// How it ended.
+        4 => ending: Ending,
+        /// Who was active then.
+        5 => loser: PeerId,
+    }
 }
 
-/// The game as the server has it; a higher revision is newer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Game {
-    /// What the server is doing.
-    pub phase: Phase,
-    /// The rally that is on, or the last one.
-    pub rally: u16,
-    /// 1, 2, 3 … with every change but that of the round trip.
-    pub revision: u16,
-    /// The players in the order in which they hit; the first one serves. 0 is nobody.
-    pub players: [PeerId; PLAYERS],
-    /// The longest round trip between any two, µs; 0 is no bound.
-    pub round_trip_us: u32,
-    /// What the last rally came to.
-    pub last: Verdict,
-    /// Points of player 1, 2, 3 …
-    pub score: [u8; PLAYERS],
+layout! {
+    /// The game as the server has it; a higher revision is newer.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Game(31 bytes) {
+        /// What the server is doing.
+        0 => phase: Phase,
+        /// The rally that is on, or the last one.
+        1 => rally: u16,
+        /// 1, 2, 3 … with every change but that of the round trip.
+        3 => revision: u16,
+        /// The players in the order in which they hit; the first one serves. 0 is nobody.
+        5 => players: [PeerId; PLAYERS],
+        /// The longest round trip between any two, µs; 0 is no bound.
+        13 => round_trip_us: u32,
+        /// What the last rally came to.
+        17 => last: Verdict,
+        /// Points of player 1, 2, 3 …
+        23 => score: [u8; PLAYERS],
+    }
 }
 
 impl Game {

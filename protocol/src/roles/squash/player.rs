@@ -173,11 +173,6 @@ impl Player {
         self.game.score.get(place_of(self.config.number)).copied().unwrap_or(0)
     }
 
-    /// The oldest notice that has not been told.
-    pub fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
-    }
-
     /// Where the user's racket is, for the others to see.
     pub fn place(&mut self, racket: Ball) {
         self.racket = racket;
@@ -213,62 +208,6 @@ impl Player {
         self.next_again_us = now;
         self.poll(now, out);
         Some(Strike { turn: self.flight.turn, impact, bounded: velocity != wish })
-    }
-
-    /// Takes a message of the server or another player.
-    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        match *message {
-            Message::Game(game) if from == SERVER => self.learn(game),
-            Message::Place { turn, life, number, racket, .. } => {
-                let Some(other) = self.others.get_mut(usize::from(from.0)) else { return };
-                if life != other.life {
-                    // It has started anew, and counts from the beginning.
-                    *other = Other { life, ..Other::default() };
-                }
-                if number > other.number {
-                    *other = Other { number, racket, turn: turn.max(other.turn), ..*other };
-                }
-            }
-            Message::Hit { turn, at_us, ball } => {
-                let by = turn.stroke.checked_sub(1).and_then(|before| self.game.active(before));
-                if turn.rally != self.game.rally || by == Some(from) {
-                    self.take_hit(now, turn, at_us, ball);
-                }
-                // So that it need not be said again.
-                out.send(from, self.own_place());
-            }
-            Message::Ping { number, sent_us } => {
-                out.send(from, Message::Pong { number, sent_us, received_us: now, answered_us: now });
-            }
-            Message::Pong { number, sent_us, received_us, answered_us } => {
-                self.ponged(now, from, number, [sent_us, received_us, answered_us]);
-            }
-            _ => {}
-        }
-        self.poll(now, out);
-    }
-
-    /// Lets time pass.
-    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        let gone =
-            self.since_hit_s(now).is_some_and(|since_s| since_s >= self.config.court.leaves_s(&self.flight.ball));
-        if self.is_active() && self.flight.turn.stroke > 0 && gone {
-            self.lost = Some(if self.flight.unseen { Ending::Unseen } else { Ending::Missed });
-            self.next_again_us = now;
-        }
-        if now >= self.next_again_us {
-            self.next_again_us = now.saturating_add(SAY_AGAIN_US);
-            self.say_again(out);
-        }
-        if now >= self.next_place_us {
-            self.next_place_us = now.saturating_add(PLACE_EVERY_US);
-            out.send(SERVER, if self.leaving { Message::Leave } else { Message::Join });
-            for peer in self.peers() {
-                out.send(peer, self.own_place());
-            }
-            self.number = self.number.saturating_add(1);
-        }
-        self.ping(now, out);
     }
 
     /// Everybody else in the game, and the server.
@@ -402,15 +341,61 @@ impl Role for Player {
     type Says = Message;
     type Notice = Notice;
 
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.receive(now_us, from, message, out);
+    fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        match *message {
+            Message::Game { game } if from == SERVER => self.learn(game),
+            Message::Place { turn, life, number, racket, .. } => {
+                let Some(other) = self.others.get_mut(usize::from(from.0)) else { return };
+                if life != other.life {
+                    // It has started anew, and counts from the beginning.
+                    *other = Other { life, ..Other::default() };
+                }
+                if number > other.number {
+                    *other = Other { number, racket, turn: turn.max(other.turn), ..*other };
+                }
+            }
+            Message::Hit { turn, at_us, ball } => {
+                let by = turn.stroke.checked_sub(1).and_then(|before| self.game.active(before));
+                if turn.rally != self.game.rally || by == Some(from) {
+                    self.take_hit(now, turn, at_us, ball);
+                }
+                // So that it need not be said again.
+                out.send(from, self.own_place());
+            }
+            Message::Ping { number, sent_us } => {
+                out.send(from, Message::Pong { number, sent_us, received_us: now, answered_us: now });
+            }
+            Message::Pong { number, sent_us, received_us, answered_us } => {
+                self.ponged(now, from, number, [sent_us, received_us, answered_us]);
+            }
+            _ => {}
+        }
+        self.poll(now, out);
     }
 
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
-        self.poll(now_us, out);
+    fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
+        let gone =
+            self.since_hit_s(now).is_some_and(|since_s| since_s >= self.config.court.leaves_s(&self.flight.ball));
+        if self.is_active() && self.flight.turn.stroke > 0 && gone {
+            self.lost = Some(if self.flight.unseen { Ending::Unseen } else { Ending::Missed });
+            self.next_again_us = now;
+        }
+        if now >= self.next_again_us {
+            self.next_again_us = now.saturating_add(SAY_AGAIN_US);
+            self.say_again(out);
+        }
+        if now >= self.next_place_us {
+            self.next_place_us = now.saturating_add(PLACE_EVERY_US);
+            out.send(SERVER, if self.leaving { Message::Leave } else { Message::Join });
+            for peer in self.peers() {
+                out.send(peer, self.own_place());
+            }
+            self.number = self.number.saturating_add(1);
+        }
+        self.ping(now, out);
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.take_notice()
+        self.notices.pop_front()
     }
 }

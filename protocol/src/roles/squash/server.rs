@@ -1,5 +1,7 @@
 //! The server of a game: who plays, what a rally came to, how fast the ball may be.
 
+use core::convert::Infallible;
+
 use super::{
     Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, RoundTrips, SERVER, Turn,
     Verdict, place_of,
@@ -58,77 +60,6 @@ impl Server {
     /// The game.
     pub fn game(&self) -> &Game {
         &self.game
-    }
-
-    /// Takes a player's message.
-    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        let Some(seat) = self.seats.get_mut(place_of(from)) else { return };
-        match *message {
-            Message::Join => {
-                if !seat.wants {
-                    // Its places may be numbered from the beginning again.
-                    *seat = Seat { wants: true, ..Seat::default() };
-                }
-                seat.heard_us = now;
-            }
-            Message::Leave => seat.wants = false,
-            Message::Place { turn, revision, life, number, round_trip_us, .. } => {
-                seat.heard_us = now;
-                if seat.number > 0 && life != seat.life {
-                    // It has started anew and knows nothing of the rally: out, and in again when it asks.
-                    seat.wants = false;
-                }
-                if !seat.wants {
-                    self.poll(now, out);
-                    return;
-                }
-                seat.life = life;
-                if number > seat.number {
-                    seat.number = number;
-                    seat.revision = revision;
-                    if round_trip_us > 0 {
-                        seat.measured = true;
-                        self.trips.add(now, round_trip_us);
-                    }
-                    self.hear(turn);
-                }
-            }
-            Message::Hit { turn, .. } => self.hear(turn),
-            Message::Miss { turn, ending } => {
-                let active = self.game.active(turn.stroke) == Some(from);
-                if self.is_on(turn) && active && turn >= self.turn && ending != Ending::None {
-                    self.turn = turn;
-                    self.end(ending, from);
-                    self.say(now, out);
-                }
-            }
-            Message::Ping { number, sent_us } => {
-                out.send(from, Message::Pong { number, sent_us, received_us: now, answered_us: now });
-            }
-            Message::Game(_) | Message::Pong { .. } => {}
-        }
-        self.poll(now, out);
-    }
-
-    /// Lets time pass.
-    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        for seat in &mut self.seats {
-            seat.wants &= now.saturating_sub(seat.heard_us) < HEARTBEAT_LIMIT_US;
-        }
-        let revision = self.game.revision;
-        match self.game.phase {
-            Phase::Rally => {
-                if let Some(gone) = self.game.order().find(|player| !self.wants(*player)) {
-                    self.end(Ending::Broken, gone);
-                }
-            }
-            Phase::Waiting => self.begin(),
-            Phase::Over => {}
-        }
-        self.game.round_trip_us = if self.config.bounder { self.trips.longest_us() } else { 0 };
-        if now >= self.next_us || self.game.revision != revision {
-            self.say(now, out);
-        }
     }
 
     fn wants(&self, player: PeerId) -> bool {
@@ -191,7 +122,7 @@ impl Server {
         for (player, seat) in (1..).map(PeerId).zip(&self.seats) {
             // Who has just gone hears it, too.
             if seat.wants || self.game.order().any(|other| other == player) {
-                out.send(player, Message::Game(self.game));
+                out.send(player, Message::Game { game: self.game });
             }
         }
     }
@@ -200,13 +131,74 @@ impl Server {
 impl Role for Server {
     type Hears = Message;
     type Says = Message;
-    type Notice = core::convert::Infallible;
+    type Notice = Infallible;
 
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.receive(now_us, from, message, out);
+    fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        let Some(seat) = self.seats.get_mut(place_of(from)) else { return };
+        match *message {
+            Message::Join => {
+                if !seat.wants {
+                    // Its places may be numbered from the beginning again.
+                    *seat = Seat { wants: true, ..Seat::default() };
+                }
+                seat.heard_us = now;
+            }
+            Message::Leave => seat.wants = false,
+            Message::Place { turn, revision, life, number, round_trip_us, .. } => {
+                seat.heard_us = now;
+                if seat.number > 0 && life != seat.life {
+                    // It has started anew and knows nothing of the rally: out, and in again when it asks.
+                    seat.wants = false;
+                }
+                if !seat.wants {
+                    self.poll(now, out);
+                    return;
+                }
+                seat.life = life;
+                if number > seat.number {
+                    seat.number = number;
+                    seat.revision = revision;
+                    if round_trip_us > 0 {
+                        seat.measured = true;
+                        self.trips.add(now, round_trip_us);
+                    }
+                    self.hear(turn);
+                }
+            }
+            Message::Hit { turn, .. } => self.hear(turn),
+            Message::Miss { turn, ending } => {
+                let active = self.game.active(turn.stroke) == Some(from);
+                if self.is_on(turn) && active && turn >= self.turn && ending != Ending::None {
+                    self.turn = turn;
+                    self.end(ending, from);
+                    self.say(now, out);
+                }
+            }
+            Message::Ping { number, sent_us } => {
+                out.send(from, Message::Pong { number, sent_us, received_us: now, answered_us: now });
+            }
+            Message::Game { .. } | Message::Pong { .. } => {}
+        }
+        self.poll(now, out);
     }
 
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
-        self.poll(now_us, out);
+    fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
+        for seat in &mut self.seats {
+            seat.wants &= now.saturating_sub(seat.heard_us) < HEARTBEAT_LIMIT_US;
+        }
+        let revision = self.game.revision;
+        match self.game.phase {
+            Phase::Rally => {
+                if let Some(gone) = self.game.order().find(|player| !self.wants(*player)) {
+                    self.end(Ending::Broken, gone);
+                }
+            }
+            Phase::Waiting => self.begin(),
+            Phase::Over => {}
+        }
+        self.game.round_trip_us = if self.config.bounder { self.trips.longest_us() } else { 0 };
+        if now >= self.next_us || self.game.revision != revision {
+            self.say(now, out);
+        }
     }
 }

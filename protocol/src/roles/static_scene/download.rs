@@ -18,8 +18,8 @@
 use heapless::Vec;
 
 use super::BURST;
-use crate::database::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, Region, Scope, checksum_of, world_checksum};
 use crate::wire::{Ask, Bits, Page, Part, Payload, Topic};
+use crate::world::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, Region, Scope, checksum_of, world_checksum};
 
 /// How often a client that has everything asks whether the world is still the same, µs.
 const REFRESH_US: u64 = 1_000_000;

@@ -7,7 +7,7 @@
 
 use heapless::Vec;
 
-use crate::database::{MAX_REGIONS, Region};
+use crate::world::{MAX_REGIONS, Region};
 
 /// Where a client is at home.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Server: answers questions about a world from its database, and remembers nothing about who asked.
 
 use super::BURST;
-use crate::database::{Database, Object, Region, Scope, checksum_of};
 use crate::wire::{Ask, Error, Page, Part, Payload, Topic};
+use crate::world::{Database, Object, Region, Scope, checksum_of};
 
 /// One server of a world.
 #[derive(Clone, Debug)]

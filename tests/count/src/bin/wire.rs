@@ -15,9 +15,9 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Incoming, Link, Stage};
+use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Datagram, Flow, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Datagram, Flow, MAX_DATAGRAM, Message, PeerId};
 
 /// Packet periods in which everything is done once.
 const CALLS: u32 = 100;
@@ -60,7 +60,7 @@ impl Row {
 
 #[inline(never)]
 fn send(link: &mut Link, now: u64, flow: &Flow, out: &mut Datagram) -> usize {
-    link.send_flow(now, flow, out).unwrap_or(0)
+    link.send(now, *flow, out).unwrap_or(0)
 }
 
 #[inline(never)]
@@ -72,7 +72,7 @@ fn poll(link: &mut Link, now: u64, out: &mut Datagram) -> usize {
 #[inline(never)]
 fn receive(link: &mut Link, now: u64, datagram: &mut [u8]) -> (bool, bool) {
     let taken = link.receive(now, datagram);
-    (taken.is_ok(), matches!(taken, Ok(Some(Incoming::Flow(_)))))
+    (taken.is_ok(), matches!(taken, Ok(Some(Message::Flow(_)))))
 }
 
 /// Hello, welcome and the first sealed datagram: what each side does until it has keys.

@@ -104,11 +104,6 @@ impl Client {
         matches!(self.phase, Phase::Owner { until_us, .. } if now < until_us)
     }
 
-    /// The oldest notice that has not been told.
-    pub fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
-    }
-
     /// The user comes near: it wants to edit. While a release is under way, say it again later.
     pub fn ask(&mut self, now: u64) {
         if self.phase == Phase::Idle {
@@ -137,42 +132,6 @@ impl Client {
         self.next_us = now;
         self.poll(now, out);
         Ok(())
-    }
-
-    /// Takes a message of the server.
-    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.expire(now);
-        if from != self.server {
-            return;
-        }
-        match *message {
-            Message::Grant { incarnation, number, fence, copy } if incarnation == self.incarnation => {
-                self.granted(now, number, fence, copy, out);
-            }
-            Message::State { copy } => self.learn(copy),
-            Message::Answer { fence, taken } => self.answered(fence, taken),
-            // Meant for an earlier life of this client; or what a client says.
-            _ => {}
-        }
-    }
-
-    /// Lets time pass.
-    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        self.expire(now);
-        if now < self.next_us {
-            return;
-        }
-        let every = if self.phase == Phase::Idle { self.lease.giver_us() / 2 } else { self.lease.retry_us() };
-        self.next_us = now.saturating_add(every);
-        let known = self.copy.version;
-        let message = match self.phase {
-            Phase::Idle => Message::Follow { known },
-            Phase::Asking | Phase::Owner { .. } => {
-                Message::Ask { incarnation: self.incarnation, number: self.asks.send(now), known }
-            }
-            Phase::Releasing { fence, value } => Message::Release { fence, value },
-        };
-        out.send(self.server, message);
     }
 
     fn granted(&mut self, now: u64, number: u32, fence: u32, copy: Copy, out: &mut dyn Out<Message>) {
@@ -248,15 +207,41 @@ impl Role for Client {
     type Says = Message;
     type Notice = Notice;
 
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.receive(now_us, from, message, out);
+    fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.expire(now);
+        if from != self.server {
+            return;
+        }
+        match *message {
+            Message::Grant { incarnation, number, fence, copy } if incarnation == self.incarnation => {
+                self.granted(now, number, fence, copy, out);
+            }
+            Message::State { copy } => self.learn(copy),
+            Message::Answer { fence, taken } => self.answered(fence, taken),
+            // Meant for an earlier life of this client; or what a client says.
+            _ => {}
+        }
     }
 
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
-        self.poll(now_us, out);
+    fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
+        self.expire(now);
+        if now < self.next_us {
+            return;
+        }
+        let every = if self.phase == Phase::Idle { self.lease.giver_us() / 2 } else { self.lease.retry_us() };
+        self.next_us = now.saturating_add(every);
+        let known = self.copy.version;
+        let message = match self.phase {
+            Phase::Idle => Message::Follow { known },
+            Phase::Asking | Phase::Owner { .. } => {
+                Message::Ask { incarnation: self.incarnation, number: self.asks.send(now), known }
+            }
+            Phase::Releasing { fence, value } => Message::Release { fence, value },
+        };
+        out.send(self.server, message);
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.take_notice()
+        self.notices.pop_front()
     }
 }

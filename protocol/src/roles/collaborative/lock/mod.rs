@@ -30,14 +30,17 @@ pub use message::Message;
 pub use server::{Record, Server};
 
 use super::{Lease, Value};
+use crate::bytes::layout;
 
-/// A copy of the object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Copy {
-    /// Fence of the grant that it was made under; 0 is how the object was in the beginning.
-    pub version: u32,
-    /// What it is.
-    pub value: Value,
+layout! {
+    /// A copy of the object.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Copy(28 bytes) {
+        /// Fence of the grant that it was made under; 0 is how the object was in the beginning.
+        0 => version: u32,
+        /// What it is.
+        4 => value: Value,
+    }
 }
 
 /// How long a client that asks may have to wait for its grant, µs, if nobody loses a message from now on: a vanished owner's

@@ -1,5 +1,7 @@
 //! The server's end of a lock: queue, grants, the official copy.
 
+use core::convert::Infallible;
+
 use heapless::{Deque, Vec};
 
 use super::{Copy, Lease, Message, Value};
@@ -71,29 +73,6 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
     /// How many wait for it.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
-    }
-
-    /// Takes a client's message.
-    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.expire(now);
-        match *message {
-            Message::Follow { known } => self.follow(now, from, known, out),
-            Message::Ask { incarnation, number, known } => {
-                self.follow(now, from, known, out);
-                self.asked(Turn { client: from, incarnation, number, heard_us: now }, out);
-            }
-            Message::Release { fence: 0, .. } => self.waiting.retain(|turn| turn.client != from),
-            Message::Release { fence, value } => self.released(from, fence, value, out),
-            // What a server says.
-            Message::Grant { .. } | Message::State { .. } | Message::Answer { .. } => {}
-        }
-        self.grant(now, out);
-    }
-
-    /// Lets time pass.
-    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        self.expire(now);
-        self.grant(now, out);
     }
 
     /// A client is there, and has this version.
@@ -196,13 +175,26 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
 impl<const CLIENTS: usize> Role for Server<CLIENTS> {
     type Hears = Message;
     type Says = Message;
-    type Notice = core::convert::Infallible;
+    type Notice = Infallible;
 
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.receive(now_us, from, message, out);
+    fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        self.expire(now);
+        match *message {
+            Message::Follow { known } => self.follow(now, from, known, out),
+            Message::Ask { incarnation, number, known } => {
+                self.follow(now, from, known, out);
+                self.asked(Turn { client: from, incarnation, number, heard_us: now }, out);
+            }
+            Message::Release { fence: 0, .. } => self.waiting.retain(|turn| turn.client != from),
+            Message::Release { fence, value } => self.released(from, fence, value, out),
+            // What a server says.
+            Message::Grant { .. } | Message::State { .. } | Message::Answer { .. } => {}
+        }
+        self.grant(now, out);
     }
 
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
-        self.poll(now_us, out);
+    fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
+        self.expire(now);
+        self.grant(now, out);
     }
 }

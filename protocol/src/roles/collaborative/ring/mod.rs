@@ -28,6 +28,7 @@ use heapless::Deque;
 
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};
+use crate::bytes::layout;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
@@ -42,26 +43,30 @@ use holder::Holding;
 pub use message::Message;
 pub use roster::{Roster, SEATS};
 
-/// A right to propose: which token, and which of its turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Ballot {
-    /// Which token. The low 4 bits are the seat of who made it.
-    pub epoch: u32,
-    /// How often it has been passed.
-    pub turn: u32,
+layout! {
+    /// A right to propose: which token, and which of its turns.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    pub struct Ballot(8 bytes) {
+        /// Which token. The low 4 bits are the seat of who made it.
+        0 => epoch: u32,
+        /// How often it has been passed.
+        4 => turn: u32,
+    }
 }
 
-/// What is passed around: the object, and who the members are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct State {
-    /// How often it has been changed.
-    pub version: u32,
-    /// The members.
-    pub roster: Roster,
-    /// The members before this version.
-    pub before: Roster,
-    /// What the object is.
-    pub value: Value,
+layout! {
+    /// What is passed around: the object, and who the members are.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct State(32 bytes) {
+        /// How often it has been changed.
+        0 => version: u32,
+        /// The members.
+        4 => roster: Roster,
+        /// The members before this version.
+        6 => before: Roster,
+        /// What the object is.
+        8 => value: Value,
+    }
 }
 
 impl State {
@@ -219,11 +224,6 @@ impl Ring {
         matches!(&self.part, Part::Holder(holding) if holding.is_editing()) && now < self.lease_until_us(now)
     }
 
-    /// The oldest notice that has not been told.
-    pub fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
-    }
-
     /// The user comes near: it wants to edit.
     pub fn ask(&mut self) {
         self.wants = true;
@@ -255,50 +255,6 @@ impl Ring {
         self.wants = false;
         self.propose(now, value, true, out);
         Ok(())
-    }
-
-    /// Takes a message of another member.
-    pub fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        let seat = from.0;
-        if seat >= SEATS || seat == self.config.seat {
-            return;
-        }
-        match *message {
-            Message::Hold { ballot, state, number } => self.hold(now, seat, ballot, state, number, out),
-            Message::Held { ballot, version, number, wants, leaves } => {
-                self.note(seat, |other| {
-                    *other = Other { heard_us: Some(now), wants, leaves, ..*other };
-                });
-                self.held(seat, ballot, version, number);
-            }
-            Message::Pass { ballot, state } => self.passed(now, seat, ballot, state, out),
-            Message::Elect { epoch } => self.elect(now, seat, epoch, out),
-            Message::Vote { epoch, ballot, state } => self.voted(now, seat, epoch, ballot, state, out),
-            Message::Newer { epoch } => self.overtaken(now, epoch),
-            Message::Leave => {
-                self.note(seat, |other| *other = Other { joins: false, leaves: true, ..*other });
-                self.tell_off(seat, out);
-            }
-            Message::Join => self.note(seat, |other| *other = Other { joins: true, leaves: false, ..*other }),
-        }
-        self.settle(now, out);
-    }
-
-    /// Lets time pass.
-    pub fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        self.settle(now, out);
-        let member = self.record.state.roster.contains(self.config.seat);
-        if member
-            && !matches!(self.part, Part::Holder(_))
-            && now >= self.patience_us
-            && self.is_free(now, self.config.seat)
-        {
-            self.stand(now, out);
-        }
-        if now >= self.next_us {
-            self.next_us = now.saturating_add(self.config.lease.retry_us());
-            self.repeat(now, out);
-        }
     }
 
     /// What has not been answered is said again.
@@ -362,16 +318,50 @@ impl Role for Ring {
     type Says = Message;
     type Notice = Notice;
 
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
-        self.receive(now_us, from, message, out);
+    fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        let seat = from.0;
+        if seat >= SEATS || seat == self.config.seat {
+            return;
+        }
+        match *message {
+            Message::Hold { ballot, state, number } => self.hold(now, seat, ballot, state, number, out),
+            Message::Held { ballot, version, number, wants, leaves } => {
+                self.note(seat, |other| {
+                    *other = Other { heard_us: Some(now), wants, leaves, ..*other };
+                });
+                self.held(seat, ballot, version, number);
+            }
+            Message::Pass { ballot, state } => self.passed(now, seat, ballot, state, out),
+            Message::Elect { epoch } => self.elect(now, seat, epoch, out),
+            Message::Vote { epoch, ballot, state } => self.voted(now, seat, epoch, ballot, state, out),
+            Message::Newer { epoch } => self.overtaken(now, epoch),
+            Message::Leave => {
+                self.note(seat, |other| *other = Other { joins: false, leaves: true, ..*other });
+                self.tell_off(seat, out);
+            }
+            Message::Join => self.note(seat, |other| *other = Other { joins: true, leaves: false, ..*other }),
+        }
+        self.settle(now, out);
     }
 
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
-        self.poll(now_us, out);
+    fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
+        self.settle(now, out);
+        let member = self.record.state.roster.contains(self.config.seat);
+        if member
+            && !matches!(self.part, Part::Holder(_))
+            && now >= self.patience_us
+            && self.is_free(now, self.config.seat)
+        {
+            self.stand(now, out);
+        }
+        if now >= self.next_us {
+            self.next_us = now.saturating_add(self.config.lease.retry_us());
+            self.repeat(now, out);
+        }
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.take_notice()
+        self.notices.pop_front()
     }
 }
 

@@ -1,11 +1,15 @@
 //! Roster: a set of seats, and what a majority of it is.
 
+use crate::bytes::newtype;
+
 /// Seats there can be: the peers numbered 0 to 15.
 pub const SEATS: u8 = 16;
 
 /// A set of seats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Roster(pub(super) u16);
+
+newtype!(Roster);
 
 impl Roster {
     /// Nobody.

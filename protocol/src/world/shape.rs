@@ -7,6 +7,8 @@
 
 use core::fmt;
 
+use crate::bytes::layout;
+
 /// What one number of a shape may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
@@ -188,13 +190,15 @@ impl Block {
     }
 }
 
-/// A rectangle along the axes: where it begins and ends in x and y, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Least x and y.
-    pub min: [f32; 2],
-    /// Largest x and y.
-    pub max: [f32; 2],
+layout! {
+    /// A rectangle along the axes: where it begins and ends in x and y, m.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Bounds(16 bytes) {
+        /// Least x and y.
+        0 => min: [f32; 2],
+        /// Largest x and y.
+        8 => max: [f32; 2],
+    }
 }
 
 impl Bounds {

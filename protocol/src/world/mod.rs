@@ -13,16 +13,12 @@ use core::fmt;
 
 use heapless::Vec;
 
-pub use record::{Manifest, Object, RecordError, Region};
+pub use record::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, RecordError, Region};
 pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
+use crate::bytes::bytes_of;
+use crate::error::Error;
 use crate::key::Key;
-use crate::wire;
-
-/// Most objects of a world.
-pub const MAX_OBJECTS: usize = 4096;
-/// Most regions of a world.
-pub const MAX_REGIONS: usize = 32;
 
 /// Which part of a world is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -157,7 +153,7 @@ impl<const OBJECTS: usize> Database<OBJECTS> {
     }
 
     /// Checksum of the whole: the first 8 bytes of `D(0³², "world", manifest ‖ region records ‖ object records)`.
-    pub fn checksum(&self) -> Result<u64, wire::Error> {
+    pub fn checksum(&self) -> Result<u64, Error> {
         world_checksum(&self.manifest(), &self.regions, &self.objects)
     }
 }
@@ -167,8 +163,8 @@ pub(crate) fn world_checksum<'a>(
     manifest: &Manifest,
     regions: impl IntoIterator<Item = &'a Region>,
     objects: impl IntoIterator<Item = &'a Object>,
-) -> Result<u64, wire::Error> {
-    let mut sum = Key::new([0; Key::LEN]).derive("world").with(&manifest.emit()?);
+) -> Result<u64, Error> {
+    let mut sum = Key::new([0; Key::LEN]).derive("world").with(&bytes_of::<{ Manifest::LEN }>(manifest, "manifest")?);
     for region in regions {
         sum = sum.with(&region.emit()?);
     }

@@ -1,9 +1,9 @@
 //! The scene database: records byte by byte, what is refused, and which checksum notices what.
 
-use haptic_protocol::database::{
+use haptic_protocol::wire;
+use haptic_protocol::world::{
     Block, Body, Bounds, Database, Full, MAX_REGIONS, Object, RecordError, Region, Scope, Shape, Strip, Wall,
 };
-use haptic_protocol::wire;
 use proptest::prelude::*;
 
 fn objects() -> impl Strategy<Value = Object> {

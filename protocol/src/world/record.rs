@@ -22,10 +22,15 @@
 
 use core::fmt;
 
-use super::{Bounds, Refused, Shape};
+use super::shape::{Bounds, Refused, Shape};
+use crate::bytes::{Reader, Writer, layout};
+use crate::error::Error;
 use crate::key::Key;
-use crate::wire;
-use crate::wire::bytes::{Reader, Writer};
+
+/// Most objects of a world.
+pub const MAX_OBJECTS: usize = 4096;
+/// Most regions of a world.
+pub const MAX_REGIONS: usize = 32;
 
 /// Why bytes are no record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +45,7 @@ pub enum RecordError {
     /// A number of the shape is out of its range.
     Refused(Refused),
     /// The bytes do not have the layout.
-    Wire(wire::Error),
+    Wire(Error),
 }
 
 impl fmt::Display for RecordError {
@@ -56,8 +61,8 @@ impl fmt::Display for RecordError {
 
 impl core::error::Error for RecordError {}
 
-impl From<wire::Error> for RecordError {
-    fn from(error: wire::Error) -> Self {
+impl From<Error> for RecordError {
+    fn from(error: Error) -> Self {
         Self::Wire(error)
     }
 }
@@ -75,12 +80,16 @@ fn checked(record: &[u8]) -> Result<&[u8], RecordError> {
     }
 }
 
-/// Ends a record with its checksum.
-fn summed<const N: usize>(mut record: [u8; N]) -> [u8; N] {
+/// The record that `fields` make, ended by its checksum.
+fn record<const N: usize>(name: &'static str, fields: impl FnOnce(&mut Writer<'_>)) -> Result<[u8; N], Error> {
+    let mut record = [0; N];
+    let mut writer = Writer::new(&mut record, name);
+    fields(&mut writer);
+    writer.end()?;
     if let Some((bytes, sum)) = record.split_last_chunk_mut::<8>() {
         *sum = checksum(bytes);
     }
-    record
+    Ok(record)
 }
 
 /// One thing in a world.
@@ -99,33 +108,27 @@ impl Object {
     pub const LEN: usize = 64;
 
     /// The record.
-    pub fn emit(&self) -> Result<[u8; Self::LEN], wire::Error> {
-        let mut record = [0; Self::LEN];
-        let head = Writer::new(&mut record, "object")
-            .put(&self.id.to_le_bytes())
-            .put(&self.version.to_le_bytes())
-            .put(&[self.shape.kind(), 0, 0, 0]);
-        self.shape.numbers().into_iter().fold(head, Writer::f32).end()?;
-        Ok(summed(record))
+    pub fn emit(&self) -> Result<[u8; Self::LEN], Error> {
+        record("object", |writer| {
+            writer.put(&self.id);
+            writer.put(&self.version);
+            writer.bytes(&[self.shape.kind(), 0, 0, 0]);
+            writer.put(&self.shape.numbers());
+        })
     }
 
     /// Reads a record.
     pub fn parse(record: &[u8; Self::LEN]) -> Result<Self, RecordError> {
-        let bytes = checked(record)?;
-        let mut reader = Reader::exact(bytes, "object", Self::LEN - 8)?;
-        let (id, version, kind) = (reader.u32()?, reader.u32()?, reader.u8()?);
-        reader.reserved::<3>()?;
-        let mut numbers = [0.0; Shape::NUMBERS];
-        for number in &mut numbers {
-            *number = reader.f32()?;
-        }
-        reader.end()?;
+        let mut reader = Reader::exact(checked(record)?, "object", Self::LEN - 8)?;
+        let (id, version, kind) = (reader.get()?, reader.get()?, reader.get()?);
+        reader.zeros_to(12)?;
+        let numbers = reader.get()?;
         let shape = Shape::build(kind, &numbers).ok_or(RecordError::UnknownKind { kind })?;
         let shape = shape.map_err(RecordError::Refused)?;
         // Unused numbers must be 0, all bits of them: a record has one encoding only.
         let used = Shape::ALL.iter().find(|(_, known, _)| *known == kind).map_or(0, |(_, _, fields)| fields.len());
         if numbers.iter().skip(used).any(|unused| unused.to_bits() != 0) {
-            return Err(RecordError::Wire(wire::Error::Reserved { message: "object" }));
+            return Err(reader.reserved().into());
         }
         Ok(Self { id, version, shape })
     }
@@ -147,32 +150,25 @@ impl Region {
     pub const LEN: usize = 32;
 
     /// The record.
-    pub fn emit(&self) -> Result<[u8; Self::LEN], wire::Error> {
-        let mut record = [0; Self::LEN];
-        let ([x, y], [to_x, to_y]) = (self.bounds.min, self.bounds.max);
-        Writer::new(&mut record, "region")
-            .put(&[self.id, self.server, 0, 0])
-            .f32(x)
-            .f32(y)
-            .f32(to_x)
-            .f32(to_y)
-            .end()?;
-        Ok(summed(record))
+    pub fn emit(&self) -> Result<[u8; Self::LEN], Error> {
+        record("region", |writer| {
+            writer.bytes(&[self.id, self.server, 0, 0]);
+            writer.put(&self.bounds);
+        })
     }
 
     /// Reads a record.
     pub fn parse(record: &[u8; Self::LEN]) -> Result<Self, RecordError> {
         let mut reader = Reader::exact(checked(record)?, "region", Self::LEN - 8)?;
         let [id, server] = reader.array()?;
-        reader.reserved::<2>()?;
-        let (min, max) = ([reader.f32()?, reader.f32()?], [reader.f32()?, reader.f32()?]);
-        reader.reserved::<4>()?;
-        reader.end()?;
-        let ([x, y], [to_x, to_y]) = (min, max);
+        reader.zeros_to(4)?;
+        let bounds: Bounds = reader.get()?;
+        reader.zeros_to(Self::LEN - 8)?;
+        let ([x, y], [to_x, to_y]) = (bounds.min, bounds.max);
         if x >= to_x || y >= to_y {
-            return Err(RecordError::Wire(wire::Error::OutOfRange { message: "region", field: "bounds" }));
+            return Err(reader.out_of_range("bounds").into());
         }
-        Ok(Self { id, server, bounds: Bounds { min, max } })
+        Ok(Self { id, server, bounds })
     }
 
     /// Whether the point lies in it; the largest x and y belong to the next region.
@@ -187,48 +183,17 @@ impl Region {
     }
 }
 
-/// What a world is, before any of it is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Manifest {
-    /// Version of the world, for people.
-    pub version: u32,
-    /// How many objects.
-    pub objects: u16,
-    /// How many regions.
-    pub regions: u8,
-    /// How far beyond its region a server knows, m.
-    pub margin_m: f32,
-}
-
-impl Manifest {
-    /// Bytes.
-    pub const LEN: usize = 12;
-
-    /// The bytes.
-    pub fn emit(&self) -> Result<[u8; Self::LEN], wire::Error> {
-        let mut bytes = [0; Self::LEN];
-        Writer::new(&mut bytes, "manifest")
-            .put(&self.version.to_le_bytes())
-            .put(&self.objects.to_le_bytes())
-            .put(&[self.regions, 0])
-            .f32(self.margin_m)
-            .end()?;
-        Ok(bytes)
-    }
-
-    /// Reads the bytes.
-    pub fn parse(bytes: &[u8; Self::LEN]) -> Result<Self, wire::Error> {
-        let mut reader = Reader::exact(bytes, "manifest", Self::LEN)?;
-        let (version, objects, regions) = (reader.u32()?, reader.u16()?, reader.u8()?);
-        reader.reserved::<1>()?;
-        let manifest = Self { version, objects, regions, margin_m: reader.f32()? };
-        reader.end()?;
-        if usize::from(objects) > super::MAX_OBJECTS || usize::from(regions) > super::MAX_REGIONS {
-            return Err(wire::Error::OutOfRange { message: "manifest", field: "objects or regions" });
-        }
-        if !manifest.margin_m.is_sign_positive() {
-            return Err(wire::Error::OutOfRange { message: "manifest", field: "margin" });
-        }
-        Ok(manifest)
+layout! {
+    /// What a world is, before any of it is known.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub struct Manifest(12 bytes) {
+        /// Version of the world, for people.
+        0 => version: u32,
+        /// How many objects.
+        4 => objects: u16 where |objects| usize::from(*objects) <= MAX_OBJECTS,
+        /// How many regions.
+        6 => regions: u8 where |regions| usize::from(*regions) <= MAX_REGIONS,
+        /// How far beyond its region a server knows, m.
+        8 => margin_m: f32 where |margin_m| margin_m.is_sign_positive(),
     }
 }

@@ -1,0 +1,505 @@
+//! Fields of fixed layout, and the two macros that declare what is made of them: [`layout!`] a struct, [`messages!`] what a role says.
+//!
+//! Everything is little-endian. A [`Reader`] is opened on exactly as many bytes as the layout has; a [`Writer`] on room for at
+//! least as many. Every step checks again, so that a layout that disagrees with its length is an error and never a panic.
+
+use crate::error::Error;
+
+/// Takes fields off the front of a message.
+pub(crate) struct Reader<'a> {
+    rest: &'a [u8],
+    message: &'static str,
+    wanted: usize,
+    got: usize,
+}
+
+impl<'a> Reader<'a> {
+    /// Opens `bytes` as a `message` that is `wanted` bytes long.
+    pub(crate) fn exact(bytes: &'a [u8], message: &'static str, wanted: usize) -> Result<Self, Error> {
+        let reader = Self { rest: bytes, message, wanted, got: bytes.len() };
+        if bytes.len() == wanted { Ok(reader) } else { Err(reader.length()) }
+    }
+
+    /// The length is not the layout's.
+    pub(crate) fn length(&self) -> Error {
+        Error::Length { message: self.message, wanted: self.wanted, got: self.got }
+    }
+
+    /// Bytes taken so far.
+    pub(crate) fn at(&self) -> usize {
+        self.got.saturating_sub(self.rest.len())
+    }
+
+    /// The next field.
+    pub(crate) fn get<T: Field>(&mut self) -> Result<T, Error> {
+        T::read(self)
+    }
+
+    /// The next `N` bytes as they are.
+    pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
+        let (field, rest) = self.rest.split_first_chunk().ok_or(self.length())?;
+        self.rest = rest;
+        Ok(*field)
+    }
+
+    /// The next `count` bytes as they are.
+    pub(crate) fn slice(&mut self, count: usize) -> Result<&'a [u8], Error> {
+        let (field, rest) = self.rest.split_at_checked(count).ok_or(self.length())?;
+        self.rest = rest;
+        Ok(field)
+    }
+
+    /// What lies before offset `at` must be 0.
+    pub(crate) fn zeros_to(&mut self, at: usize) -> Result<(), Error> {
+        let gap = self.slice(at.saturating_sub(self.at()))?;
+        if gap.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(self.reserved()) }
+    }
+
+    /// The version byte.
+    pub(crate) fn version(&mut self, wanted: u8) -> Result<(), Error> {
+        let version = self.get()?;
+        if version == wanted { Ok(()) } else { Err(Error::UnknownVersion { version }) }
+    }
+
+    /// The kind byte, which the caller has looked at already.
+    pub(crate) fn kind(&mut self, wanted: u8) -> Result<(), Error> {
+        let kind = self.get()?;
+        if kind == wanted { Ok(()) } else { Err(Error::UnknownKind { kind }) }
+    }
+
+    /// A bit or byte that must be 0 is not.
+    pub(crate) fn reserved(&self) -> Error {
+        Error::Reserved { message: self.message }
+    }
+
+    /// `field` has a value without a meaning.
+    pub(crate) fn out_of_range(&self, field: &'static str) -> Error {
+        Error::OutOfRange { message: self.message, field }
+    }
+}
+
+/// Puts fields one after the other into a buffer; once something did not fit, [`Writer::end`] says so.
+pub(crate) struct Writer<'a> {
+    rest: &'a mut [u8],
+    written: usize,
+    room: usize,
+    finite: bool,
+    message: &'static str,
+}
+
+impl<'a> Writer<'a> {
+    /// Starts a `message` at the front of `out`.
+    pub(crate) fn new(out: &'a mut [u8], message: &'static str) -> Self {
+        let room = out.len();
+        Self { rest: out, written: 0, room, finite: true, message }
+    }
+
+    /// Bytes written so far.
+    pub(crate) fn at(&self) -> usize {
+        self.written
+    }
+
+    /// The next field.
+    pub(crate) fn put(&mut self, field: &impl Field) {
+        field.write(self);
+    }
+
+    /// The next bytes as they are.
+    pub(crate) fn bytes(&mut self, bytes: &[u8]) {
+        self.written = self.written.saturating_add(bytes.len());
+        let rest = core::mem::take(&mut self.rest);
+        if let Some((to, rest)) = rest.split_at_mut_checked(bytes.len()) {
+            to.copy_from_slice(bytes);
+            self.rest = rest;
+        }
+    }
+
+    /// Fills up to offset `at` with 0.
+    pub(crate) fn zeros_to(&mut self, at: usize) {
+        for _ in self.written..at {
+            self.bytes(&[0]);
+        }
+    }
+
+    /// The version byte.
+    pub(crate) fn version(&mut self, version: u8) {
+        self.bytes(&[version]);
+    }
+
+    /// The kind byte.
+    pub(crate) fn kind(&mut self, kind: u8) {
+        self.bytes(&[kind]);
+    }
+
+    /// The length written, or what was wrong.
+    pub(crate) fn end(self) -> Result<usize, Error> {
+        if !self.finite {
+            Err(Error::NotFinite { message: self.message })
+        } else if self.written <= self.room {
+            Ok(self.written)
+        } else {
+            Err(Error::Length { message: self.message, wanted: self.written, got: self.room })
+        }
+    }
+}
+
+/// A `message` that is one field of `N` bytes.
+pub(crate) fn bytes_of<const N: usize>(field: &impl Field, message: &'static str) -> Result<[u8; N], Error> {
+    let mut bytes = [0; N];
+    let mut writer = Writer::new(&mut bytes, message);
+    writer.put(field);
+    writer.end()?;
+    Ok(bytes)
+}
+
+/// A value of fixed length in a message.
+pub(crate) trait Field: Sized {
+    /// Bytes.
+    const LEN: usize;
+    /// Takes one off the front.
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
+    /// Puts it next.
+    fn write(&self, writer: &mut Writer<'_>);
+}
+
+macro_rules! numbers {
+    ($($Number:ty, $fits:expr;)+) => {$(
+        impl Field for $Number {
+            const LEN: usize = size_of::<Self>();
+
+            fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
+                let fits: fn(Self) -> bool = $fits;
+                let number = Self::from_le_bytes(reader.array()?);
+                if fits(number) { Ok(number) } else { Err(Error::NotFinite { message: reader.message }) }
+            }
+
+            fn write(&self, writer: &mut Writer<'_>) {
+                let fits: fn(Self) -> bool = $fits;
+                writer.finite &= fits(*self);
+                writer.bytes(&self.to_le_bytes());
+            }
+        }
+    )+};
+}
+
+numbers! {
+    u8, |_| true;
+    u16, |_| true;
+    u32, |_| true;
+    u64, |_| true;
+    i64, |_| true;
+    f32, Self::is_finite;
+    f64, Self::is_finite;
+}
+
+impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
+    const LEN: usize = N * T::LEN;
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
+        let mut all = [T::default(); N];
+        for one in &mut all {
+            *one = T::read(reader)?;
+        }
+        Ok(all)
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) {
+        self.iter().for_each(|one| one.write(writer));
+    }
+}
+
+/// A bit of a message's second byte, and what follows at its end where the bit is set.
+pub(crate) trait Flag: Sized {
+    /// Bytes that follow where it is set.
+    const TAIL: usize;
+    /// Whether it is.
+    fn is_set(&self) -> bool;
+    /// Takes what follows.
+    fn read(set: bool, reader: &mut Reader<'_>) -> Result<Self, Error>;
+    /// Puts what follows.
+    fn write(&self, writer: &mut Writer<'_>);
+}
+
+impl Flag for bool {
+    const TAIL: usize = 0;
+
+    fn is_set(&self) -> bool {
+        *self
+    }
+
+    fn read(set: bool, _: &mut Reader<'_>) -> Result<Self, Error> {
+        Ok(set)
+    }
+
+    fn write(&self, _: &mut Writer<'_>) {}
+}
+
+impl<T: Field> Flag for Option<T> {
+    const TAIL: usize = T::LEN;
+
+    fn is_set(&self) -> bool {
+        self.is_some()
+    }
+
+    fn read(set: bool, reader: &mut Reader<'_>) -> Result<Self, Error> {
+        set.then(|| reader.get()).transpose()
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) {
+        self.iter().for_each(|value| writer.put(value));
+    }
+}
+
+/// Flags as a byte, the first in the lowest bit.
+pub(crate) fn byte_of(flags: &[bool]) -> u8 {
+    flags.iter().rev().fold(0, |byte, flag| byte << 1 | u8::from(*flag))
+}
+
+/// A struct of fixed layout: each field with its offset and, where not every value has a meaning, which ones do. What no field
+/// takes is 0. A `message` is one by itself, and has `parse` and `emit`; a `struct` is a field of others.
+///
+/// ```text
+/// layout! {
+///     pub message Flow("flow", 36 bytes, kind 1) {
+///         flags at 1 { engaged, fading }
+///         4 => tick: u32,
+///         8 => position: f32 where |position| *position > 0.0,
+///     }
+/// }
+/// ```
+macro_rules! layout {
+    (
+        $(#[$meta:meta])*
+        pub message $Name:ident($message:literal, $len:literal bytes $(, $first:ident $value:expr)+) { $($body:tt)* }
+    ) => {
+        layout! { $(#[$meta])* pub struct $Name($len bytes $(, $first $value)+) { $($body)* } }
+
+        impl $Name {
+            /// Reads one, which must fill `bytes` exactly.
+            pub fn parse(bytes: &[u8]) -> Result<Self, $crate::error::Error> {
+                $crate::bytes::Reader::exact(bytes, $message, Self::LEN)?.get()
+            }
+
+            /// Writes it to the front of `out` and gives its length.
+            pub fn emit(&self, out: &mut [u8]) -> Result<usize, $crate::error::Error> {
+                let mut writer = $crate::bytes::Writer::new(out, $message);
+                writer.put(self);
+                writer.end()
+            }
+        }
+    };
+    (
+        $(#[$meta:meta])*
+        pub struct $Name:ident($len:literal bytes $(, $first:ident $value:expr)*) {
+            $(flags at $at:literal { $($(#[$flag_meta:meta])* $flag:ident,)+ })?
+            $($(#[$field_meta:meta])* $offset:literal => $field:ident: $ty:ty $(where $allowed:expr)?,)*
+        }
+    ) => {
+        $(#[$meta])*
+        pub struct $Name {
+            $($($(#[$flag_meta])* pub $flag: bool,)+)?
+            $($(#[$field_meta])* pub $field: $ty,)*
+        }
+
+        impl $Name {
+            $(layout! { @first $first $value })*
+            /// Bytes.
+            pub const LEN: usize = $len;
+        }
+
+        impl $crate::bytes::Field for $Name {
+            const LEN: usize = {
+                let mut _end = 0;
+                $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as $crate::bytes::Field>::LEN };)*
+                assert!(_end <= $len, "a field is beyond the end");
+                $len
+            };
+
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+                let start = reader.at();
+                $(reader.$first($value)?;)*
+                $(
+                    reader.zeros_to(start + $at)?;
+                    let mut flags: u8 = reader.get()?;
+                    $(let $flag = flags & 1 == 1; flags >>= 1;)+
+                    if flags != 0 {
+                        return Err(reader.reserved());
+                    }
+                )?
+                $(
+                    reader.zeros_to(start + $offset)?;
+                    let $field: $ty = reader.get()?;
+                    $(
+                        let allowed: fn(&$ty) -> bool = $allowed;
+                        if !allowed(&$field) {
+                            return Err(reader.out_of_range(stringify!($field)));
+                        }
+                    )?
+                )*
+                reader.zeros_to(start + $len)?;
+                Ok(Self { $($($flag,)+)? $($field,)* })
+            }
+
+            fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
+                let start = writer.at();
+                $(writer.$first($value);)*
+                $(
+                    writer.zeros_to(start + $at);
+                    writer.put(&$crate::bytes::byte_of(&[$(self.$flag),+]));
+                )?
+                $(
+                    writer.zeros_to(start + $offset);
+                    writer.put(&self.$field);
+                )*
+                writer.zeros_to(start + $len);
+            }
+        }
+    };
+    (@first kind $value:expr) => {
+        /// Byte that names it.
+        pub const KIND: u8 = $value;
+    };
+    (@first version $value:expr) => {};
+}
+
+/// A name for each of some bytes; the others have no meaning.
+macro_rules! byte_enum {
+    ($(#[$meta:meta])* pub enum $Name:ident($field:literal) { $($(#[$each:meta])* $Variant:ident = $value:literal,)+ }) => {
+        $(#[$meta])*
+        #[repr(u8)]
+        pub enum $Name { $($(#[$each])* $Variant = $value,)+ }
+
+        impl $crate::bytes::Field for $Name {
+            const LEN: usize = 1;
+
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+                match reader.get::<u8>()? {
+                    $($value => Ok(Self::$Variant),)+
+                    _ => Err(reader.out_of_range($field)),
+                }
+            }
+
+            fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
+                writer.put(&(*self as u8));
+            }
+        }
+    };
+}
+
+/// A number with a type of its own is laid out as the number.
+macro_rules! newtype {
+    ($Name:ident) => {
+        impl $crate::bytes::Field for $Name {
+            const LEN: usize = size_of::<Self>();
+
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+                reader.get().map(Self)
+            }
+
+            fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
+                writer.put(&self.0);
+            }
+        }
+    };
+}
+
+/// What a role says, as payloads of events: kind and length of each message, and its fields with their offsets. What no field
+/// takes is 0. `about 1` has the number of the object at offset 2, `about 0` has none. Flags stand in byte 1; what an `Option` holds
+/// follows at the end.
+macro_rules! messages {
+    (
+        $(#[$meta:meta])*
+        pub enum $Name:ident($message:literal, $code:expr, about $objects:literal) {
+            $(
+                $(#[$each:meta])*
+                $Variant:ident = $kind:literal, $len:literal bytes $({
+                    $($(#[$field_meta:meta])* $offset:literal => $field:ident: $ty:ty,)*
+                } $(, flags { $($(#[$flag_meta:meta])* $flag:ident: $flag_ty:ty,)+ })?)?
+            )+
+        }
+    ) => {
+        $(#[$meta])*
+        pub enum $Name {
+            $($(#[$each])* $Variant $({
+                $($(#[$field_meta])* $field: $ty,)*
+                $($($(#[$flag_meta])* $flag: $flag_ty,)+)?
+            })?,)+
+        }
+
+        $($(const _: () = {
+            let mut _end = if $objects == 0 { 1 } else { 4 };
+            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as $crate::bytes::Field>::LEN };)*
+            assert!(_end <= $len, "a field is beyond the end");
+        };)?)+
+
+        impl $Name {
+            /// The message about `object` as an event.
+            pub fn event(&self, object: u16) -> Result<$crate::wire::Event, $crate::error::Error> {
+                let mut bytes = [0; $crate::wire::Event::MAX_PAYLOAD];
+                let mut writer = $crate::bytes::Writer::new(&mut bytes, $message);
+                match self {
+                    $(Self::$Variant $({ $($field,)* $($($flag,)+)? })? => {
+                        writer.kind($kind);
+                        $($(writer.put(&$crate::bytes::byte_of(&[$($crate::bytes::Flag::is_set($flag)),+]));)?)?
+                        if $objects != 0 {
+                            writer.zeros_to(2);
+                            writer.put(&object);
+                        }
+                        $($(
+                            writer.zeros_to($offset);
+                            writer.put($field);
+                        )*)?
+                        writer.zeros_to($len);
+                        $($($($crate::bytes::Flag::write($flag, &mut writer);)+)?)?
+                    })+
+                }
+                let len = writer.end()?;
+                $crate::wire::Event::new($code, bytes.get(..len).unwrap_or(&[]))
+            }
+
+            /// The object and the message that an event holds.
+            pub fn parse(event: &$crate::wire::Event) -> Result<(u16, Self), $crate::error::Error> {
+                let bytes = event.payload();
+                if event.code != $code {
+                    return Err($crate::error::Error::OutOfRange { message: $message, field: "code" });
+                }
+                let kind = bytes.first().copied().unwrap_or(0);
+                match kind {
+                    $($kind => {
+                        let _len = $len;
+                        $($(
+                            let mut _bits = bytes.get(1).copied().unwrap_or(0);
+                            $(
+                                let $flag = _bits & 1 == 1;
+                                let _len = if $flag { _len + <$flag_ty as $crate::bytes::Flag>::TAIL } else { _len };
+                                _bits >>= 1;
+                            )+
+                            if _bits != 0 {
+                                return Err($crate::error::Error::Reserved { message: $message });
+                            }
+                        )?)?
+                        let mut reader = $crate::bytes::Reader::exact(bytes, $message, _len)?;
+                        reader.kind($kind)?;
+                        $($($(let _ = $flag;)+ reader.get::<u8>()?;)?)?
+                        let object = if $objects != 0 {
+                            reader.zeros_to(2)?;
+                            reader.get()?
+                        } else {
+                            0
+                        };
+                        $($(
+                            reader.zeros_to($offset)?;
+                            let $field: $ty = reader.get()?;
+                        )*)?
+                        reader.zeros_to($len)?;
+                        $($($(let $flag = <$flag_ty as $crate::bytes::Flag>::read($flag, &mut reader)?;)+)?)?
+                        Ok((object, Self::$Variant $({ $($field,)* $($($flag,)+)? })?))
+                    })+
+                    kind => Err($crate::error::Error::UnknownKind { kind }),
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use {byte_enum, layout, messages, newtype};
