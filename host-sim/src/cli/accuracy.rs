@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, print_json, progress_bar};
+use super::{Failure, Ui};
 use crate::studies::accuracy::counts::{Processor, SCALARS};
 use crate::studies::accuracy::{self, Comparison, Family, Point, cost, picture};
 use haptic_sim::report::text::{TextTable, significant};
@@ -16,9 +16,6 @@ pub(super) struct Accuracy {
     /// Whose instructions.
     #[arg(long, value_enum, default_value_t, value_name = "NAME")]
     processor: Processor,
-    /// Print JSON; pictures are drawn only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for the pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -40,33 +37,31 @@ impl Accuracy {
     ///
     /// # Errors
     /// A picture that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
-        let bar = progress_bar(2, "errors, pictures");
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let bar = ui.progress(2, "errors, pictures");
         let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor));
         bar.inc(1);
-        let folder = match (&self.out, self.json) {
-            (None, false) => Some(PathBuf::from("out/accuracy")),
-            (out, _) => out.clone(),
-        };
+        let folder = ui.folder(self.out.as_deref(), "out/accuracy");
         let pictures = folder
             .map_or(Ok(Vec::new()), |folder| picture::write(&families, &cost_per_scene, self.processor, &folder))?;
         bar.finish_and_clear();
         let document = Document { processor: self.processor, families, scalars: SCALARS, cost_per_scene, pictures };
-        if self.json {
-            return print_json(&document);
-        }
-        document.print();
+        ui.document(&document)?;
+        document.print(ui);
         Ok(())
     }
 }
 
 impl Document {
-    fn print(&self) {
-        println!("Speed against error; instructions of {}\n", self.processor.label());
+    fn print(&self, ui: &Ui) {
+        writeln!(ui, "Speed against error; instructions of {}\n", self.processor.label());
         for family in &self.families {
-            print_family(family);
+            print_family(ui, family);
         }
-        println!("Cost per scene: instructions of one tick, and what the scene adds to the one it is compared with\n");
+        writeln!(
+            ui,
+            "Cost per scene: instructions of one tick, and what the scene adds to the one it is compared with\n"
+        );
         let mut table = TextTable::new(["scene", "adds", "to", "f32", "f64", "i32f32", "+f32", "+f64", "+i32f32"]);
         for row in &self.cost_per_scene {
             let mut cells = vec![row.scene.to_owned(), row.adds.to_owned(), row.over.unwrap_or("-").to_owned()];
@@ -74,16 +69,16 @@ impl Document {
             cells.extend(row.added.map(|count| format!("{count:+}")));
             table.push(cells);
         }
-        println!("{table}");
-        println!("Pictures (SVG, and PNG beside each):");
+        ui.table(&table);
+        writeln!(ui, "Pictures (SVG, and PNG beside each):");
         for picture in self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")) {
-            println!("  {}", picture.display());
+            writeln!(ui, "  {}", picture.display());
         }
     }
 }
 
-fn print_family(family: &Family) {
-    println!("{}\n\n  {}\n  Against {}.\n", family.title, family.motion, family.reference);
+fn print_family(ui: &Ui, family: &Family) {
+    writeln!(ui, "{}\n\n  {}\n  Against {}.\n", family.title, family.motion, family.reference);
     let instructions = format!("instructions per {}", family.instructions_per.split(':').next().unwrap_or_default());
     let mut table = TextTable::new(["", "choice", "error", "unit", &instructions, "on Pareto front"]);
     for comparison in &family.comparisons {
@@ -100,7 +95,7 @@ fn print_family(family: &Family) {
             ]);
         }
     }
-    println!("{table}\n{}\n", family.insight);
+    writeln!(ui, "{table}\n{}\n", family.insight);
 }
 
 /// The first of its series, or in none: the others of a series are told only when they are on the front.

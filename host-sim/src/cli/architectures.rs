@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::stability::{folder, tell, write};
-use super::{Failure, print_json, progress_bar};
+use super::ui::save;
+use super::{Failure, Ui};
 use crate::studies::architectures::together::unbounded_radius;
 use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, picture, rows};
 use haptic_plot::draw;
@@ -17,9 +17,6 @@ use haptic_sim::report::text::{TextTable, significant};
 /// Arguments of `architectures`.
 #[derive(Debug, Args)]
 pub(super) struct Architectures {
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for CSV and pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -45,26 +42,24 @@ impl Architectures {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
-        let bar = progress_bar((Architecture::ALL.len() * DELAYS_MS.len()) as u64, "architectures");
+        let bar = ui.progress((Architecture::ALL.len() * DELAYS_MS.len()) as u64, "architectures");
         let rows = rows(&|| bar.inc(1))?;
         bar.finish_and_clear();
         let mut written = Vec::new();
-        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/architectures") {
+        if let Some(folder) = ui.folder(self.out.as_deref(), "out/architectures") {
             let base = folder.join("architectures");
             let figure = picture::figure(&rows);
-            written = write(&base, &table(&rows)?, || draw(&figure, &base))?;
+            written = save(&base, &table(&rows)?, || draw(&figure, &base))?;
         }
         let packets =
             |packet_ms| unbounded_radius(packet_ms).map(|spectral_radius| Packets { packet_ms, spectral_radius });
         let unbounded = (1..=8).map(packets).collect::<Result<_, _>>()?;
         let report = Report { rows, unbounded, wall_s: start.elapsed().as_secs_f64(), files: written };
-        if self.json {
-            return print_json(&report);
-        }
-        report.print();
-        tell(&report.files);
+        ui.document(&report)?;
+        report.print(ui);
+        ui.wrote(&report.files);
         Ok(())
     }
 }
@@ -112,12 +107,14 @@ fn table(rows: &[Row]) -> Result<Table, Failure> {
 }
 
 impl Report {
-    fn print(&self) {
-        println!(
+    fn print(&self, ui: &Ui) {
+        writeln!(
+            ui,
             "Two users carry and place a body; delay from user to user, one way, ms; NO: unstable, or not done in time\n"
         );
         let all = &Architecture::ALL;
         across(
+            ui,
             &self.rows,
             all,
             "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period",
@@ -126,30 +123,37 @@ impl Report {
                 if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
             },
         );
-        println!(
+        writeln!(
+            ui,
             "Lock and ring: only who carries feels the body; the other is shown where it was released last. So the two are apart by\n\
              the way of a turn until its release has come, and together at rest. Their mean is about that way x (time carried +\n\
              delay) / {} s: it says how long this task is. Compare them by when and where the body is placed.\n\
              Engine at the server: both are shown the same, equally old. What delay costs there is stiffness.\n",
             TASK.duration_s
         );
-        println!("{}\n", self.slowest_packets());
+        writeln!(ui, "{}\n", self.slowest_packets());
         let bounded = &[Architecture::CooperativeServer, Architecture::CooperativeClient];
-        across(&self.rows, bounded, "What the bounder has left of 1000 N/m of contact, either user's (N/m)", |row| {
-            let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
-            format!("{one} {two}")
-        });
+        across(
+            ui,
+            &self.rows,
+            bounded,
+            "What the bounder has left of 1000 N/m of contact, either user's (N/m)",
+            |row| {
+                let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
+                format!("{one} {two}")
+            },
+        );
         let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
-        across(&self.rows, all, "Mean / largest force felt (N)", |row| {
+        across(ui, &self.rows, all, "Mean / largest force felt (N)", |row| {
             if_stable(row, format!("{:.2} / {:.1}", row.felt_n, row.peak_n))
         });
-        across(&self.rows, all, "Placed after (s), and where (mm, both users)", |row| {
+        across(ui, &self.rows, all, "Placed after (s), and where (mm, both users)", |row| {
             if_stable(row, format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1]))
         });
-        across(&self.rows, all, "Bytes a second: one user / server (kB/s, sealed)", |row| {
+        across(ui, &self.rows, all, "Bytes a second: one user / server (kB/s, sealed)", |row| {
             if_stable(row, format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s))
         });
-        println!("{:.1} s", self.wall_s);
+        writeln!(ui, "{:.1} s", self.wall_s);
     }
 
     /// Why the engine is unstable without the bounder even where there is no delay.
@@ -166,12 +170,12 @@ impl Report {
 }
 
 /// One number, architectures down and delays across.
-fn across(rows: &[Row], architectures: &[Architecture], title: &str, cell: impl Fn(&Row) -> String) {
+fn across(ui: &Ui, rows: &[Row], architectures: &[Architecture], title: &str, cell: impl Fn(&Row) -> String) {
     let delays = DELAYS_MS.map(|delay| delay.to_string());
     let mut table = TextTable::new(std::iter::once(String::new()).chain(delays));
     for architecture in architectures {
         let of_this = rows.iter().filter(|row| row.architecture == *architecture);
         table.push(std::iter::once(architecture.name().to_owned()).chain(of_this.map(&cell)));
     }
-    println!("{title}\n\n{table}");
+    writeln!(ui, "{title}\n\n{table}");
 }

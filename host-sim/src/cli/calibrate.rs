@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, operator, print_json};
+use super::{Failure, SceneArgs, Ui, operator};
 use haptic_sim::board::calibrate::board::Board;
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
@@ -81,9 +81,6 @@ struct At {
     /// Settings file: what it holds is given to the board first, what is found is added to it.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
     truth: SceneArgs,
 }
@@ -149,6 +146,7 @@ impl At {
 
     fn run(
         &self,
+        ui: &Ui,
         find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, String>,
     ) -> Result<(), Failure> {
         let (mut board, mut person) = self.parties()?;
@@ -158,14 +156,12 @@ impl At {
         let found = find(&mut *board, &mut *person)?;
         settings_file::add(&self.out, &found)?;
         settings_file::give(&mut *board, &self.out)?;
-        if self.json {
-            let rows: Vec<Row<'_>> = found.iter().map(|Found { key, value, said }| Row { key, value, said }).collect();
-            return print_json(&rows);
-        }
+        let rows: Vec<Row<'_>> = found.iter().map(|Found { key, value, said }| Row { key, value, said }).collect();
+        ui.document(&rows)?;
         for Found { key, said, .. } in &found {
-            println!("{key} = {said}");
+            writeln!(ui, "{key} = {said}");
         }
-        println!("added to {}", self.out.display());
+        writeln!(ui, "added to {}", self.out.display());
         Ok(())
     }
 }
@@ -175,7 +171,7 @@ impl Calibrate {
     ///
     /// # Errors
     /// A bad argument, nobody there, or data that do not give the number.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         match &self.what {
             What::Counts { at, distance_m, revolutions } => {
                 let distance = match (distance_m, revolutions) {
@@ -183,19 +179,19 @@ impl Calibrate {
                     (_, Some(turns)) => Distance::Revolutions(*turns),
                     _ => return Err("give --distance-m or --revolutions: how far you will move the joint".into()),
                 };
-                at.run(|board, person| counts::calibrate(board, person, at.joint, distance))
+                at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
-            What::Sign { at } => at.run(|board, _| sign::calibrate(board, at.joint)),
+            What::Sign { at } => at.run(ui, |board, _| sign::calibrate(board, at.joint)),
             What::Motor { at, gauge, added_mass_kg } => {
                 let known = match (gauge, added_mass_kg) {
                     (true, _) => Known::Gauge,
                     (_, Some(kilograms)) => Known::Mass(*kilograms),
                     _ => return Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
                 };
-                at.run(|board, person| motor::calibrate(board, person, at.joint, known))
+                at.run(ui, |board, person| motor::calibrate(board, person, at.joint, known))
             }
-            What::Friction { at } => at.run(|board, _| friction::calibrate(board, at.joint)),
-            What::Inertia { at } => at.run(|board, _| inertia::calibrate(board, at.joint)),
+            What::Friction { at } => at.run(ui, |board, _| friction::calibrate(board, at.joint)),
+            What::Inertia { at } => at.run(ui, |board, _| inertia::calibrate(board, at.joint)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Failure, print_json};
+use super::{Failure, Ui};
 use crate::studies::campaign::campaign;
 use crate::studies::costs::costs;
 use haptic_sim::report::text::TextTable;
@@ -13,9 +13,6 @@ pub(super) struct Campaign {
     /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
     #[arg(long)]
     costs: bool,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Campaign {
@@ -23,14 +20,12 @@ impl Campaign {
     ///
     /// # Errors
     /// None but a mistake in the campaign itself.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if self.costs {
-            return self.costs();
+            return self.costs(ui);
         }
         let cells = campaign().map_err(|error| error.to_string())?;
-        if self.json {
-            return print_json(&cells);
-        }
+        ui.document(&cells)?;
         let mut table =
             TextTable::new(["comm", "network", "stable", "energy out/in", "peak N", "jump N", "true mm", "fault"]);
         for cell in cells {
@@ -45,14 +40,12 @@ impl Campaign {
                 cell.fault.unwrap_or_default(),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
-    fn costs(&self) -> Result<(), Failure> {
+    fn costs(&self, ui: &Ui) -> Result<(), Failure> {
         let costs = costs().map_err(|error| error.to_string())?;
-        if self.json {
-            return print_json(&costs);
-        }
+        ui.document(&costs)?;
         let mut table = TextTable::new([
             "network",
             "comm",
@@ -77,7 +70,7 @@ impl Campaign {
                 number(cost.drag_n_s_per_m, 2),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

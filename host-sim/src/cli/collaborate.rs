@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::{Failure, print_json, progress_bar};
+use super::{Failure, Ui};
 use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
 use haptic_sim::report::text::TextTable;
 
@@ -35,9 +35,6 @@ pub(super) struct Collaborate {
     /// Put a mistake in on purpose, to see that it is found.
     #[arg(long, value_enum)]
     mistake: Option<Mistake>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -53,7 +50,7 @@ impl Collaborate {
     ///
     /// # Errors
     /// None but a mistake that the scheme cannot have.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let schemes: &[Scheme] = match self.scheme {
             SchemeName::Lock => &[Scheme::Lock],
             SchemeName::Ring => &[Scheme::Ring],
@@ -66,7 +63,7 @@ impl Collaborate {
         }
         let users = self.users.map_or_else(|| vec![2, 3, 5, 8], |users| vec![users]);
         let each = self.runs / users.len() as u64 + u64::from(!self.runs.is_multiple_of(users.len() as u64));
-        let bar = progress_bar(each * (users.len() * schemes.len()) as u64, "collaborate");
+        let bar = ui.progress(each * (users.len() * schemes.len()) as u64, "collaborate");
         let rows: Vec<Row> = schemes
             .iter()
             .flat_map(|scheme| users.iter().map(move |users| (*scheme, *users)))
@@ -76,9 +73,7 @@ impl Collaborate {
             })
             .collect();
         bar.finish_and_clear();
-        if self.json {
-            return print_json(&rows);
-        }
+        ui.document(&rows)?;
         let mut table = TextTable::new([
             "scheme",
             "users",
@@ -107,10 +102,10 @@ impl Collaborate {
             cells.extend([verdict.longest_wait_ms, verdict.wait_bound_ms].map(|ms| format!("{ms:.0}")));
             table.push(cells);
         }
-        println!("{table}");
+        ui.table(&table);
         for Row { scheme, users, verdict } in &rows {
             if let Some((seed, what)) = &verdict.first_failure {
-                println!("{scheme:?}, {users} users, seed {seed}: {what}");
+                writeln!(ui, "{scheme:?}, {users} users, seed {seed}: {what}");
             }
         }
         Ok(())

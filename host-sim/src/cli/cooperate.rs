@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use haptic_core::num::Fixed;
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, print_json, progress_bar};
+use super::{Failure, SceneArgs, Ui};
 use crate::studies::figures;
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::files;
@@ -39,9 +39,6 @@ pub(super) struct Cooperate {
     /// Number type of the peers.
     #[arg(long, value_enum, default_value_t)]
     scalar: ScalarName,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for CSV, Parquet and pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -87,7 +84,7 @@ impl Cooperate {
     ///
     /// # Errors
     /// A bad scene or duration, or a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let period_s = scene.peer.timing.control_period_s;
         // A day at 1 kHz: beyond that, sums of ticks in f64 begin to round.
@@ -98,15 +95,12 @@ impl Cooperate {
             );
             return Err(message.into());
         }
-        let folder = match (&self.out, self.json) {
-            (None, false) => Some(PathBuf::from("out/cooperate")),
-            (out, _) => out.clone(),
-        };
+        let folder = ui.folder(self.out.as_deref(), "out/cooperate");
         let mut options = Options::recorded(self.duration_s, period_s);
         if folder.is_none() {
             options.record_every = 0;
         }
-        let bar = progress_bar((self.duration_s / period_s) as u64, "cooperate");
+        let bar = ui.progress((self.duration_s / period_s) as u64, "cooperate");
         let start = Instant::now();
         let outcome = match self.scalar {
             ScalarName::F32 => run::<f32>(&scene, options, &|tick| bar.set_position(tick)),
@@ -127,12 +121,10 @@ impl Cooperate {
             report.files.extend(figures::run(&name, &outcome, &base)?);
         }
         for warning in &report.warnings {
-            eprintln!("warning: {warning}");
+            ui.warn(warning);
         }
-        if self.json {
-            return print_json(&report);
-        }
-        report.print();
+        ui.document(&report)?;
+        report.print(ui);
         Ok(())
     }
 }
@@ -172,7 +164,7 @@ impl Report {
         })
     }
 
-    fn print(&self) {
+    fn print(&self, ui: &Ui) {
         let mut table = TextTable::new(["", self.scene.as_str()]);
         let mut line = |name: &str, value: String| table.push([name.to_owned(), value]);
         line("stable", if self.stable { "yes" } else { "no" }.to_owned());
@@ -201,9 +193,7 @@ impl Report {
         }
         line("ticks, wall time", format!("{}, {:.3} s", self.ticks, self.wall_s));
         line("state hash", self.state_hash.clone());
-        println!("{table}");
-        for file in &self.files {
-            println!("wrote {}", file.display());
-        }
+        ui.table(&table);
+        ui.wrote(&self.files);
     }
 }

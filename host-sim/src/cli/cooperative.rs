@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, print_json, progress_bar};
+use super::{Failure, Ui};
 use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
 use crate::shared::cooperative::waves::{self, Waves};
@@ -73,9 +73,6 @@ pub(super) struct Cooperative {
     /// Simulated time, s.
     #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for CSV and pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -154,7 +151,7 @@ impl Cooperative {
     ///
     /// # Errors
     /// A bad scene, number of users, delay or duration; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let period_s = self.setup(self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
         if !(self.duration_s >= 8.0 * period_s && self.duration_s <= 3600.0) {
@@ -164,7 +161,7 @@ impl Cooperative {
             return Err(message.into());
         }
         if self.waves {
-            return self.run_waves();
+            return self.run_waves(ui);
         }
         let switches: &[bool] = match self.bounder {
             Some(switch) => &[switch == Switch::On],
@@ -175,7 +172,7 @@ impl Cooperative {
         let points: Vec<(bool, f64)> =
             switches.iter().flat_map(|switch| delays.iter().map(|delay| (*switch, *delay))).collect();
         // What is wrong with one is wrong with all: said before the work.
-        let bar = progress_bar(points.len() as u64, "cooperative");
+        let bar = ui.progress(points.len() as u64, "cooperative");
         let rows = points
             .into_par_iter()
             .map(|(bounder, delay)| {
@@ -191,24 +188,20 @@ impl Cooperative {
             written = self.write(folder, &rows)?;
         }
         let report = Report { rows, limits, wall_s: start.elapsed().as_secs_f64(), files: written };
-        if self.json {
-            return print_json(&report);
-        }
-        report.print();
+        ui.document(&report)?;
+        report.print(ui);
         Ok(())
     }
 
     /// Wave peers around the node, at one delay or at all of the sweep's.
-    fn run_waves(&self) -> Result<(), Failure> {
+    fn run_waves(&self, ui: &Ui) -> Result<(), Failure> {
         let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
         let mut rows = Vec::new();
         for one_way_ms in delays {
             let outcome = Waves::new(&self.load(one_way_ms, &WAVES)?, self.users)?.run(self.duration_s);
             rows.push(WaveRow { users: self.users, one_way_ms, outcome });
         }
-        if self.json {
-            return print_json(&rows);
-        }
+        ui.document(&rows)?;
         let mut table = TextTable::new([
             "users",
             "one way ms",
@@ -231,7 +224,7 @@ impl Cooperative {
                 format!("{:.6}", outcome.node_out_over_put_in),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 
@@ -249,7 +242,7 @@ impl Cooperative {
 }
 
 impl Report {
-    fn print(&self) {
+    fn print(&self, ui: &Ui) {
         let mut table = TextTable::new([
             "users",
             "one way ms",
@@ -290,9 +283,10 @@ impl Report {
                 significant(1e-3 * outcome.down_bytes_per_s, 3),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         if !self.limits.is_empty() {
-            println!(
+            writeln!(
+                ui,
                 "\nStiffest object without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
             );
             let mut table = TextTable::new([
@@ -315,10 +309,8 @@ impl Report {
                     significant(row.eigenvalues_n_per_m, 3),
                 ]);
             }
-            println!("{table}");
+            ui.table(&table);
         }
-        for file in &self.files {
-            println!("wrote {}", file.display());
-        }
+        ui.wrote(&self.files);
     }
 }

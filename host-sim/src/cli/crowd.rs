@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, print_json, progress_bar};
+use super::{Failure, Ui};
 use crate::shared::visit::PACKET_US;
 use crate::shared::visit::host::MOST_LINES;
 use crate::shared::world;
@@ -33,9 +33,6 @@ pub(super) struct Crowd {
     /// World file; without it, the two rooms of `scenes/worlds`.
     #[arg(long, value_name = "WORLD")]
     scene: Option<PathBuf>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 /// What the machine was while it was measured.
@@ -80,7 +77,7 @@ impl Crowd {
     ///
     /// # Errors
     /// A bad world or time; a socket that cannot be opened.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         super::live::check_time("--seconds", self.seconds)?;
         super::live::check_time("--warm-up-s", self.warm_up_s)?;
         let world = match &self.scene {
@@ -91,7 +88,7 @@ impl Crowd {
         clients.sort_unstable();
         clients.dedup();
         let before = load();
-        let progress = progress_bar(clients.len() as u64, "crowds");
+        let progress = ui.progress(clients.len() as u64, "crowds");
         let mut runs = Vec::new();
         for count in clients {
             runs.push(crowd::run(&world, count, self.warm_up_s, self.seconds)?);
@@ -111,18 +108,17 @@ impl Crowd {
             bends: runs.iter().find(|run| !holds(run)).map(|run| run.clients),
             runs,
         };
-        if self.json {
-            return print_json(&document);
-        }
-        print(&document);
+        ui.document(&document)?;
+        print(ui, &document);
         Ok(())
     }
 }
 
-fn print(document: &Document) {
+fn print(ui: &Ui, document: &Document) {
     let Machine { processor, cores, load } = &document.machine;
     let [before, after] = load.map(|load| load.map_or_else(|| "?".to_owned(), |load| format!("{load:.2}")));
-    println!(
+    writeln!(
+        ui,
         "{processor}, {cores} cores, load {before} before and {after} after; loopback UDP, {RATE_HZ} packets/s a client\n"
     );
     let mut table = TextTable::new([
@@ -159,19 +155,21 @@ fn print(document: &Document) {
             format!("{:.1}", run.load_late.p99_us),
         ]);
     }
-    println!("{table}");
+    ui.table(&table);
     match (document.holds, document.bends) {
-        (Some(holds), None) => println!("The server holds {holds} clients, the most that were tried."),
-        (Some(holds), Some(bends)) => println!("The server holds {holds} clients and bends by {bends}."),
-        (None, _) => println!("The server holds none of these crowds within the limit."),
+        (Some(holds), None) => writeln!(ui, "The server holds {holds} clients, the most that were tried."),
+        (Some(holds), Some(bends)) => writeln!(ui, "The server holds {holds} clients and bends by {bends}."),
+        (None, _) => writeln!(ui, "The server holds none of these crowds within the limit."),
     }
-    println!(
+    writeln!(
+        ui,
         "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
          more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the\n\
          system to the last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays\n\
          included. Where the rate falls the load is short of a core: what bends first then is the load, not the server."
     );
-    println!(
+    writeln!(
+        ui,
         "Beyond one core or one machine, split the world: each region names its server, a server holds its region and the\n\
          margin around it, and clients move from one to the next by themselves (`serve --region`, `visit --server`). Clients\n\
          are aware of those at the same server only, so servers say nothing to each other."

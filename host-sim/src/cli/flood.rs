@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, Ui};
 use crate::trials::flood::{Options, run};
 use haptic_sim::report::text::TextTable;
 
@@ -20,9 +20,6 @@ pub(super) struct Flood {
     /// Length of the flood, s.
     #[arg(long, default_value_t = 5.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Flood {
@@ -30,16 +27,15 @@ impl Flood {
     ///
     /// # Errors
     /// A bad scene, rate or time.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if !(self.rate >= 1.0 && self.rate <= MOST_PER_S) {
             return Err(format!("--rate {} is not allowed: it must be from 1 to {MOST_PER_S} per s", self.rate).into());
         }
         super::live::check_time("--seconds", self.seconds)?;
         let report = run(&self.scene.load()?, &Options { rate_per_s: self.rate, seconds: self.seconds })?;
-        if self.json {
-            return print_json(&report);
-        }
-        println!(
+        ui.document(&report)?;
+        writeln!(
+            ui,
             "{:.0} forged datagrams per second for {:.2} s ({:.0} asked for); the system dropped {:.1} %",
             report.rate_sent_per_s,
             report.flood_s,
@@ -47,7 +43,7 @@ impl Flood {
             1e2 * report.dropped_by_system
         );
         let kinds: Vec<String> = report.sent.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        println!("{}", kinds.join(", "));
+        writeln!(ui, "{}", kinds.join(", "));
         let mut table = TextTable::new([
             "peer",
             "forged",
@@ -74,7 +70,7 @@ impl Flood {
                 seen.whole_after_ms.to_string(),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

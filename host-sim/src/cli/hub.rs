@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::live::check_time;
-use super::{Failure, SceneArgs, granted, print_json};
+use super::{Failure, SceneArgs, Ui, granted};
 use crate::live::meet;
 use crate::shared::cooperative::MOST_USERS;
 use haptic_sim::key_file;
@@ -38,9 +38,6 @@ pub(super) struct Hub {
     /// How long to wait for all of them, s.
     #[arg(long, default_value_t = 30.0, value_name = "S", allow_negative_numbers = true)]
     patience_s: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Hub {
@@ -48,7 +45,7 @@ impl Hub {
     ///
     /// # Errors
     /// A bad scene, key file or address; peers that do not come.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         check_time("--patience-s", self.patience_s)?;
         let scene = self.scene.load_or(SCENE)?;
@@ -59,11 +56,9 @@ impl Hub {
             duration_s: self.duration_s,
             patience_s: self.patience_s,
         };
-        eprintln!("hub for {} peers listens on {}", self.users, self.listen);
+        ui.status(format_args!("hub for {} peers listens on {}", self.users, self.listen));
         let report = meet::run(&scene, &key, &options)?;
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         let mut table = TextTable::new([
             "line",
             "number",
@@ -93,13 +88,15 @@ impl Hub {
                 or_dash(line.said.map(|said| said.coordination_force_n.into())),
             ]);
         }
-        println!("{table}");
-        println!(
+        ui.table(&table);
+        writeln!(
+            ui,
             "{} packet periods; energy out/in {:.6}; the object went {:.2} mm, the copies are {:.2} mm apart as they last said",
             report.packets, report.energy_out_over_in, report.object_mm, report.apart_mm
         );
         let kept = report.punctuality;
-        println!(
+        writeln!(
+            ui,
             "{} datagrams refused; {} of {} beats began more than a period late; real-time priority: {}",
             report.datagrams_refused,
             kept.missed,

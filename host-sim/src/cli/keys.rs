@@ -4,17 +4,13 @@ use clap::Args;
 use haptic_core::settings::Value;
 use serde::Serialize;
 
-use super::{Failure, print_json};
+use super::{Failure, Ui};
 use haptic_sim::report::text::TextTable;
 use haptic_sim::scene::SceneFile;
 
 /// Arguments of `keys`.
 #[derive(Debug, Args)]
-pub(super) struct Keys {
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
-}
+pub(super) struct Keys {}
 
 #[derive(Serialize)]
 struct Row {
@@ -30,7 +26,7 @@ impl Keys {
     ///
     /// # Errors
     /// None but of writing.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let defaults = SceneFile::default();
         let rows: Vec<Row> = SceneFile::keys()
             .into_iter()
@@ -56,14 +52,12 @@ impl Keys {
                 meaning: "Recorded network, instead of what its table would draw.",
             }])
             .collect();
-        if self.json {
-            return print_json(&rows);
-        }
+        ui.document(&rows)?;
         let mut table = TextTable::new(["key", "default", "unit", "allowed", "meaning"]);
         for row in rows {
             table.push([row.key, row.default, row.unit.to_owned(), row.allowed, row.meaning.to_owned()]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

@@ -4,8 +4,9 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 
-use super::{Failure, SceneArgs, granted, print_json};
+use super::{Failure, SceneArgs, Ui, granted};
 use crate::live::{peer, relay};
 use crate::shared::visit::host::MOST_LINES;
 use haptic_sim::key_file;
@@ -30,19 +31,19 @@ impl Keygen {
     ///
     /// # Errors
     /// It exists, or cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let file = self.file.display();
         match (self.line, &self.of) {
             (Some(line), Some(of)) => {
                 key_file::write(&self.file, &key_file::read(of)?.line(line))?;
-                println!("wrote {file}: for line {line}; copy it there over a way that you trust");
+                writeln!(ui, "wrote {file}: for line {line}; copy it there over a way that you trust");
             }
             _ => {
                 key_file::generate(&self.file)?;
-                println!("wrote {file}: copy it to the other peer over a way that you trust");
+                writeln!(ui, "wrote {file}: copy it to the other peer over a way that you trust");
             }
         }
-        Ok(())
+        ui.document(&json!({ "files": [&self.file] }))
     }
 }
 
@@ -62,8 +63,9 @@ impl KeyImage {
     ///
     /// # Errors
     /// No key file, or the image exists or cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
-        Ok(key_file::write_secret(&self.image, &key_file::read(&self.key_file)?.image())?)
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        key_file::write_secret(&self.image, &key_file::read(&self.key_file)?.image())?;
+        ui.document(&json!({ "files": [&self.image] }))
     }
 }
 
@@ -90,9 +92,6 @@ pub(super) struct Peer {
     /// How long to call before giving up, s.
     #[arg(long, default_value_t = 30.0, value_name = "S", allow_negative_numbers = true)]
     patience_s: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 /// A time in seconds on the command line.
@@ -114,7 +113,7 @@ impl Peer {
     ///
     /// # Errors
     /// A bad scene, key file or address; nobody answering.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         check_time("--patience-s", self.patience_s)?;
         let scene = self.scene.load()?;
@@ -127,18 +126,18 @@ impl Peer {
             patience_s: self.patience_s,
         };
         let report = peer::run(&scene, key, &options)?;
-        if self.json {
-            return print_json(&report);
-        }
-        println!(
+        ui.document(&report)?;
+        writeln!(
+            ui,
             "peer {}: decoded discrepancy {:.4} mm, coordination force {:.4} N over the last half",
             report.peer, report.decoded_discrepancy_mm, report.coordination_force_n
         );
         if let Some(fault) = &report.fault {
-            println!("stopped with {fault}");
+            writeln!(ui, "stopped with {fault}");
         }
         let kept = report.punctuality;
-        println!(
+        writeln!(
+            ui,
             "{} ticks; {} beats began more than a period late, the latest by {} us, {:.0} us on average; real-time priority: {}",
             report.ticks,
             kept.missed,
@@ -146,7 +145,8 @@ impl Peer {
             kept.mean_us(),
             granted(kept.realtime_priority)
         );
-        println!(
+        writeln!(
+            ui,
             "round trip {} us, jitter {} us, the other clock {} us ahead and {:.1} ppm faster; datagrams: {} taken, {} missing, {} refused",
             report.round_trip_us.map_or_else(|| "?".to_owned(), |us| us.to_string()),
             report.jitter_us,
@@ -157,7 +157,7 @@ impl Peer {
             report.datagrams_refused
         );
         for (time_s, notice) in &report.notices {
-            println!("{time_s:9.3} s  {notice}");
+            writeln!(ui, "{time_s:9.3} s  {notice}");
         }
         Ok(())
     }
@@ -180,9 +180,6 @@ pub(super) struct Relay {
     /// How long, s.
     #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Relay {
@@ -190,18 +187,17 @@ impl Relay {
     ///
     /// # Errors
     /// A bad scene, trace or address.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         let mut scene = self.scene.load()?;
         if let Some(trace) = &self.trace {
             scene.network_trace = Some(NetworkTrace::read(trace)?.into());
         }
         let relayed = relay::run(&scene, [self.listen_1, self.listen_2], self.duration_s)?;
-        if self.json {
-            return print_json(&relayed);
-        }
+        ui.document(&relayed)?;
         for (way, count) in ["1 to 2", "2 to 1"].iter().zip(relayed) {
-            println!(
+            writeln!(
+                ui,
                 "{way}: {} taken, {} sent on, {} lost, {} broken",
                 count.taken, count.sent, count.lost, count.corrupt
             );
@@ -228,13 +224,13 @@ impl Trace {
     ///
     /// # Errors
     /// A bad scene, or a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         let scene = self.scene.load()?;
         let timing = &scene.peer.timing;
         let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
         NetworkTrace::record(&scene, (self.duration_s / packet_s).ceil() as u64).write(&self.file)?;
-        println!("wrote {}", self.file.display());
-        Ok(())
+        writeln!(ui, "wrote {}", self.file.display());
+        ui.document(&json!({ "files": [&self.file] }))
     }
 }

@@ -4,11 +4,6 @@
 //! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
 //! change, 141 when whoever read the results went away.
 
-/// `println!` that ends the program without a word where nobody reads on (`host-sim cooperate | head -3`).
-macro_rules! println {
-    ($($text:tt)+) => { $crate::cli::say(format_args!($($text)+)) };
-}
-
 mod accuracy;
 mod architectures;
 mod calibrate;
@@ -32,17 +27,19 @@ mod shape;
 mod squash;
 mod stability;
 mod tune;
+mod ui;
 mod visit;
 mod world;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 
 use haptic_sim::scene::{SceneError, SceneFile};
 use haptic_sim::scenes;
+use ui::Ui;
 
 /// What a command may fail with.
 pub(super) type Failure = Box<dyn std::error::Error>;
@@ -55,6 +52,12 @@ pub(super) type Failure = Box<dyn std::error::Error>;
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Print the result as one JSON document, and nothing else on standard output; files are written only with --out.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print completions of this command line for a shell, and nothing else.
+    #[arg(long, value_name = "SHELL")]
+    completions: Option<Shell>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -198,34 +201,39 @@ pub fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if let Some(shell) = line.completions {
+        clap_complete::generate(shell, &mut CommandLine::command(), "host-sim", &mut std::io::stdout());
+        return ExitCode::SUCCESS;
+    }
+    let ui = Ui::new(line.json);
     let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
-        Command::Cooperate(command) => command.run(),
-        Command::Cooperative(command) => command.run(),
-        Command::Architectures(command) => command.run(),
-        Command::Paper(command) => command.run(),
-        Command::Stability(command) => command.run(),
-        Command::Precision(command) => command.run(),
-        Command::Accuracy(command) => command.run(),
-        Command::Campaign(command) => command.run(),
-        Command::Collaborate(command) => command.run(),
-        Command::Squash(command) => command.run(),
-        Command::Calibrate(command) => command.run(),
-        Command::Keygen(command) => command.run(),
-        Command::KeyImage(command) => command.run(),
-        Command::Peer(command) => command.run(),
-        Command::Hub(command) => command.run(),
-        Command::Operator(command) => command.run(),
-        Command::Relay(command) => command.run(),
-        Command::Serve(command) => command.run(),
-        Command::Visit(command) => command.run(),
-        Command::Crowd(command) => command.run(),
-        Command::World(command) => command.run(),
-        Command::Shape(command) => command.run(),
-        Command::Trace(command) => command.run(),
-        Command::Flood(command) => command.run(),
-        Command::Restarts(command) => command.run(),
-        Command::Record(command) => command.run(),
-        Command::Keys(command) => command.run(),
+        Command::Cooperate(command) => command.run(&ui),
+        Command::Cooperative(command) => command.run(&ui),
+        Command::Architectures(command) => command.run(&ui),
+        Command::Paper(command) => command.run(&ui),
+        Command::Stability(command) => command.run(&ui),
+        Command::Precision(command) => command.run(&ui),
+        Command::Accuracy(command) => command.run(&ui),
+        Command::Campaign(command) => command.run(&ui),
+        Command::Collaborate(command) => command.run(&ui),
+        Command::Squash(command) => command.run(&ui),
+        Command::Calibrate(command) => command.run(&ui),
+        Command::Keygen(command) => command.run(&ui),
+        Command::KeyImage(command) => command.run(&ui),
+        Command::Peer(command) => command.run(&ui),
+        Command::Hub(command) => command.run(&ui),
+        Command::Operator(command) => command.run(&ui),
+        Command::Relay(command) => command.run(&ui),
+        Command::Serve(command) => command.run(&ui),
+        Command::Visit(command) => command.run(&ui),
+        Command::Crowd(command) => command.run(&ui),
+        Command::World(command) => command.run(&ui),
+        Command::Shape(command) => command.run(&ui),
+        Command::Trace(command) => command.run(&ui),
+        Command::Flood(command) => command.run(&ui),
+        Command::Restarts(command) => command.run(&ui),
+        Command::Record(command) => command.run(&ui),
+        Command::Keys(command) => command.run(&ui),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -236,34 +244,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints one line on standard output.
-fn say(line: std::fmt::Arguments<'_>) {
-    use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout(), "{line}") {
-        Ok(()) => {}
-        // What a shell sees of a program that the closed pipe ended.
-        Err(cause) if cause.kind() == ErrorKind::BrokenPipe => std::process::exit(141),
-        Err(cause) => {
-            eprintln!("host-sim: cannot write to standard output: {cause}");
-            std::process::exit(2);
-        }
-    }
-}
-
-/// Prints one JSON document on standard output.
-fn print_json(document: &impl serde::Serialize) -> Result<(), Failure> {
-    println!("{}", serde_json::to_string_pretty(document)?);
-    Ok(())
-}
-
 /// Whether the system granted real-time priority, in a report's words.
 fn granted(priority: bool) -> &'static str {
     if priority { "yes" } else { "no, the system did not allow it" }
-}
-
-/// A progress bar on standard error; invisible where that is no terminal.
-fn progress_bar(length: u64, what: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style).with_message(what.to_owned())
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::Failure;
+use super::{Failure, Ui};
 use haptic_sim::board::calibrate::board::say;
 use haptic_sim::board::calibrate::settings_file;
 use haptic_sim::board::operator::{Operator, PORT};
@@ -57,32 +57,32 @@ impl Operate {
     ///
     /// # Errors
     /// Nobody there, a scene or a line that the board refuses, or a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let mut operator = Operator::connect(self.board, &self.key_file)?;
         if let Some(scene) = &self.scene {
             let given = settings_file::give(&mut operator, scene)?;
-            eprintln!("{given} settings of {} applied", scene.display());
+            ui.status(format_args!("{given} settings of {} applied", scene.display()));
         }
         for line in &self.lines {
             let answer = operator.ask(line)?;
             if let Some(why) = answer.strip_prefix("error ") {
                 return Err(format!("board {}: {line}: {why}", operator.number()).into());
             }
-            println!("{answer}");
+            writeln!(ui, "{answer}");
         }
         if let Some(file) = &self.record {
-            return self.record(&mut operator, file);
+            return self.record(ui, &mut operator, file);
         }
         if self.lines.is_empty() && self.scene.is_none() {
             for line in std::io::stdin().lock().lines() {
-                println!("{}", operator.ask(line?.trim())?);
+                writeln!(ui, "{}", operator.ask(line?.trim())?);
             }
         }
         Ok(())
     }
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
-    fn record(&self, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
+    fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
         let period = say(operator, "get timing.control_period_s")?;
         let period_s = period.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.001);
         let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.seconds))?;
@@ -93,12 +93,14 @@ impl Operate {
         }
         write_csv(&table, file)?;
         if let Some(row) = recording::started_anew(&table) {
-            eprintln!("the board started anew before row {row}: its ticks and times count from zero there");
+            ui.status(format_args!(
+                "the board started anew before row {row}: its ticks and times count from zero there"
+            ));
         }
         let gap = recording::longest_gap(&table).map_or_else(String::new, |(from_s, gap_s)| {
             format!("; none came from {from_s:.3} s on for {gap_s:.3} s, the longest gap")
         });
-        eprintln!("{} ticks written to {}{gap}", table.len(), file.display());
+        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), file.display()));
         if let Some(refusal) = refusal {
             return Err(refusal.into());
         }

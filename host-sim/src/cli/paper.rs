@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, print_json, progress_bar};
+use super::{Failure, Ui};
 use crate::studies::figures;
 use crate::studies::paper::{Experiment, Gain, experiments, gains};
 use haptic_sim::report::text::TextTable;
@@ -13,9 +13,6 @@ use haptic_sim::report::text::TextTable;
 /// Arguments of `paper`.
 #[derive(Debug, Default, Args)]
 pub(super) struct Paper {
-    /// Print JSON; pictures are drawn only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for the pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -33,31 +30,27 @@ impl Paper {
     ///
     /// # Errors
     /// A picture that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
-        let bar = progress_bar(3, "experiments, gains, pictures");
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let bar = ui.progress(3, "experiments, gains, pictures");
         let experiments = experiments().map_err(|error| error.to_string())?;
         bar.inc(1);
         let gains = gains().map_err(|error| error.to_string())?;
         bar.inc(1);
-        let folder = match (&self.out, self.json) {
-            (None, false) => Some(PathBuf::from("out/paper")),
-            (out, _) => out.clone(),
-        };
+        let folder = ui.folder(self.out.as_deref(), "out/paper");
         let pictures = folder.map_or(Ok(Vec::new()), |folder| figures::paper(&experiments, &folder))?;
         bar.finish_and_clear();
         let document = Document { experiments, gains, pictures };
-        if self.json {
-            return print_json(&document);
-        }
-        document.print();
+        ui.document(&document)?;
+        document.print(ui);
         Ok(())
     }
 }
 
 impl Document {
-    fn print(&self) {
+    fn print(&self, ui: &Ui) {
         let dash = || "-".to_owned();
-        println!(
+        writeln!(
+            ui,
             "Distributed haptic cooperation (Rakhsha & Constantinescu 2012), section 5: means over 10 s, mm and N\n"
         );
         let mut table = TextTable::new([
@@ -92,24 +85,25 @@ impl Document {
                 one.apparent_object_mass_kg.map_or_else(dash, |mass| format!("{mass:.3}")),
             ]);
         }
-        println!("{table}");
-        println!(
+        ui.table(&table);
+        writeln!(
+            ui,
             "decoded: |x_o - x_d| at peer 2, what the paper plots. true: |x_o1 - x_o2| at one instant.\n\
              object: apparent mass of the shared object, copies and line together.\n"
         );
-        println!("Largest coordination gain at 16 ms round trip\n");
+        writeln!(ui, "Largest coordination gain at 16 ms round trip\n");
         let mut table = TextTable::new(["comm", "paper's experiment N/m", "this model's boundaries N/m"]);
         for gain in &self.gains {
             let crossings: Vec<String> = gain.crossings_n_per_m.iter().map(|at| format!("{at:.0}")).collect();
             table.push([gain.comm.clone(), format!("{:.0}", gain.paper_n_per_m), crossings.join(", ")]);
         }
-        println!("{table}");
+        ui.table(&table);
         let pictures: Vec<_> =
             self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")).collect();
         if !pictures.is_empty() {
-            println!("Pictures (SVG, and PNG beside each):");
+            writeln!(ui, "Pictures (SVG, and PNG beside each):");
             for picture in pictures {
-                println!("  {}", picture.display());
+                writeln!(ui, "  {}", picture.display());
             }
         }
     }

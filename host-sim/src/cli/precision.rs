@@ -3,7 +3,7 @@
 use clap::Args;
 use rayon::prelude::*;
 
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, Ui};
 use crate::studies::precision::measure;
 use haptic_sim::report::text::TextTable;
 use haptic_sim::scenes;
@@ -19,9 +19,6 @@ pub(super) struct Precision {
     /// Simulated time, s.
     #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Precision {
@@ -29,7 +26,7 @@ impl Precision {
     ///
     /// # Errors
     /// A bad scene.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if !(self.duration_s > 0.0 && self.duration_s <= 86_400.0) {
             let message =
                 format!("--duration-s {} is not allowed: it must be above 0 and up to 86400 s", self.duration_s);
@@ -44,10 +41,8 @@ impl Precision {
             .par_iter()
             .map(|(name, scene)| measure(name, scene, self.duration_s))
             .collect::<Result<Vec<_>, _>>()?;
-        if self.json {
-            return print_json(&rows);
-        }
-        println!("Largest difference from f64 over {} s\n", self.duration_s);
+        ui.document(&rows)?;
+        writeln!(ui, "Largest difference from f64 over {} s\n", self.duration_s);
         let mut table = TextTable::new([
             "scene",
             "f32 position um",
@@ -66,7 +61,7 @@ impl Precision {
                 row.explanation,
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

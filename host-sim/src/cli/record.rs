@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 
-use super::{Failure, SceneArgs};
+use super::{Failure, SceneArgs, Ui};
 use crate::studies::record::record;
 use haptic_sim::scenes;
 
@@ -32,7 +33,7 @@ impl Record {
     ///
     /// # Errors
     /// A bad scene or duration, or a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if !(self.duration_s > 0.0 && self.duration_s <= 3600.0) {
             return Err(
                 format!("--duration-s {} is not allowed: it must be above 0 and up to 3600", self.duration_s).into()
@@ -46,7 +47,8 @@ impl Record {
         let recording = record(&scene, usize::from(self.number), ticks)?;
         std::fs::write(&self.file, &recording.bytes)
             .map_err(|cause| format!("cannot write {}: {cause}", self.file.display()))?;
-        println!("{} ticks {:016x}", recording.ticks, recording.hash);
-        Ok(())
+        writeln!(ui, "{} ticks {:016x}", recording.ticks, recording.hash);
+        let hash = format!("{:016x}", recording.hash);
+        ui.document(&json!({ "ticks": recording.ticks, "hash": hash, "files": [&self.file] }))
     }
 }

@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::stability::{folder, tell, write};
-use super::{Failure, print_json, progress_bar};
+use super::ui::save;
+use super::{Failure, Ui};
 use haptic_analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
@@ -44,9 +44,6 @@ pub(super) struct Rendering {
     /// Folder for CSV and picture.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -69,7 +66,7 @@ impl Rendering {
     ///
     /// # Errors
     /// A number out of range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let mut setup = Setup {
             device: Body {
@@ -90,17 +87,17 @@ impl Rendering {
         }
         let identified = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
         let sweeps = maps::sweeps(&setup);
-        let bar = progress_bar((sweeps.len() * POINTS) as u64, "maps");
+        let bar = ui.progress((sweeps.len() * POINTS) as u64, "maps");
         let curves = sweeps
             .into_iter()
             .map(|(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, || bar.inc(1)))
             .collect::<Result<Vec<_>, _>>()?;
         bar.finish_and_clear();
         let mut written = Vec::new();
-        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/stability") {
+        if let Some(folder) = ui.folder(self.out.as_deref(), "out/stability") {
             let base = folder.join("rendering");
             let figure = picture::figure(&setup, &curves);
-            written = write(&base, &maps::table(&curves)?, || draw(&figure, &base))?;
+            written = save(&base, &maps::table(&curves)?, || draw(&figure, &base))?;
         }
         let report = Report {
             device: setup.device,
@@ -113,18 +110,17 @@ impl Rendering {
             wall_s: start.elapsed().as_secs_f64(),
             files: written,
         };
-        if self.json {
-            return print_json(&report);
-        }
-        report.print();
-        tell(&report.files);
+        ui.document(&report)?;
+        report.print(ui);
+        ui.wrote(&report.files);
         Ok(())
     }
 }
 
 impl Report {
-    fn print(&self) {
-        println!(
+    fn print(&self, ui: &Ui) {
+        writeln!(
+            ui,
             "Device {} kg, {:.3} N·s/m; object {} kg, {} N·s/m; contact damping {} N·s/m; computing {:.3} of a period\n",
             self.device.mass_kg,
             self.device.damping_n_s_per_m,
@@ -133,15 +129,16 @@ impl Report {
             self.contact_damping_n_s_per_m,
             self.computing_ticks
         );
-        self.curve_table();
+        self.curve_table(ui);
         let Needs { sampling_hz, delay_s } = self.needs_for_1000_n_per_m;
         let or_none = |number: Option<f64>| number.map_or_else(|| "none".to_owned(), |number| significant(number, 3));
-        println!(
+        writeln!(
+            ui,
             "\nA wall of {STIFFNESS_N_PER_M} N/m needs at least {} Hz without delay, and a delay below {} ms.\n",
             or_none(sampling_hz),
             or_none(delay_s.map(|delay_s| 1e3 * delay_s))
         );
-        println!("Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
+        writeln!(ui, "Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
         let mut table =
             TextTable::new(["mass (kg)", "damping (N·s/m)", "computing (periods)", "K at 200 Hz", "K at 5 ms"]);
         for found in &self.identified {
@@ -153,11 +150,11 @@ impl Report {
                 format!("{:.1}", found.at_5_ms_n_per_m),
             ]);
         }
-        println!("{table}\n{:.1} s", self.wall_s);
+        writeln!(ui, "{table}\n{:.1} s", self.wall_s);
     }
 
     /// Every fifth point of the curves: largest stiffness, and further crossings if there are any.
-    fn curve_table(&self) {
+    fn curve_table(&self, ui: &Ui) {
         let name = |curve: &Curve| {
             let against = if curve.wall { "wall" } else { "object" };
             match curve.sweep {
@@ -165,7 +162,8 @@ impl Report {
                 Sweep::Period => format!("period, {against}"),
             }
         };
-        println!(
+        writeln!(
+            ui,
             "Largest stable stiffness (N/m), where it is stable again and ends behind it, at these delays or periods (ms)\n"
         );
         let times = self.curves.first().map(|curve| curve.points.iter().step_by(5)).into_iter().flatten();
@@ -179,6 +177,6 @@ impl Report {
             });
             table.push(std::iter::once(name(curve)).chain(cells));
         }
-        println!("{table}");
+        ui.table(&table);
     }
 }

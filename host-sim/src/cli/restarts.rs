@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, Ui};
 use crate::trials::restarts::{PATIENCE_S, run};
 
 /// The scene without `--scene`.
@@ -23,9 +23,6 @@ pub(super) struct Restarts {
     /// Seed of the instants; the network has its own, network.seed.
     #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true)]
     seed: u64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Restarts {
@@ -33,17 +30,17 @@ impl Restarts {
     ///
     /// # Errors
     /// A bad scene, or a network over which two peers never meet.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let report = run(&self.scene.load_or(SCENE)?, u64::from(self.count), self.seed)?;
-        if self.json {
-            return print_json(&report);
-        }
-        println!(
+        ui.document(&report)?;
+        writeln!(
+            ui,
             "{} restarts: engaged again after {:.1} ms on average, {:.0} ms at the most; {} were not engaged again within {PATIENCE_S} s",
             report.restarts, report.mean_ms, report.slowest_ms, report.failed
         );
-        println!("{} times the peer that stayed did not let go; {} faults", report.held_on, report.faults);
-        println!(
+        writeln!(ui, "{} times the peer that stayed did not let go; {} faults", report.held_on, report.faults);
+        writeln!(
+            ui,
             "motor forces begin at {} N and step by {:.3} N at the most ({} N allowed); coordination begins with {:.3} N",
             report.arming_force_n, report.largest_step_n, report.allowed_step_n, report.first_force_n
         );

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::live::check_time;
-use super::{Failure, granted, print_json};
+use super::{Failure, Ui, granted};
 use crate::live::serve;
 use crate::shared::visit::host::{Host, MOST_LINES};
 use crate::shared::world;
@@ -33,9 +33,6 @@ pub(super) struct Serve {
     /// How long, s.
     #[arg(long, default_value_t = 3600.0, value_name = "S", allow_negative_numbers = true)]
     duration_s: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Serve {
@@ -43,7 +40,7 @@ impl Serve {
     ///
     /// # Errors
     /// A bad world, key file, region or address.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         let world = world::load(&self.scene)?;
         let place = self.scene.display();
@@ -65,7 +62,7 @@ impl Serve {
         let objects = world.objects().len();
         let mut host = Host::new(key, number, self.lines, *world, region, entropy)?;
         let socket = serve::listen(self.listen)?;
-        eprintln!("server {number} of {place}, {objects} objects, listens on {}", self.listen);
+        ui.status(format_args!("server {number} of {place}, {objects} objects, listens on {}", self.listen));
         let report = serve::run(
             &socket,
             &mut host,
@@ -74,15 +71,15 @@ impl Serve {
             |_| None,
             |served_s| served_s >= self.duration_s,
         )?;
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         let counts = report.counts;
-        println!(
+        writeln!(
+            ui,
             "{} datagrams came, {} went, {} were refused; {} questions, {} parts, {} places; {} clients at once",
             counts.received, counts.sent, counts.refused, counts.asks, counts.parts, counts.presences, report.clients
         );
-        println!(
+        writeln!(
+            ui,
             "turnaround: half below {:.1} us, 99 % below {:.1} us, the longest {:.1} us; real-time priority: {}",
             report.turnaround.p50_us,
             report.turnaround.p99_us,

@@ -6,8 +6,8 @@ use clap::Args;
 use haptic_protocol::world::{Block, Shape};
 use serde::Serialize;
 
-use super::stability::{folder, tell, write};
-use super::{Failure, print_json};
+use super::ui::save;
+use super::{Failure, Ui};
 use crate::shared::world::stroke::{Energy, Options, Part, stroke};
 use crate::shared::world::{self, picture};
 use haptic_sim::report::text::{TextTable, significant};
@@ -33,9 +33,6 @@ pub(super) struct ShapeArgs {
     /// How fast, m/s.
     #[arg(long, default_value_t = Options::default().speed_m_per_s, value_name = "M_PER_S", allow_negative_numbers = true)]
     speed_m_per_s: f64,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for the files.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -74,7 +71,7 @@ impl ShapeArgs {
     ///
     /// # Errors
     /// A bad world; a number out of range; an object that cannot be stroked; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let Self { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, .. } = *self;
         for (name, value, (least, most), unit) in [
             ("--mass-kg", mass_kg, (0.01, 1e3), "kg"),
@@ -90,9 +87,9 @@ impl ShapeArgs {
         let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
         let stroke = stroke(&self.shape()?, &options)?;
         let mut files = Vec::new();
-        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/shape") {
+        if let Some(folder) = ui.folder(self.out.as_deref(), "out/shape") {
             let base = folder.join("shape");
-            files = write(&base, &picture::table(&stroke)?, || picture::draw_stroke(&stroke, &base))?;
+            files = save(&base, &picture::table(&stroke)?, || picture::draw_stroke(&stroke, &base))?;
         }
         let way = stroke.samples.iter().flat_map(|sample| sample.object_m).fold(0.0_f64, |most, at| most.max(at.abs()));
         let report = Report {
@@ -102,17 +99,15 @@ impl ShapeArgs {
             largest_way_of_the_object_m: way,
             files,
         };
-        if self.json {
-            return print_json(&report);
-        }
-        report.print();
-        tell(&report.files);
+        ui.document(&report)?;
+        report.print(ui);
+        ui.wrote(&report.files);
         Ok(())
     }
 }
 
 impl Report {
-    fn print(&self) {
+    fn print(&self, ui: &Ui) {
         let mut table = TextTable::new([
             "side",
             "corner before it",
@@ -132,7 +127,7 @@ impl Report {
                 format!("{:.3}", part.last_force_n),
             ]);
         }
-        println!("{table}");
+        ui.table(&table);
         let Energy { work_j, stored_j, moving_j, contact_j, drag_j, arm_j } = self.energy;
         let mut table = TextTable::new(["energy", "mJ"]);
         for (name, energy_j) in [
@@ -146,6 +141,6 @@ impl Report {
         ] {
             table.push([name.to_owned(), format!("{:.4}", 1e3 * energy_j)]);
         }
-        println!("{table}\nThe object was pushed {} mm.", significant(1e3 * self.largest_way_of_the_object_m, 3));
+        writeln!(ui, "{table}\nThe object was pushed {} mm.", significant(1e3 * self.largest_way_of_the_object_m, 3));
     }
 }

@@ -8,8 +8,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use haptic_protocol::roles::squash::RALLIES;
 use serde::Serialize;
 
-use super::stability::{folder, tell};
-use super::{Failure, SceneArgs, print_json};
+use super::{Failure, SceneArgs, Ui};
 use crate::shared::squash::sweep::{Cell, sweep};
 use crate::shared::squash::{Options, Report, picture, play};
 use haptic_sim::report::text::{TextTable, significant};
@@ -73,9 +72,6 @@ pub(super) struct Squash {
     /// Round trips of 10 to 400 ms without a bound, with the ball's and with both, instead of one game.
     #[arg(long, conflicts_with_all = ["rtt_ms", "bounder", "motion_bounder"])]
     sweep: bool,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
     /// Folder for pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -113,9 +109,9 @@ impl Squash {
     ///
     /// # Errors
     /// A bad scene or number, or a picture that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if let Some(Question::Live(live)) = &self.question {
-            return live.run();
+            return live.run(ui);
         }
         check("--rtt-ms", self.rtt_ms, 0.0, 2000.0, "ms")?;
         let (bounder, motion_bounder, seconds) = self.rules.read()?;
@@ -148,13 +144,11 @@ impl Squash {
         };
         if self.sweep {
             let cells = sweep(&options);
-            if self.json {
-                return print_json(&cells);
-            }
-            print_sweep(&cells);
+            ui.document(&cells)?;
+            print_sweep(ui, &cells);
             return Ok(());
         }
-        let folder = folder(self.out.as_deref(), self.json, "out/squash");
+        let folder = ui.folder(self.out.as_deref(), "out/squash");
         options.record_every = if folder.is_some() { 5 } else { 0 };
         let game = play(&options);
         let files = match folder {
@@ -171,10 +165,8 @@ impl Squash {
             report: game.report,
             files,
         };
-        if self.json {
-            return print_json(&document);
-        }
-        document.print();
+        ui.document(&document)?;
+        document.print(ui);
         Ok(())
     }
 }
@@ -183,7 +175,7 @@ fn yes(flag: bool) -> String {
     if flag { "yes" } else { "NO" }.to_owned()
 }
 
-fn print_sweep(cells: &[Cell]) {
+fn print_sweep(ui: &Ui, cells: &[Cell]) {
     let mut table = TextTable::new([
         "round trip ms",
         "bounder",
@@ -210,11 +202,11 @@ fn print_sweep(cells: &[Cell]) {
             format!("{:.2}", report.hand_travel_m),
         ]);
     }
-    println!("{table}");
+    ui.table(&table);
 }
 
 impl Document {
-    fn print(&self) {
+    fn print(&self, ui: &Ui) {
         let report = &self.report;
         let mut table = TextTable::new(["", "squash"]);
         let mut line = |name: &str, value: String| table.push([name.to_owned(), value]);
@@ -235,7 +227,7 @@ impl Document {
         line("largest pulse on a device", format!("{} N", significant(report.largest_pulse_n, 3)));
         line("sent by a player", format!("{:.0} bytes/s", report.bytes_per_s));
         line("state hash", report.state_hash.clone());
-        println!("{table}");
-        tell(&self.files);
+        ui.table(&table);
+        ui.wrote(&self.files);
     }
 }

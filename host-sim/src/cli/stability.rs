@@ -6,13 +6,9 @@ mod map;
 mod paper;
 mod point;
 
-use std::path::{Path, PathBuf};
-
 use clap::{Args, Subcommand};
 
-use super::Failure;
-use haptic_sim::report::table::Table;
-use haptic_sim::report::{ReportError, files};
+use super::{Failure, Ui};
 
 /// Arguments of `stability`.
 #[derive(Debug, Args)]
@@ -44,46 +40,15 @@ impl Stability {
     ///
     /// # Errors
     /// A bad scene, key or range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         match &self.question {
-            Question::Point(point) => point.run(),
-            Question::Limit(limit) => limit.run(),
-            Question::Map(map) => map.run(),
-            Question::Paper(paper) => paper.run(),
-            Question::Rendering(rendering) => rendering.run(),
-            Question::Tune(tune) => tune.run(),
-            Question::Bench(bench) => bench.run(),
+            Question::Point(point) => point.run(ui),
+            Question::Limit(limit) => limit.run(ui),
+            Question::Map(map) => map.run(ui),
+            Question::Paper(paper) => paper.run(ui),
+            Question::Rendering(rendering) => rendering.run(ui),
+            Question::Tune(tune) => tune.run(ui),
+            Question::Bench(bench) => bench.run(ui),
         }
-    }
-}
-
-/// Where files go: the folder asked for, or a usual one when the result is for a person.
-pub(super) fn folder(out: Option<&Path>, json: bool, usual: &str) -> Option<PathBuf> {
-    match (out, json) {
-        (None, true) => None,
-        (out, _) => Some(out.map_or_else(|| PathBuf::from(usual), Path::to_path_buf)),
-    }
-}
-
-/// Writes the table beside the picture and names all files.
-pub(super) fn write(
-    base: &Path,
-    table: &Table,
-    draw: impl FnOnce() -> Result<Vec<PathBuf>, ReportError>,
-) -> Result<Vec<PathBuf>, Failure> {
-    // Appended, not replaced: a scene's name may contain a dot.
-    let mut csv = base.as_os_str().to_owned();
-    csv.push(".csv");
-    let csv = PathBuf::from(csv);
-    files::write_csv(table, &csv)?;
-    let mut written = vec![csv];
-    written.extend(draw()?);
-    Ok(written)
-}
-
-/// Names the files that were written.
-pub(super) fn tell(files: &[PathBuf]) {
-    for file in files {
-        println!("wrote {}", file.display());
     }
 }

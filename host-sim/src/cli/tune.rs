@@ -4,7 +4,7 @@ use clap::Args;
 use haptic_core::num::Scalar;
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, print_json, progress_bar};
+use super::{Failure, SceneArgs, Ui};
 use haptic_analysis::tune::{self, BEYOND, Proposal};
 use haptic_sim::report::text::{TextTable, significant};
 
@@ -19,9 +19,6 @@ pub(super) struct Tune {
     /// How much either gain, or both, may be raised before anything is unstable: 0.2 is 20 %.
     #[arg(long, default_value_t = 0.2, value_name = "M", allow_negative_numbers = true)]
     margin: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 /// A proposal that ran.
@@ -50,9 +47,9 @@ impl Tune {
     ///
     /// # Errors
     /// A bad scene or margin.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
-        let bar = progress_bar(tune::steps(), "contact stiffnesses");
+        let bar = ui.progress(tune::steps(), "contact stiffnesses");
         let proposal = tune::tune(&scene, self.margin, || bar.inc(1))?;
         bar.finish_and_clear();
         // In f32: what flies.
@@ -68,18 +65,16 @@ impl Tune {
         });
         let set = proposal.map(|proposal| proposal.overrides().map(|set| format!("--set {set}")).join(" "));
         let report = Report { proposal, set, trial };
-        if self.json {
-            return print_json(&report);
-        }
-        report.print(&self.scene.name());
+        ui.document(&report)?;
+        report.print(ui, &self.scene.name());
         Ok(())
     }
 }
 
 impl Report {
-    fn print(&self, name: &str) {
+    fn print(&self, ui: &Ui, name: &str) {
         let (Some(proposal), Some(set), Some(trial)) = (&self.proposal, &self.set, &self.trial) else {
-            println!("{name}: not even the softest contact is stable; try more damping or less delay");
+            writeln!(ui, "{name}: not even the softest contact is stable; try more damping or less delay");
             return;
         };
         let limit =
@@ -93,17 +88,18 @@ impl Report {
         }
         let percent = 100.0 * proposal.margin;
         let (radius, raised) = (proposal.spectral_radius, proposal.raised_spectral_radius);
-        println!("{table}");
-        println!("Every pair of gains from 0 to {percent:.0} % above the proposal is stable.");
-        println!("Spectral radius {radius:.6}; with either gain or both raised by {percent:.0} %, {raised:.6}.");
+        ui.table(&table);
+        writeln!(ui, "Every pair of gains from 0 to {percent:.0} % above the proposal is stable.");
+        writeln!(ui, "Spectral radius {radius:.6}; with either gain or both raised by {percent:.0} %, {raised:.6}.");
         let yields = significant(proposal.compliance_mm_per_n, 3);
-        println!("Through both contacts and the coordination one hand yields {yields} mm/N to the other.");
+        writeln!(ui, "Through both contacts and the coordination one hand yields {yields} mm/N to the other.");
         let outcome = match (&trial.fault, trial.bounded) {
             (Some(fault), _) => format!("stopped, {fault}"),
             (None, true) => "settled".to_owned(),
             (None, false) => "grew".to_owned(),
         };
-        println!(
+        writeln!(
+            ui,
             "Tried for {} s in {}: {outcome}; discrepancy true {} mm, decoded {} mm; peak coordination force {} N.",
             trial.duration_s,
             trial.scalar,
@@ -111,6 +107,6 @@ impl Report {
             significant(trial.decoded_discrepancy_mm, 3),
             significant(trial.peak_coordination_force_n, 3)
         );
-        println!("\n    {set}");
+        writeln!(ui, "\n    {set}");
     }
 }

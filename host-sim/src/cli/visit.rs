@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::live::{check_time, nobody};
-use super::{Failure, print_json};
+use super::{Failure, Ui};
 use crate::live::visit;
 use crate::shared::visit::host::MOST_LINES;
 use haptic_sim::key_file;
@@ -47,9 +47,6 @@ pub(super) struct Visit {
     /// Key file of the two (`host-sim keygen`).
     #[arg(long, value_name = "FILE", requires = "friend")]
     friend_key_file: Option<PathBuf>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 fn numbered(text: &str) -> Result<(u32, SocketAddr), String> {
@@ -86,7 +83,7 @@ impl Visit {
     ///
     /// # Errors
     /// A bad key file, radius, time or address.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         check_time("--duration-s", self.duration_s)?;
         check_time("--stroke-s", self.stroke_s)?;
         if let Some(radius) = self.radius_m.filter(|radius| !(*radius > 0.0 && *radius <= 1000.0)) {
@@ -127,25 +124,25 @@ impl Visit {
         if !met && report.world.is_none() && report.others.is_empty() {
             return Err(nobody(self.servers.iter().map(|(_, address)| address)).into());
         }
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         match report.complete_after_s {
-            Some(after_s) => println!(
+            Some(after_s) => writeln!(
+                ui,
                 "{} objects of world {} held, complete after {after_s:.3} s; {} parts were broken",
                 report.objects,
                 report.world.as_deref().unwrap_or("?"),
                 report.corrupt
             ),
-            None => println!("{} objects held, never complete", report.objects),
+            None => writeln!(ui, "{} objects held, never complete", report.objects),
         }
-        println!(
+        writeln!(
+            ui,
             "largest force {:.3} N, largest change in 1 ms {:.3} N; {} of {} ticks in contact, {} of them without a server",
             report.largest_force_n, report.largest_step_n, report.felt_ticks, report.ticks, report.felt_alone_ticks
         );
-        println!("at home at server {} after {} moves; others:", report.home, report.moves);
+        writeln!(ui, "at home at server {} after {} moves; others:", report.home, report.moves);
         for other in &report.others {
-            println!("  line {} at {:.3}, {:.3} m", other.line, other.position_m[0], other.position_m[1]);
+            writeln!(ui, "  line {} at {:.3}, {:.3} m", other.line, other.position_m[0], other.position_m[1]);
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use haptic_protocol::world::{Field, Shape};
 use serde::Serialize;
 
-use super::{Failure, print_json};
+use super::{Failure, Ui};
 use crate::shared::world;
 use haptic_sim::report::text::TextTable;
 
@@ -16,9 +16,6 @@ pub(super) struct World {
     /// World file (TOML) to check and sum up; without it, the keys are listed.
     #[arg(long, value_name = "WORLD")]
     scene: Option<PathBuf>,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -45,14 +42,14 @@ impl World {
     ///
     /// # Errors
     /// A bad world.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         match &self.scene {
-            Some(path) => self.sum_up(path),
-            None => self.keys(),
+            Some(path) => self.sum_up(ui, path),
+            None => self.keys(ui),
         }
     }
 
-    fn sum_up(&self, path: &std::path::Path) -> Result<(), Failure> {
+    fn sum_up(&self, ui: &Ui, path: &std::path::Path) -> Result<(), Failure> {
         let world = world::load(path)?;
         let (objects, regions) = (world.objects().len(), world.regions().len());
         let summary = Summary {
@@ -63,17 +60,16 @@ impl World {
             regions,
             bytes: objects * haptic_protocol::world::Object::LEN + regions * haptic_protocol::world::Region::LEN,
         };
-        if self.json {
-            return print_json(&summary);
-        }
-        println!(
+        ui.document(&summary)?;
+        writeln!(
+            ui,
             "version {}, checksum {}: {objects} objects and {regions} regions in {} bytes, margin {} m",
             summary.version, summary.checksum, summary.bytes, summary.margin_m
         );
         Ok(())
     }
 
-    fn keys(&self) -> Result<(), Failure> {
+    fn keys(&self, ui: &Ui) -> Result<(), Failure> {
         let allowed = |field: &Field| {
             format!("{} {} to {}", if field.whole { "whole," } else { "number," }, field.min, field.max)
         };
@@ -89,14 +85,12 @@ impl World {
                 meaning: field.doc,
             })
             .collect();
-        if self.json {
-            return print_json(&keys);
-        }
+        ui.document(&keys)?;
         let mut table = TextTable::new(["key", "default", "unit", "allowed", "meaning"]);
         for key in keys {
             table.push([key.key, key.default.to_string(), key.unit.to_owned(), key.allowed, key.meaning.to_owned()]);
         }
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Rules;
-use crate::cli::{Failure, print_json};
+use crate::cli::{Failure, Ui};
 use crate::live::court::{self, Options, Report};
 use haptic_sim::key_file;
 use haptic_sim::report::text::TextTable;
@@ -25,9 +25,6 @@ pub(super) struct Live {
     key_file: PathBuf,
     #[command(flatten)]
     rules: Rules,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Live {
@@ -35,7 +32,7 @@ impl Live {
     ///
     /// # Errors
     /// A bad number, address or key file; nobody answering.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let (bounder, motion_bounder, seconds) = self.rules.read()?;
         for (at, address) in self.addresses.iter().enumerate() {
             if self.addresses[..at].contains(address) {
@@ -45,28 +42,27 @@ impl Live {
         let key = key_file::read(&self.key_file)?;
         let addresses = self.addresses.clone();
         let report = court::run(&key, &Options { number: self.number, addresses, bounder, motion_bounder, seconds })?;
-        if self.json {
-            return print_json(&report);
-        }
-        print(&report);
+        ui.document(&report)?;
+        print(ui, &report);
         Ok(())
     }
 }
 
-fn print(report: &Report) {
+fn print(ui: &Ui, report: &Report) {
     let mut table = TextTable::new(["rally", "strokes", "ending", "loser"]);
     for rally in &report.rallies {
         let numbers = [rally.rally.to_string(), rally.strokes.to_string(), rally.ending.clone()];
         table.push(numbers.into_iter().chain([rally.loser.to_string()]));
     }
-    println!("{table}");
+    ui.table(&table);
     let score = report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : ");
-    println!("score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
-    println!(
+    writeln!(ui, "score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
+    writeln!(
+        ui,
         "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} beats late",
         report.round_trip_ms, report.links, report.refused, report.punctuality.missed
     );
     for other in &report.others {
-        println!("{other}");
+        writeln!(ui, "{other}");
     }
 }

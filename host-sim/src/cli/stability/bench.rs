@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::super::{Failure, print_json};
+use super::super::{Failure, Ui};
 use haptic_analysis::speed;
 use haptic_sim::report::text::TextTable;
 
@@ -12,9 +12,6 @@ pub(super) struct Bench {
     /// Radii on each thread.
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     radii: u32,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 impl Bench {
@@ -22,7 +19,7 @@ impl Bench {
     ///
     /// # Errors
     /// A bad scene, key or range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut counts = vec![1, cores];
         counts.dedup();
@@ -30,9 +27,7 @@ impl Bench {
             .into_iter()
             .map(|threads| speed::measure(self.radii as usize, threads))
             .collect::<Result<Vec<_>, _>>()?;
-        if self.json {
-            return print_json(&speeds);
-        }
+        ui.document(&speeds)?;
         let mut table = TextTable::new(["threads", "states", "radii/s", "radii/s and core", "checksum"]);
         for speed in speeds {
             table.push([
@@ -43,7 +38,7 @@ impl Bench {
                 format!("{:.9}", speed.checksum),
             ]);
         }
-        println!("{table}\nThe same work in NumPy: python3 tests/oracle/numpy_speed.py");
+        writeln!(ui, "{table}\nThe same work in NumPy: python3 tests/oracle/numpy_speed.py");
         Ok(())
     }
 }

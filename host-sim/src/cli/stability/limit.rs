@@ -5,7 +5,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, print_json};
+use super::super::{Failure, SceneArgs, Ui};
 use haptic_analysis::limit::{Effort, Limit as Crossings, limit};
 use haptic_analysis::sweep::Range;
 use haptic_sim::report::text::TextTable;
@@ -24,9 +24,6 @@ pub(super) struct Limit {
     /// Last value.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     to: f64,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -44,15 +41,13 @@ impl Limit {
     ///
     /// # Errors
     /// A bad scene, key or range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let start = Instant::now();
         let limit = limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;
         let report = LimitReport { of, from, to, limit, wall_s: start.elapsed().as_secs_f64() };
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         let word = |stable: bool| if stable { "stable" } else { "unstable" };
         let mut table = TextTable::new([of, ""]);
         table.push([from.to_string(), word(report.limit.stable_at_start).to_owned()]);
@@ -62,7 +57,7 @@ impl Limit {
             table.push([format!("{crossing:.6}"), format!("{} from here on", word(stable))]);
         }
         table.push([to.to_string(), word(stable).to_owned()]);
-        println!("{table}");
+        ui.table(&table);
         Ok(())
     }
 }

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, print_json, progress_bar};
-use super::{folder, tell, write};
+use super::super::ui::save;
+use super::super::{Failure, SceneArgs, Ui};
+
 use haptic_analysis::limit::Effort;
 use haptic_analysis::map::{Axis, Column, map};
 use haptic_analysis::picture;
@@ -28,9 +29,6 @@ pub(super) struct Map {
     /// Folder for CSV and picture.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print JSON; files are written only with --out.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -50,19 +48,19 @@ impl Map {
     ///
     /// # Errors
     /// A bad scene, key or range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
-        let bar = progress_bar(self.x.count as u64, "columns");
+        let bar = ui.progress(self.x.count as u64, "columns");
         let start = Instant::now();
         let effort = Effort { steps: (2 * self.y.count).max(200), ..Effort::default() };
         let found = map(&scene, [self.x.clone(), self.y.clone()], effort, || bar.inc(1))?;
         let wall_s = start.elapsed().as_secs_f64();
         bar.finish_and_clear();
         let mut written = Vec::new();
-        if let Some(folder) = folder(self.out.as_deref(), self.json, "out/stability") {
+        if let Some(folder) = ui.folder(self.out.as_deref(), "out/stability") {
             let base = folder.join(format!("map-{}", self.scene.name()));
             let title = format!("Stability region of {}", self.scene.name());
-            written = write(&base, &found.table()?, || draw(&picture::region(&title, &found), &base))?;
+            written = save(&base, &found.table()?, || draw(&picture::region(&title, &found), &base))?;
         }
         let report = MapReport {
             x: &self.x.range.key,
@@ -74,17 +72,15 @@ impl Map {
             wall_s,
             files: written,
         };
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         let mut table = TextTable::new([report.x, "at the lowest", report.y]);
         for Column { x, limit } in report.columns {
             let crossings: Vec<String> = limit.crossings.iter().map(|crossing| format!("{crossing:.5}")).collect();
             let start = if limit.stable_at_start { "stable" } else { "unstable" };
             table.push([format!("{x:.5}"), start.to_owned(), crossings.join(" ")]);
         }
-        println!("{table}\n{} spectral radii in {wall_s:.2} s", report.evaluations);
-        tell(&report.files);
+        writeln!(ui, "{table}\n{} spectral radii in {wall_s:.2} s", report.evaluations);
+        ui.wrote(&report.files);
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, print_json};
+use super::super::{Failure, SceneArgs, Ui};
 use haptic_analysis::lifted::agreement::{Agreement, agreement};
 use haptic_analysis::{Verdict, advice, verdict};
 use haptic_sim::report::text::TextTable;
@@ -13,9 +13,6 @@ use haptic_sim::report::text::TextTable;
 pub(super) struct Point {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Print JSON.
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Serialize)]
@@ -32,16 +29,14 @@ impl Point {
     ///
     /// # Errors
     /// A bad scene, key or range; a file that cannot be written.
-    pub(super) fn run(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let report = PointReport {
             verdict: verdict(&scene)?,
             constructions: agreement(&scene.linear())?,
             advice: advice(&scene)?,
         };
-        if self.json {
-            return print_json(&report);
-        }
+        ui.document(&report)?;
         let Verdict { spectral_radius, stable, states, rest_modes, symmetric } = report.verdict;
         let mut table = TextTable::new(["", &self.scene.name()]);
         table.push(["stable", if stable { "yes" } else { "no" }]);
@@ -54,7 +49,7 @@ impl Point {
             None => "none: it has no equations for one of this scene's models".to_owned(),
         };
         table.push(["second construction differs by".to_owned(), second]);
-        println!("{table}\n{}", report.advice);
+        writeln!(ui, "{table}\n{}", report.advice);
         Ok(())
     }
 }
