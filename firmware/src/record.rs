@@ -182,7 +182,7 @@ impl Record {
 
 /// A digest of the bits of a peer's dynamic state, cheap enough for every tick: one multiplication a number.
 #[inline]
-pub fn digest<M: Models<Scalar = f32>>(state: &mut State<M>) -> u32 {
+pub fn digest(state: &mut (impl StateVector<f32> + ?Sized)) -> u32 {
     let mut digest = 0x811C_9DC5_u32;
     state.visit(&mut |number: &mut f32| {
         // The fold brings the high bits down, where the next product spreads them again.

@@ -13,7 +13,7 @@ use super::AnalysisError;
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use super::verdict::{Verdict, verdict};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
 pub const MARGIN: f64 = 0.1;
@@ -42,7 +42,7 @@ pub struct Change {
 ///
 /// # Errors
 /// Settings that the peer refuses; eigenvalues that do not converge.
-pub fn advice(scene: &SceneFile) -> Result<String, AnalysisError> {
+pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
     let now = verdict(scene)?;
     if now.stable {
         return Ok(format!("inside its stability region (spectral radius {:.6})", now.spectral_radius));
@@ -68,8 +68,8 @@ pub fn advice(scene: &SceneFile) -> Result<String, AnalysisError> {
 ///
 /// # Errors
 /// Settings that the peer refuses; eigenvalues that do not converge.
-pub fn change(scene: &SceneFile) -> Result<Option<Change>, AnalysisError> {
-    for (name, key) in SceneFile::keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
+pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
+    for (name, key) in Scene::keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let now = gain(scene, &name);
         let Allowed::Number { max, .. } = key.allowed else { continue };
         let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
@@ -82,7 +82,7 @@ pub fn change(scene: &SceneFile) -> Result<Option<Change>, AnalysisError> {
     Ok(None)
 }
 
-fn gain(scene: &SceneFile, name: &str) -> f64 {
+fn gain(scene: &Scene, name: &str) -> f64 {
     let settings = &scene.peer;
     if name == GAINS[0] { settings.coordination.stiffness_n_per_m } else { settings.contact.stiffness_n_per_m }
 }
@@ -120,7 +120,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// Other settings that make the scene stable as it is.
-fn others(scene: &SceneFile) -> Result<Vec<&'static str>, AnalysisError> {
+fn others(scene: &Scene) -> Result<Vec<&'static str>, AnalysisError> {
     let mut implicit = scene.clone();
     implicit.peer.coordination.decode = Decode::Implicit;
     let mut prompt = scene.clone();

@@ -15,7 +15,7 @@ use super::map::{Axis, Map, map};
 use super::sweep::Range;
 use haptic_sim::report::ReportError;
 use haptic_sim::report::table::Table;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// The panels, in the paper's order (a), (b), (c).
 pub const COMMS: [LawName; 3] = [LawName::Power, LawName::Wave, LawName::PassiveWave];
@@ -33,8 +33,8 @@ pub fn axes() -> [Axis; 2] {
 }
 
 /// The scene behind one curve.
-pub fn scene(comm: LawName, one_way_delay_packets: u32) -> SceneFile {
-    let mut scene = SceneFile::default();
+pub fn scene(comm: LawName, one_way_delay_packets: u32) -> Scene {
+    let mut scene = Scene::default();
     scene.peer.object.mass_kg = 0.6;
     scene.peer.object.integrator = IntegratorName::Exact;
     scene.peer.coordination.comm = comm;

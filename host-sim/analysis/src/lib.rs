@@ -15,7 +15,7 @@
 //! | [`speed`] | how fast? |
 //! | [`spectrum`] | the largest eigenvalue of a matrix |
 //!
-//! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::SceneFile::linear`]): permanent two-sided contact,
+//! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact,
 //! exact sensors and motors, nobody pushing. Gaps, friction, encoder steps and force limits are not part of it.
 
 use haptic_core::settings::{Allowed, Refused};

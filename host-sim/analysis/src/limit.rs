@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::AnalysisError;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// How hard to look.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +55,7 @@ impl Limit {
 ///
 /// # Errors
 /// A key or value that the scene refuses; eigenvalues that do not converge.
-pub fn limit(scene: &SceneFile, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
+pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
     along(&Sweep::new(scene, range)?, effort)
 }
 

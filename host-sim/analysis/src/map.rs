@@ -11,7 +11,7 @@ use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use haptic_sim::report::ReportError;
 use haptic_sim::report::table::Table;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// A range and how many values of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +73,7 @@ pub struct Map {
 ///
 /// # Errors
 /// A key or value that the scene refuses; eigenvalues that do not converge.
-pub fn map(scene: &SceneFile, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
+pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
     let [x, y] = &axes;
     let across = Sweep::new(scene, x.range.clone())?;
     // The range of y must be possible whatever x is: better said before the work than in the middle of it.

@@ -6,11 +6,11 @@ use super::figure4::{self, Curve};
 use super::map::Map;
 use super::outline::outline;
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Key and unit, for an axis.
 fn label(key: &str) -> String {
-    let unit = SceneFile::keys().into_iter().find(|(name, _)| name == key).map(|(_, Key { unit, .. })| *unit);
+    let unit = Scene::keys().into_iter().find(|(name, _)| name == key).map(|(_, Key { unit, .. })| *unit);
     match unit {
         Some(unit) if !unit.is_empty() => format!("{key} ({unit})"),
         _ => key.to_owned(),

@@ -7,7 +7,7 @@ use haptic_core::settings::{Allowed, Value};
 
 use super::AnalysisError;
 use super::verdict::{Analyser, Verdict};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// A key and the values it runs through.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Range {
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// As the user wrote it, but for recordings.
-    scene: SceneFile,
+    scene: Scene,
     range: Range,
     whole: bool,
 }
@@ -34,12 +34,12 @@ impl Sweep {
     ///
     /// # Errors
     /// Which of the two it is not, and what would be.
-    pub fn new(scene: &SceneFile, range: Range) -> Result<Self, AnalysisError> {
+    pub fn new(scene: &Scene, range: Range) -> Result<Self, AnalysisError> {
         let mut scene = scene.clone();
         // Recordings are no part of the linear scene, and long.
         scene.network_trace = None;
         scene.users.iter_mut().for_each(|user| user.trace = None);
-        let keys = SceneFile::keys();
+        let keys = Scene::keys();
         let allowed = keys.iter().find(|(name, _)| *name == range.key).map(|(_, key)| key.allowed);
         let whole = match (scene.get(&range.key), allowed) {
             (Some(Value::Number(_)), Some(Allowed::Whole { .. })) => true,
@@ -70,7 +70,7 @@ impl Sweep {
     ///
     /// # Errors
     /// A value that the scene refuses.
-    pub fn at(&self, value: f64) -> Result<SceneFile, AnalysisError> {
+    pub fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
         let mut scene = self.scene.clone();
         scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
         Ok(scene.linear())
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     fn sweep(key: &str, from: f64, to: f64) -> Result<Sweep, AnalysisError> {
-        Sweep::new(&SceneFile::default(), Range { key: key.to_owned(), from, to })
+        Sweep::new(&Scene::default(), Range { key: key.to_owned(), from, to })
     }
 
     #[test]

@@ -12,10 +12,10 @@
 //! ([`mod@super::limit`]), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
 //! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
 //! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
-//! ([`haptic_sim::scene::SceneFile::linear`]); [`try_out`] runs the scene itself.
+//! ([`haptic_sim::scene::Scene::linear`]); [`try_out`] runs the scene itself.
 
-use haptic_core::num::Scalar;
 use haptic_core::settings::Allowed;
+use haptic_sim::peers::Number;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ use super::limit::{Effort, along};
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, verdict};
 use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
 /// Contact stiffness K_LC.
@@ -81,13 +81,13 @@ impl Proposal {
     ///
     /// # Errors
     /// Gains that the scene refuses.
-    pub fn applied(&self, scene: &SceneFile, factor: f64) -> Result<SceneFile, AnalysisError> {
+    pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, AnalysisError> {
         with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
     }
 }
 
 /// The scene with these gains, N/m.
-fn with(scene: &SceneFile, contact: f64, coordination: f64) -> Result<SceneFile, AnalysisError> {
+fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, AnalysisError> {
     let mut scene = scene.clone();
     scene.set_number(CONTACT, contact)?;
     scene.set_number(COORDINATION, coordination)?;
@@ -99,7 +99,7 @@ fn with(scene: &SceneFile, contact: f64, coordination: f64) -> Result<SceneFile,
 ///
 /// # Errors
 /// A margin out of range; settings that the peer refuses; eigenvalues that do not converge.
-pub fn tune(scene: &SceneFile, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
+pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
     AnalysisError::within("--margin", margin, MARGINS, "")?;
     let linear = scene.linear();
     let raised = 1.0 + margin;
@@ -141,12 +141,7 @@ pub fn steps() -> u64 {
 }
 
 /// The proposal, if all of it holds.
-fn verified(
-    linear: &SceneFile,
-    contact: f64,
-    coordination: f64,
-    margin: f64,
-) -> Result<Option<Proposal>, AnalysisError> {
+fn verified(linear: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, AnalysisError> {
     let raised = 1.0 + margin;
     let point = verdict(&with(linear, contact, coordination)?)?;
     let corners = [(raised, 1.0), (1.0, raised), (raised, raised)]
@@ -181,7 +176,7 @@ fn verified(
 }
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
-fn first(linear: &SceneFile, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
+fn first(linear: &Scene, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
     if to <= 0.0 {
         return Ok(Some(0.0));
     }
@@ -199,7 +194,7 @@ fn first(linear: &SceneFile, key: &str, to: f64) -> Result<Option<f64>, Analysis
 
 /// The largest value that a key allows.
 fn largest(key: &str) -> f64 {
-    let keys = SceneFile::keys();
+    let keys = Scene::keys();
     match keys.iter().find(|(name, _)| name == key).map(|(_, key)| key.allowed) {
         Some(Allowed::Number { max, .. }) => max,
         _ => 0.0,
@@ -221,7 +216,7 @@ fn rounded_down(value: f64) -> f64 {
 ///
 /// # Errors
 /// Settings that the peer refuses.
-pub fn try_out<S: Scalar>(scene: &SceneFile, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
+pub fn try_out<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
     let mut scene = proposal.applied(scene, 1.0)?;
     let idle = |user: &User| {
         let does = &user.settings.user;

@@ -10,7 +10,7 @@ use super::lifted::closing::{End, close};
 use super::lifted::driven::Response;
 use super::lifted::{Lifted, prune, rest};
 use super::spectrum::Spectrum;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
 pub const ROUNDING: f64 = 1e-9;
@@ -43,11 +43,11 @@ impl Verdict {
     }
 }
 
-/// The verdict on the linear scene behind this one ([`SceneFile::linear`]).
+/// The verdict on the linear scene behind this one ([`Scene::linear`]).
 ///
 /// # Errors
 /// Settings that the peer refuses.
-pub fn verdict(scene: &SceneFile) -> Result<Verdict, AnalysisError> {
+pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
     Analyser::default().verdict(&scene.linear())
 }
 
@@ -66,7 +66,7 @@ impl Analyser {
     ///
     /// # Errors
     /// Settings that the peer refuses; eigenvalues that do not converge.
-    pub fn verdict(&mut self, linear: &SceneFile) -> Result<Verdict, AnalysisError> {
+    pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
         let symmetric = is_symmetric(linear);
         let (mut radius, mut states, mut rest_modes) = (0.0_f64, 0, 0);
         let mut wholes = Wholes::new(linear, symmetric, &mut self.responses)?;
@@ -104,7 +104,7 @@ impl Analyser {
 }
 
 /// Whether the two peers, their devices and both directions of the network are the same.
-pub fn is_symmetric(linear: &SceneFile) -> bool {
+pub fn is_symmetric(linear: &Scene) -> bool {
     let arm = |user: usize| {
         let user = &linear.users[user].settings.user;
         (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg)
@@ -115,7 +115,7 @@ pub fn is_symmetric(linear: &SceneFile) -> bool {
 
 /// Packet periods that a packet is on its way to peer 1 and to peer 2: peers look once a period, so that time on top of
 /// whole periods counts as one more.
-pub fn delays_packets(linear: &SceneFile) -> [usize; 2] {
+pub fn delays_packets(linear: &Scene) -> [usize; 2] {
     let (network, timing) = (&linear.world.network, &linear.peer.timing);
     let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
     // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
@@ -132,7 +132,7 @@ struct Wholes {
 }
 
 impl Wholes {
-    fn new(linear: &SceneFile, symmetric: bool, responses: &mut [Response; 2]) -> Result<Self, Refused<'static>> {
+    fn new(linear: &Scene, symmetric: bool, responses: &mut [Response; 2]) -> Result<Self, Refused<'static>> {
         responses[0].measure(linear, 0)?;
         if !symmetric {
             responses[1].measure(linear, 1)?;
@@ -159,7 +159,7 @@ impl Wholes {
 ///
 /// # Errors
 /// Settings that the peer refuses.
-pub fn pair_matrix(linear: &SceneFile) -> Result<Lifted, AnalysisError> {
+pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
     let mut responses = <[Response; 2]>::default();
     let mut whole = Lifted::default();
     Wholes::new(linear, true, &mut responses)?;

@@ -41,7 +41,7 @@ pub enum Unreadable {
 }
 
 /// The hash goes on with what a tick left.
-pub fn fold(hash: &mut u64, state: &mut State<Any<f32>>, actuators: &Actuators<f32>) {
+pub fn fold(hash: &mut u64, state: &mut (impl StateVector<f32> + ?Sized), actuators: &Actuators<f32>) {
     let mut word = |word: u64| {
         *hash = (*hash ^ word).wrapping_mul(0x0000_0100_0000_01b3);
         *hash ^= *hash >> 32;

@@ -7,7 +7,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_protocol::playout::Playout;
 use haptic_protocol::wire::Flow;
 
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// A packet of core as the wire has it.
 pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
@@ -49,7 +49,7 @@ pub struct Inbox {
 
 impl Inbox {
     /// Nothing there.
-    pub fn new(scene: &SceneFile) -> Self {
+    pub fn new(scene: &Scene) -> Self {
         let depth = scene.world.network.playout_packets;
         let playout = (depth > 0).then(|| Playout::new(depth, scene.peer.timing.ticks_per_packet));
         Self { newest: None, apart: false, playout }

@@ -4,12 +4,14 @@
 #![forbid(unsafe_code)]
 
 pub mod board;
+pub mod double_double;
 pub mod flows;
 pub mod key_file;
 pub mod measure;
 pub mod network;
 pub mod node;
 pub mod pair;
+pub mod peers;
 pub mod plant;
 pub mod report;
 pub mod rng;

@@ -12,10 +12,8 @@
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does.
 
-use haptic_core::num::Motion;
-use haptic_core::peer::{self, Actuators, Observed, State};
+use haptic_core::peer::{Actuators, Observed};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Settings, Value};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
@@ -24,14 +22,14 @@ use haptic_protocol::parameters::{Parameters, TooManyTables};
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, Message, PeerId, Telemetry};
 
 use super::flows::{Inbox, flow_of, packet_of};
+use crate::peers::DynPeer;
 use crate::plant::Plant;
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// One peer, its device and its link.
 #[derive(Debug)]
 pub struct Node {
-    scene: Scene<Any<f32>>,
-    state: State<Any<f32>>,
+    peer: Box<dyn DynPeer<f32>>,
     plant: Plant,
     link: Link,
     inbox: Inbox,
@@ -59,7 +57,7 @@ fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
 }
 
 /// The sealed line from one end of a scene to the other, calling.
-pub fn open_link(scene: &SceneFile, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
+pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
     let settings = &scene.peers()[usize::from(ends.local == PeerId(2))];
     let timing = &settings.timing;
     Link::new(Config {
@@ -77,7 +75,7 @@ impl Node {
     ///
     /// # Errors
     /// A scene or key that is refused, in one line.
-    pub fn new(scene: &SceneFile, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+    pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         Self::with_device(scene, number, key, entropy, Plant::new(scene, usize::from(number == 2)))
     }
 
@@ -86,24 +84,21 @@ impl Node {
     /// # Errors
     /// As [`Node::new`].
     pub fn with_device(
-        scene: &SceneFile,
+        scene: &Scene,
         number: u8,
         key: Key,
         entropy: [u8; Key::LEN],
         plant: Plant,
     ) -> Result<Self, String> {
-        let settings = &scene.peers()[usize::from(number == 2)];
-        let built = Scene::build(settings).map_err(|refused| refused.to_string())?;
-        let state = State::new(&built, plant.motions().map(|motion| Motion::at(motion.position as f32)));
+        let peer = scene.peer_on(usize::from(number == 2), &plant).map_err(|refused| refused.to_string())?;
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
         let link = open_link(scene, ends, key, entropy)?;
         Ok(Self {
-            scene: built,
-            state,
+            peer,
             plant,
             link,
             inbox: Inbox::new(scene),
-            period_s: settings.timing.control_period_s,
+            period_s: scene.peer.timing.control_period_s,
             ticks: 0,
             armed_ticks: 0,
             until_telemetry: 0,
@@ -136,7 +131,7 @@ impl Node {
     fn heed(&mut self, now_us: u64) {
         while let Some(notice) = self.link.take_notice() {
             if notice == Notice::Disengaged {
-                self.state.part();
+                self.peer.part();
                 self.inbox.clear();
             }
             self.notices.push((now_us, notice));
@@ -150,21 +145,21 @@ impl Node {
             send(&out[..len]);
         }
         self.heed(now_us);
-        let due = self.state.packet_due();
+        let due = self.peer.packet_due();
         if due {
             self.inbox.play(self.ticks);
         }
-        if self.state.mode() == Mode::Disarmed && self.inbox.newest().is_some() {
-            self.state.command(&self.scene, Command::Arm);
-            self.state.part();
+        if self.peer.mode() == Mode::Disarmed && self.inbox.newest().is_some() {
+            self.peer.command(Command::Arm);
+            self.peer.part();
         }
         if due {
             let (flow, anew) = self.inbox.take();
             if anew {
-                self.state.part();
+                self.peer.part();
             }
-            let packet = peer::exchange(&self.scene, &mut self.state, flow.as_ref().map(packet_of));
-            let flow = flow_of(packet, self.state.mode() == Mode::Armed, self.ticks);
+            let packet = self.peer.exchange(flow.as_ref().map(packet_of));
+            let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
             if let Some(len) = self.link.send(now_us, flow, &mut out) {
                 send(&out[..len]);
             }
@@ -180,9 +175,9 @@ impl Node {
             self.until_telemetry -= 1;
         }
         self.ticks = self.ticks.wrapping_add(1);
-        let actuators = peer::tick(&self.scene, &mut self.state, &self.plant.sensors());
+        let actuators = self.peer.tick(&self.plant.sensors());
         // A hand that waits for the other one holds still.
-        if self.state.mode() != Mode::Disarmed {
+        if self.peer.mode() != Mode::Disarmed {
             self.plant.step(self.armed_ticks as f64 * self.period_s, &actuators);
             self.armed_ticks += 1;
         }
@@ -191,8 +186,8 @@ impl Node {
 
     /// How this one is doing, for the other end's people and logs.
     fn telemetry(&self, now_us: u64) -> Telemetry {
-        let (seen, ledger) = (self.state.observed(), self.state.ledger());
-        let (mode, fault) = match self.state.mode() {
+        let (seen, ledger) = (self.peer.observed(), self.peer.ledger());
+        let (mode, fault) = match self.peer.mode() {
             Mode::Armed => (1, 0),
             Mode::Faulted(fault) => (2, fault.number()),
             _ => (0, 0),
@@ -233,17 +228,17 @@ impl Node {
 
     /// What the last tick saw and did.
     pub fn observed(&self) -> &Observed<f32> {
-        self.state.observed()
+        self.peer.observed()
     }
 
     /// Whether forces reach the motors, and what stopped them.
     pub fn mode(&self) -> Mode {
-        self.state.mode()
+        self.peer.mode()
     }
 
     /// Whether the coordination acts.
     pub fn is_engaged(&self) -> bool {
-        self.state.is_engaged()
+        self.peer.is_engaged()
     }
 
     /// The link.
@@ -269,6 +264,6 @@ impl Node {
         let link = format!("{:?}", self.link);
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?} {:?}", self.inbox, self.heard, self.state)
+        format!("{link} {:?} {:?} {:?}", self.inbox, self.heard, self.peer)
     }
 }

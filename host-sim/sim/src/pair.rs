@@ -1,54 +1,52 @@
 //! Two peers, two devices and a network, stepped together.
 //!
-//! The harness does for a simulated device what the board's interrupt does for a real one: read, tick, command, and a
+//! The pair does for a simulated device what the board's interrupt does for a real one: read, tick, command, and a
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
-//! machine and any number of threads ([`Harness::hash`]).
+//! machine and any number of threads ([`Pair::hash`]).
 
 use haptic_core::law::Packet;
-use haptic_core::num::{Scalar, StateVector};
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::num::Scalar;
+use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::scene::{Any, Models, Scene};
 use haptic_core::settings::Refused;
 
 use crate::network::Way;
 use crate::network::rule::Direction;
+use crate::peers::{DynPeer, Number};
 use crate::plant::Plant;
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// One peer with its device and the line that its packets come in by.
 #[derive(Clone, Debug)]
-pub struct Side<M: Models> {
-    /// What the peer knows.
-    pub scene: Scene<M>,
-    /// What of it changes.
-    pub state: State<M>,
+pub struct Side<S: Scalar> {
+    /// The peer.
+    pub peer: Box<dyn DynPeer<S>>,
     /// Its device and user.
     pub plant: Plant,
     /// The network from the other peer to this one.
-    pub incoming: Way<Packet<M::Scalar>>,
+    pub incoming: Way<Packet<S>>,
 }
 
 /// What a tick of a peer read and did.
 #[derive(Debug)]
-pub struct Seen<'a, M: Models> {
+pub struct Seen<'a, S: Scalar> {
     /// Which peer, 1 or 2.
     pub number: usize,
     /// The exchange before the tick, if one was due, with what it took in.
-    pub exchanged: Option<Option<Packet<M::Scalar>>>,
+    pub exchanged: Option<Option<Packet<S>>>,
     /// What the tick read.
-    pub sensors: &'a Sensors<M::Scalar>,
+    pub sensors: &'a Sensors<S>,
     /// What it commanded.
-    pub actuators: &'a Actuators<M::Scalar>,
-    /// The state that it left.
-    pub state: &'a mut State<M>,
+    pub actuators: &'a Actuators<S>,
+    /// The peer as the tick left it.
+    pub peer: &'a mut dyn DynPeer<S>,
 }
 
-/// Two peers on one network.
+/// Two peers on one network, computing in `S`.
 #[derive(Clone, Debug)]
-pub struct Harness<M: Models> {
+pub struct Pair<S: Scalar> {
     /// Peer 1 (left) and peer 2 (right).
-    pub sides: [Side<M>; 2],
+    pub sides: [Side<S>; 2],
     period_s: f64,
     tick: u64,
     /// Ticks in a packet period.
@@ -57,34 +55,24 @@ pub struct Harness<M: Models> {
     drift: f64,
 }
 
-/// The pair with models chosen by the scene, computing in `S`.
-pub type Pair<S> = Harness<Any<S>>;
-
-impl<M: Models> Harness<M> {
+impl<S: Number> Pair<S> {
     /// Both peers armed and at rest.
     ///
     /// # Errors
-    /// What [`Scene::build`] refuses.
-    pub fn new(file: &SceneFile) -> Result<Self, Refused<'static>> {
-        let [left, right] = file.peers();
-        let side = |index: usize, settings| {
-            let scene = Scene::<M>::build(settings)?;
-            let plant = Plant::new(file, index);
-            let device = plant.motions().map(|motion| haptic_core::num::Motion {
-                position: M::Scalar::from_f64(motion.position),
-                velocity: M::Scalar::ZERO,
-            });
-            let mut state = State::new(&scene, device);
-            state.command(&scene, Command::Arm);
-            let incoming = Way::new(file, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo });
-            Ok(Side { scene, state, plant, incoming })
+    /// What [`Scene::peer`] refuses.
+    pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
+        let side = |index: usize| {
+            let mut peer = scene.peer(index)?;
+            peer.command(Command::Arm);
+            let incoming = Way::new(scene, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo });
+            Ok(Side { peer, plant: Plant::new(scene, index), incoming })
         };
         Ok(Self {
-            sides: [side(0, &left)?, side(1, &right)?],
-            period_s: file.peer.timing.control_period_s,
+            sides: [side(0)?, side(1)?],
+            period_s: scene.peer.timing.control_period_s,
             tick: 0,
-            ticks_per_packet: f64::from(file.peer.timing.ticks_per_packet),
-            drift: 1.0 + 1e-6 * file.world.network.clock_drift_ppm,
+            ticks_per_packet: f64::from(scene.peer.timing.ticks_per_packet),
+            drift: 1.0 + 1e-6 * scene.world.network.clock_drift_ppm,
         })
     }
 
@@ -107,7 +95,7 @@ impl<M: Models> Harness<M> {
 
     /// The same, telling `each` what every tick of either peer read and did.
     #[inline]
-    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, M>)) {
+    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S>)) {
         if self.drift == 1.0 {
             self.round([true, true], each);
         } else {
@@ -123,38 +111,38 @@ impl<M: Models> Harness<M> {
 
     /// One tick of the sides whose turn it is.
     #[inline]
-    fn round(&mut self, turns: [bool; 2], each: &mut impl FnMut(Seen<'_, M>)) {
+    fn round(&mut self, turns: [bool; 2], each: &mut impl FnMut(Seen<'_, S>)) {
         let (time_s, now) = (self.time_s(), self.tick as f64 / self.ticks_per_packet);
         let [left, right] = &mut self.sides;
-        let [left_due, right_due] = [turns[0] && left.state.packet_due(), turns[1] && right.state.packet_due()];
+        let [left_due, right_due] = [turns[0] && left.peer.packet_due(), turns[1] && right.peer.packet_due()];
         // Both packets are made before either is taken in: a network without delay delivers within the tick.
         if left_due {
-            right.incoming.send(now, peer::outgoing(&left.scene, &left.state));
+            right.incoming.send(now, left.peer.outgoing());
         }
         if right_due {
-            left.incoming.send(now, peer::outgoing(&right.scene, &right.state));
+            left.incoming.send(now, right.peer.outgoing());
         }
         let exchanged = [(&mut *left, left_due), (&mut *right, right_due)].map(|(side, due)| {
             due.then(|| {
                 let incoming = side.incoming.take(now);
-                peer::exchange(&side.scene, &mut side.state, incoming);
+                side.peer.exchange(incoming);
                 incoming
             })
         });
         for (index, (side, exchanged)) in [left, right].into_iter().zip(exchanged).enumerate() {
             if turns[index] {
                 let sensors = side.plant.sensors();
-                let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
+                let actuators = side.peer.tick(&sensors);
                 side.plant.step(time_s, &actuators);
-                let state = &mut side.state;
-                each(Seen { number: index + 1, exchanged, sensors: &sensors, actuators: &actuators, state });
+                let peer = &mut *side.peer;
+                each(Seen { number: index + 1, exchanged, sensors: &sensors, actuators: &actuators, peer });
             }
         }
     }
 
     /// The fault that stopped either peer, if any, with the peer's number (1 or 2).
     pub fn fault(&self) -> Option<(usize, Fault)> {
-        self.sides.iter().enumerate().find_map(|(index, side)| match side.state.mode() {
+        self.sides.iter().enumerate().find_map(|(index, side)| match side.peer.mode() {
             Mode::Faulted(fault) => Some((index + 1, fault)),
             _ => None,
         })
@@ -162,18 +150,9 @@ impl<M: Models> Harness<M> {
 
     /// A hash (FNV-1a over 64-bit words) of the bits of both peers' dynamic states, continued from `seed`.
     pub fn hash(&self, seed: u64) -> u64 {
-        let mut hash = seed;
-        for side in &self.sides {
-            let mut state = side.state;
-            state.visit(&mut |number: &mut M::Scalar| {
-                // The fold brings the high bits down, where the next product spreads them again.
-                hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
-                hash ^= hash >> 32;
-            });
-        }
-        hash
+        self.sides.iter().fold(seed, |hash, side| side.peer.hash(hash))
     }
 }
 
-/// Where [`Harness::hash`] starts.
+/// Where [`Pair::hash`] starts.
 pub const HASH_SEED: u64 = 0xcbf2_9ce4_8422_2325;

@@ -4,14 +4,14 @@
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 
 use haptic_core::contact::{Impacts, RenderingName};
-use haptic_core::num::Scalar;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde::Serialize;
 
 use crate::pair::{HASH_SEED, Pair};
+use crate::peers::Number;
 use crate::report::table::{Column, Table};
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
@@ -122,11 +122,7 @@ pub type Progress<'a> = &'a dyn Fn(u64);
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn run<S: Scalar>(
-    scene: &SceneFile,
-    options: Options,
-    progress: Progress<'_>,
-) -> Result<Outcome, Refused<'static>> {
+pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + 2 * PEER_COLUMNS.len() + 2];
@@ -141,7 +137,7 @@ pub fn run<S: Scalar>(
         if fault_time_s.is_none() && pair.fault().is_some() {
             fault_time_s = Some(time_s);
         }
-        let [first, second] = pair.sides.each_ref().map(|side| side.state.observed());
+        let [first, second] = pair.sides.each_ref().map(|side| side.peer.observed());
         let true_m = (first.object.position.to_f64() - second.object.position.to_f64()).abs();
         let decoded_m = (second.object.position.to_f64() - second.desired.position.to_f64()).abs();
         let forces = [first, second].map(|seen| seen.coordination_force.to_f64());
@@ -153,7 +149,7 @@ pub fn run<S: Scalar>(
         }
         if options.record_every > 0 && tick % options.record_every == 0 {
             let peers = pair.sides.iter().flat_map(|side| {
-                let (seen, ledger) = (side.state.observed(), side.state.ledger());
+                let (seen, ledger) = (side.peer.observed(), side.peer.ledger());
                 [
                     seen.device.position,
                     seen.object.position,
@@ -187,12 +183,12 @@ pub fn run<S: Scalar>(
         peak_coordination_force_n: merits.peak,
         largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
         energy: pair.sides.each_ref().map(|side| PortEnergy {
-            received_j: side.state.ledger().received_j().to_f64(),
-            sent_j: side.state.ledger().sent_j().to_f64(),
+            received_j: side.peer.ledger().received_j().to_f64(),
+            sent_j: side.peer.ledger().sent_j().to_f64(),
         }),
         impacts: (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
             pair.sides.each_ref().map(|side| {
-                let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.state.impacts();
+                let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts();
                 let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
                 Struck { count, wanted_n_s, delivered_n_s, lost_j }
             })

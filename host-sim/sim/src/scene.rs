@@ -11,9 +11,12 @@ use std::sync::Arc;
 use haptic_core::contact::{RenderingName, Side};
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::settings::{Allowed, Choice, Key, SetError, Settings, Value, number};
+use haptic_core::num::Motion;
+use haptic_core::settings::{Allowed, Choice, Key, Refused, SetError, Settings, Value, number};
 
 use crate::network::rule::{Jitter, NetworkTrace};
+use crate::peers::{self, DynPeer, Number};
+use crate::plant::Plant;
 use crate::user::{Trace, User, UserSettings};
 
 haptic_core::settings! {
@@ -83,7 +86,7 @@ haptic_core::settings! {
 
 /// A whole scene.
 #[derive(Clone, Debug, Default)]
-pub struct SceneFile {
+pub struct Scene {
     /// What the peers are told; peer 2 differs only in the side of the object it is on.
     pub peer: Settings,
     /// The world around them.
@@ -147,7 +150,7 @@ pub enum SceneError {
     },
 }
 
-impl SceneFile {
+impl Scene {
     /// Every key of a scene file with what it accepts, those of the two users included.
     pub fn keys() -> Vec<(String, &'static Key)> {
         let shared = Settings::KEYS.iter().chain(World::KEYS).map(|key| (key.name.to_owned(), key));
@@ -288,10 +291,8 @@ impl SceneFile {
     /// # Errors
     /// The first key that is wrong.
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
-        let refused = |refused: haptic_core::settings::Refused<'_>| SceneError::Refused {
-            place: place.to_owned(),
-            refused: refused.to_string(),
-        };
+        let refused =
+            |refused: Refused<'_>| SceneError::Refused { place: place.to_owned(), refused: refused.to_string() };
         self.peer.check().map_err(refused)?;
         self.world.check_ranges().map_err(refused)?;
         for user in &self.users {
@@ -365,6 +366,22 @@ impl SceneFile {
             && self.peer.axis.velocity != VelocityName::Adaptive
     }
 
+    /// Peer 1 or 2 (`at` 0 or 1) with its device where the scene puts it, disarmed, computing in `S`.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range, or impossible beside the others.
+    pub fn peer<S: Number>(&self, at: usize) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        self.peer_on(at, &Plant::new(self, at))
+    }
+
+    /// The same with its device where `plant` is.
+    ///
+    /// # Errors
+    /// As [`Scene::peer`].
+    pub fn peer_on<S: Number>(&self, at: usize, plant: &Plant) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        peers::build(&self.peers()[at], plant.motions().map(|motion| Motion::at(S::from_f64(motion.position))))
+    }
+
     /// What each of the two peers is told.
     pub fn peers(&self) -> [Settings; 2] {
         let on = |side| {
@@ -378,7 +395,7 @@ impl SceneFile {
 
 /// What a mistyped key may have meant.
 fn hint(key: &str) -> String {
-    let keys = SceneFile::keys();
+    let keys = Scene::keys();
     if let Some((table, _)) =
         key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
     {

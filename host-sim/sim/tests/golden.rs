@@ -3,14 +3,15 @@
 //! The same in debug and in release, on one thread and on two, on every machine. Written anew by `BLESS=1 cargo test`;
 //! a change of any hash is a change of behaviour and belongs into the changelog.
 
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::Fixed;
+use haptic_sim::peers::Number;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scenes;
 use rayon::prelude::*;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden.txt");
 
-fn hash<S: Scalar>(name: &str) -> String {
+fn hash<S: Number>(name: &str) -> String {
     let scene = scenes::load(name).expect("a built-in scene");
     let outcome = run::<S>(&scene, Options { duration_s: 5.0, record_every: 0 }, &|_| {}).expect("a good scene");
     format!("{name} {} {:016x}", S::NAME, outcome.hash)

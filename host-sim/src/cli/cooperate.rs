@@ -13,7 +13,7 @@ use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::files;
 use haptic_sim::report::text::TextTable;
 use haptic_sim::run::{Options, Outcome, PortEnergy, Spread, Struck, run};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
 /// The number type the peers compute in.
@@ -130,7 +130,7 @@ impl Cooperate {
 }
 
 impl Report {
-    fn new(name: String, scene: &SceneFile, outcome: &Outcome, wall_s: f64) -> Result<Self, Failure> {
+    fn new(name: String, scene: &Scene, outcome: &Outcome, wall_s: f64) -> Result<Self, Failure> {
         let verdict = haptic_analysis::verdict(scene)?;
         let stable = outcome.bounded && (verdict.stable || !scene.is_linear());
         let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(scene)?] };

@@ -17,7 +17,7 @@ use crate::shared::cooperative::{Collision, Engine, Setup};
 use haptic_plot::draw;
 use haptic_sim::report::files;
 use haptic_sim::report::text::{TextTable, significant};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// One-way delays of the sweep, ms.
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
@@ -112,7 +112,7 @@ struct Report {
 
 impl Cooperative {
     /// The scene, on top of these keys where no file is given, with this delay.
-    fn load(&self, one_way_ms: f64, base: &[&str]) -> Result<SceneFile, Failure> {
+    fn load(&self, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
         if !(0.0..=1000.0).contains(&one_way_ms) {
             return Err(format!("--delay-ms {one_way_ms} is not allowed: it must be a number from 0 to 1000 ms").into());
         }
@@ -122,7 +122,7 @@ impl Cooperative {
         }
         keys.extend(self.set.iter().cloned());
         keys.push(format!("network.extra_delay_s={}", 1e-3 * one_way_ms));
-        Ok(SceneFile::load(self.scene.as_deref(), &keys)?)
+        Ok(Scene::load(self.scene.as_deref(), &keys)?)
     }
 
     fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {

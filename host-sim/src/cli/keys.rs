@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Failure, Ui};
 use haptic_sim::report::text::TextTable;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Arguments of `keys`.
 #[derive(Debug, Args)]
@@ -27,8 +27,8 @@ impl Keys {
     /// # Errors
     /// None but of writing.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let defaults = SceneFile::default();
-        let rows: Vec<Row> = SceneFile::keys()
+        let defaults = Scene::default();
+        let rows: Vec<Row> = Scene::keys()
             .into_iter()
             .map(|(key, about)| Row {
                 default: defaults.get(&key).as_ref().map(Value::to_string).unwrap_or_default(),

@@ -37,7 +37,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
-use haptic_sim::scene::{SceneError, SceneFile};
+use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
 use ui::Ui;
 
@@ -134,10 +134,10 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub fn load(&self) -> Result<SceneFile, SceneError> {
+    pub fn load(&self) -> Result<Scene, SceneError> {
         match self.built_in() {
             Some(name) => self.changed(name),
-            None => SceneFile::load(self.scene.as_deref(), &self.set),
+            None => Scene::load(self.scene.as_deref(), &self.set),
         }
     }
 
@@ -145,12 +145,12 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub fn load_or(&self, name: &str) -> Result<SceneFile, SceneError> {
+    pub fn load_or(&self, name: &str) -> Result<Scene, SceneError> {
         if self.scene.is_some() { self.load() } else { self.changed(name) }
     }
 
     /// A built-in scene with the overrides.
-    fn changed(&self, name: &str) -> Result<SceneFile, SceneError> {
+    fn changed(&self, name: &str) -> Result<Scene, SceneError> {
         let mut scene = scenes::load(name)?;
         for text in &self.set {
             scene.apply_override(text)?;

@@ -24,7 +24,7 @@ use crate::shared::cooperative::MOST_USERS;
 use crate::shared::cooperative::junction::{Junction, Port};
 use haptic_sim::flows::{Inbox, flow_of, packet_of};
 use haptic_sim::node::{TELEMETRY_S, open_link};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// The hub's end of one line.
 #[derive(Debug)]
@@ -91,7 +91,7 @@ impl<A: Copy> Hub<A> {
     /// # Errors
     /// A number of users out of range, or a scene that a hub cannot be made for: in one line.
     pub fn new(
-        scene: &SceneFile,
+        scene: &Scene,
         users: usize,
         key: &Key,
         mut entropy: impl FnMut() -> Result<[u8; Key::LEN], String>,

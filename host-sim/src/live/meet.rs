@@ -16,7 +16,7 @@ use super::peer::Other;
 use super::socket::{drain, open};
 use crate::shared::cooperative::junction::{Energy, Port};
 use haptic_sim::key_file::entropy;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Where, for how many and how long.
 #[derive(Clone, Debug)]
@@ -102,7 +102,7 @@ pub struct Report {
 ///
 /// # Errors
 /// A scene that is refused, a socket that cannot be opened, or peers that are not all there in time: in one line.
-pub fn run(scene: &SceneFile, key: &Key, options: &Options) -> Result<Report, String> {
+pub fn run(scene: &Scene, key: &Key, options: &Options) -> Result<Report, String> {
     let mut hub = Hub::new(scene, options.users, key, entropy)?;
     let socket = open(options.listen)?;
     let timing = &scene.peer.timing;

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::pace::{Pace, Punctuality};
 use super::socket::{drain, open};
 use haptic_sim::node::Node;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Where and how long.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ impl Other {
 ///
 /// # Errors
 /// A scene or key that is refused, a socket that cannot be opened, or nobody answering: in one line.
-pub fn run(scene: &SceneFile, key: Key, options: &Options) -> Result<Report, String> {
+pub fn run(scene: &Scene, key: Key, options: &Options) -> Result<Report, String> {
     let mut node = Node::new(scene, options.number, key, entropy()?)?;
     let socket = open(options.listen)?;
     let period_s = scene.peer.timing.control_period_s;

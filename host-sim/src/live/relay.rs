@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::socket::{drain, open};
 use haptic_sim::network::datagrams::{Datagrams, Relayed};
 use haptic_sim::network::rule::Direction;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// How long the relay sleeps when it has nothing to do: what it adds to the delay at the most.
 const NAP: Duration = Duration::from_micros(200);
@@ -16,7 +16,7 @@ const NAP: Duration = Duration::from_micros(200);
 ///
 /// # Errors
 /// A socket that cannot be opened, in one line.
-pub fn run(scene: &SceneFile, listen: [SocketAddr; 2], duration_s: f64) -> Result<[Relayed; 2], String> {
+pub fn run(scene: &Scene, listen: [SocketAddr; 2], duration_s: f64) -> Result<[Relayed; 2], String> {
     let sockets = [open(listen[0])?, open(listen[1])?];
     let mut lines = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Datagrams::new(scene, direction));
     let mut peers: [Option<SocketAddr>; 2] = [None, None];

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use haptic_sim::run::{Options, run};
-use haptic_sim::scene::{SceneError, SceneFile};
+use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
 
 /// Simulated time of a cell, s.
@@ -135,7 +135,7 @@ pub struct Cell {
 ///
 /// # Errors
 /// A setting that the scene refuses.
-pub fn scene(comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<SceneFile, SceneError> {
+pub fn scene(comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, SceneError> {
     let mut scene = scenes::load("paper-5.2-passive-wave-16ms")?;
     let peers = ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
     let comm = comm.iter().map(AsRef::as_ref);
@@ -163,7 +163,7 @@ pub fn campaign() -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>>
         .collect()
 }
 
-fn cell(scene: &SceneFile, comm: &str, passive: bool, impairment: &str) -> Result<Cell, Refused<'static>> {
+fn cell(scene: &Scene, comm: &str, passive: bool, impairment: &str) -> Result<Cell, Refused<'static>> {
     let outcome = run::<f64>(scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
     Ok(Cell {
         comm: comm.to_owned(),

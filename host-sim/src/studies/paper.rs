@@ -10,7 +10,7 @@ use serde::Serialize;
 use haptic_analysis::{Effort, Range};
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::run::{Options, Outcome, Spread, run};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
 /// Simulated time of every experiment, s.
@@ -121,7 +121,7 @@ fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send
     })
 }
 
-fn comm(scene: &SceneFile) -> String {
+fn comm(scene: &Scene) -> String {
     use haptic_core::settings::Choice;
     scene.peer.coordination.comm.name().to_owned()
 }

@@ -10,7 +10,7 @@ use haptic_core::settings::Refused;
 use serde::Serialize;
 
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Largest differences from f64 over a run.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -48,7 +48,7 @@ pub struct Precision {
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn measure(name: &str, scene: &SceneFile, duration_s: f64) -> Result<Precision, Refused<'static>> {
+pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, Refused<'static>> {
     let (mut double, mut single, mut fixed) =
         (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
     let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
@@ -63,7 +63,7 @@ pub fn measure(name: &str, scene: &SceneFile, duration_s: f64) -> Result<Precisi
         single.step();
         fixed.step();
         for side in &double.sides {
-            largest = largest.max(side.state.observed().object.position.abs());
+            largest = largest.max(side.peer.observed().object.position.abs());
         }
         f32.see(&double, &single);
         i32f32.see(&double, &fixed);
@@ -89,7 +89,7 @@ pub fn measure(name: &str, scene: &SceneFile, duration_s: f64) -> Result<Precisi
 impl Strays {
     fn see<S: Scalar>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
         for (exact, rounded) in reference.sides.iter().zip(&other.sides) {
-            let (exact, rounded) = (exact.state.observed(), rounded.state.observed());
+            let (exact, rounded) = (exact.peer.observed(), rounded.peer.observed());
             let position = (exact.object.position - rounded.object.position.to_f64()).abs();
             let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
             self.position_m = self.position_m.max(position);
@@ -103,7 +103,7 @@ impl Strays {
     }
 }
 
-fn explain(scene: &SceneFile, f32: &Strays, i32f32: &Strays, faulted_after_s: Option<f64>) -> String {
+fn explain(scene: &Scene, f32: &Strays, i32f32: &Strays, faulted_after_s: Option<f64>) -> String {
     if let Some(time_s) = faulted_after_s {
         return format!("unstable: rounding grows with the oscillation until the peers fault at {time_s:.2} s");
     }

@@ -1,12 +1,11 @@
 //! Records what one peer of a scene reads, for [`haptic_cases::replay`] on another processor, and the hash of what it computes.
 
 use haptic_core::device::Reading;
-use haptic_core::scene::Any;
 use haptic_core::settings::{Settings, Value};
 
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
 use haptic_sim::pair::{Pair, Seen};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// The recording and what it must come to.
 #[derive(Clone, Debug)]
@@ -36,7 +35,7 @@ fn lines(settings: &Settings) -> String {
 ///
 /// # Errors
 /// What the scene is refused for.
-pub fn record(scene: &SceneFile, number: usize, ticks: u64) -> Result<Recording, String> {
+pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, String> {
     if scene.world.network.clock_drift_ppm != 0.0 {
         return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".to_owned());
     }
@@ -53,7 +52,7 @@ pub fn record(scene: &SceneFile, number: usize, ticks: u64) -> Result<Recording,
         pair.step_watched(&mut |seen| {
             if seen.number == number {
                 put(&mut bytes, &seen);
-                fold(&mut hash, seen.state, seen.actuators);
+                fold(&mut hash, seen.peer, seen.actuators);
             }
         });
     }
@@ -61,7 +60,7 @@ pub fn record(scene: &SceneFile, number: usize, ticks: u64) -> Result<Recording,
 }
 
 /// One tick.
-fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, Any<f32>>) {
+fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
     let incoming = seen.exchanged.flatten();
     let exchange = if seen.exchanged.is_some() { EXCHANGE } else { 0 };
     let flags = exchange | if incoming.is_some() { PACKET } else { 0 };

@@ -35,7 +35,7 @@ use crate::live::pace::{Pace, Punctuality};
 use crate::live::socket::{drain, open};
 use haptic_sim::key_file::entropy;
 use haptic_sim::node::Node;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 pub const COMPARE_EVERY: u64 = 64;
@@ -137,7 +137,7 @@ struct Field {
 ///
 /// # Errors
 /// A scene that is refused, or sockets that cannot be had: in one line.
-pub fn run(scene: &SceneFile, options: &Options) -> Result<Report, String> {
+pub fn run(scene: &Scene, options: &Options) -> Result<Report, String> {
     let loopback = || SocketAddr::from(([127, 0, 0, 1], 0));
     let address = |socket: &UdpSocket| socket.local_addr().map_err(|cause| format!("no address: {cause}"));
     let sockets = [open(loopback())?, open(loopback())?];

@@ -17,7 +17,7 @@ use haptic_sim::network::datagrams::Datagrams;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Longest that two peers may take to engage, s.
 pub const PATIENCE_S: f64 = 0.5;
@@ -62,7 +62,7 @@ struct Life {
 }
 
 impl Life {
-    fn new(scene: &SceneFile, number: u8, device: Plant, random: &mut Xoshiro256PlusPlus) -> Result<Self, String> {
+    fn new(scene: &Scene, number: u8, device: Plant, random: &mut Xoshiro256PlusPlus) -> Result<Self, String> {
         let mut entropy = [0; Key::LEN];
         random.fill_bytes(&mut entropy);
         let node = Node::with_device(scene, number, Key::new([0x5a; Key::LEN]), entropy, device)?;
@@ -72,7 +72,7 @@ impl Life {
 
 /// Two nodes and the network between them.
 struct World<'a> {
-    scene: &'a SceneFile,
+    scene: &'a Scene,
     random: Xoshiro256PlusPlus,
     lives: [Life; 2],
     /// From peer 1 to peer 2 and back.
@@ -139,7 +139,7 @@ impl World<'_> {
 ///
 /// # Errors
 /// A scene that is refused, or peers that do not even meet once.
-pub fn run(scene: &SceneFile, count: u64, seed: u64) -> Result<Report, String> {
+pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let timing = &scene.peer.timing;
     let mut life = |number: u8| Life::new(scene, number, Plant::new(scene, usize::from(number) - 1), &mut random);

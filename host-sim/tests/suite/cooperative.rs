@@ -4,7 +4,7 @@
 use haptic_analysis::rendering::{Body, Renderer, Rendering};
 use haptic_core::contact::bounder::Bounder;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use host_sim::shared::cooperative::limits::{bounded_radius, stiffest, table};
 use host_sim::shared::cooperative::run::run;
 use host_sim::shared::cooperative::waves::Waves;
@@ -185,10 +185,10 @@ fn at_a_client_the_engine_is_without_delay() {
     assert!((bounds[1] - 0.8 * 5.0 / 0.164).abs() < 2.0, "{bounds:?}");
 }
 
-fn waves(keys: &[&str]) -> SceneFile {
+fn waves(keys: &[&str]) -> Scene {
     let base = ["coordination.comm=passive-mean", "coordination.decode=implicit", "object.force_delay_ticks=0"];
     let keys: Vec<String> = [&base[..], &FORCES, keys].concat().into_iter().map(str::to_owned).collect();
-    SceneFile::load(None, &keys).expect("a good scene")
+    Scene::load(None, &keys).expect("a good scene")
 }
 
 /// Two lines of equal impedance that meet in a node are one line: up one packet, down one packet is two packets.
@@ -204,7 +204,7 @@ fn two_peers_around_a_node_are_the_plain_pair() {
             pair.step();
             around.step();
             for (side, copy) in pair.sides.iter().zip(around.copies()) {
-                let apart = side.state.observed().object.position - copy.position;
+                let apart = side.peer.observed().object.position - copy.position;
                 assert!(apart.abs() < 1e-10, "{comm} at tick {tick}: {apart} m");
             }
         }

@@ -5,7 +5,7 @@
 
 use haptic_protocol::key::Key;
 use haptic_sim::node::Node;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use crate::pc::{board_ip, board_mac, key, resolved, udp};
 
@@ -29,7 +29,7 @@ impl Partner {
     ///
     /// # Errors
     /// What host-sim refuses.
-    pub fn new(scene: &SceneFile, number: usize) -> Result<Self, String> {
+    pub fn new(scene: &Scene, number: usize) -> Result<Self, String> {
         let node = Node::new(scene, number as u8, key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0 })
     }

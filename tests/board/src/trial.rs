@@ -11,7 +11,7 @@ use haptic_core::safety::Mode;
 use haptic_sim::network::rule::{Direction, Fates};
 use haptic_sim::report::table::{Column, Table};
 use haptic_sim::run::{Options, Outcome, PortEnergy, Spread};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
 use crate::cost;
@@ -24,7 +24,7 @@ use crate::wire::Line;
 #[derive(Debug)]
 pub struct Trial {
     /// The scene as the boards ran it.
-    pub scene: SceneFile,
+    pub scene: Scene,
     /// Figures of merit and curves of the boards.
     pub boards: Outcome,
     /// The same of host-sim, in f32.
@@ -57,7 +57,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// One sentence: what to change.
-pub fn line(scene: &SceneFile) -> Result<Line, String> {
+pub fn line(scene: &Scene) -> Result<Line, String> {
     let network = &scene.world.network;
     if network.one_way_delay_packets == 0 {
         return Err(
@@ -89,7 +89,7 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 ///
 /// # Errors
 /// The wire cannot do what the scene asks for, or the boards cannot run it.
-pub fn run(firmware: &Arc<Firmware>, scene: &SceneFile, seconds: f64) -> Result<Trial, String> {
+pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, String> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
     let impaired = Fates::new(&scene, Direction::OneToTwo).is_some();

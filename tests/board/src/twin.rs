@@ -14,10 +14,10 @@ use haptic_core::law::Packet;
 use haptic_core::num::Motion;
 use haptic_core::peer::{self, Sensors, State};
 use haptic_core::safety::Command;
-use haptic_core::scene::{Any, Scene};
+use haptic_core::scene::{Any, Scene as Built};
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// How far two runs are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ fn compare(mut same: impl FnMut(u64) -> bool, ticks: u64) -> Equal {
 ///
 /// # Panics
 /// host-sim refuses the scene.
-pub fn closed_loop(scene: &SceneFile, boards: [&[Record]; 2]) -> Equal {
+pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
     compare(
@@ -46,9 +46,9 @@ pub fn closed_loop(scene: &SceneFile, boards: [&[Record]; 2]) -> Equal {
             pair.step();
             pair.sides.iter_mut().zip(boards).zip(counts).all(|((side, records), reading)| {
                 let board = &records[tick as usize];
-                let seen = *side.state.observed();
+                let seen = *side.peer.observed();
                 reading == Reading::Counts(board.counts().map(Counts))
-                    && digest(&mut side.state) == board.digest()
+                    && digest(&mut *side.peer) == board.digest()
                     && seen.object.position.to_bits() == board.object_m().to_bits()
                     && seen.desired.position.to_bits() == board.desired_m().to_bits()
             })
@@ -64,32 +64,32 @@ const LATEST: usize = 64;
 ///
 /// # Panics
 /// host-sim refuses the scene.
-pub fn closed_loop_given(scene: &SceneFile, boards: [&[Record]; 2]) -> Equal {
+pub fn closed_loop_given(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
     let mut sent: [Vec<Packet<f32>>; 2] = [Vec::new(), Vec::new()];
     compare(
         |tick| {
             let mut same = true;
-            for (side, sent) in pair.sides.iter().zip(&mut sent).filter(|(side, _)| side.state.packet_due()) {
-                sent.push(peer::outgoing(&side.scene, &side.state));
+            for (side, sent) in pair.sides.iter().zip(&mut sent).filter(|(side, _)| side.peer.packet_due()) {
+                sent.push(side.peer.outgoing());
             }
             for (at, (side, records)) in pair.sides.iter_mut().zip(boards).enumerate() {
                 let board = &records[tick as usize];
                 if board.flags() & record::PARTED != 0 {
-                    side.state.part();
+                    side.peer.part();
                 }
-                if side.state.packet_due() {
+                if side.peer.packet_due() {
                     let incoming = board.incoming();
                     same &= incoming
                         .is_none_or(|packet| sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet));
-                    peer::exchange(&side.scene, &mut side.state, incoming);
+                    side.peer.exchange(incoming);
                 }
                 let sensors = side.plant.sensors::<f32>();
-                let actuators = peer::tick(&side.scene, &mut side.state, &sensors);
+                let actuators = side.peer.tick(&sensors);
                 side.plant.step(tick as f64 * scene.peer.timing.control_period_s, &actuators);
                 same &= sensors.reading == Reading::Counts(board.counts().map(Counts))
-                    && digest(&mut side.state) == board.digest()
+                    && digest(&mut *side.peer) == board.digest()
                     && actuators.duties.map(|duty| duty.0) == board.duties();
             }
             same
@@ -115,7 +115,7 @@ pub fn replay_alone(settings: &Settings, records: &[Record]) -> Equal {
 }
 
 fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut State<Any<f32>>)) -> Equal {
-    let scene = Scene::<Any<f32>>::build(settings).expect("the board took it");
+    let scene = Built::<Any<f32>>::build(settings).expect("the board took it");
     let home = Motion::at(-Contact::<f32>::build(settings).clear_of(0.0));
     let mut state = State::new(&scene, [home, Motion::REST]);
     state.command(&scene, Command::Arm);

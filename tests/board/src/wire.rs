@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use haptic_sim::network::rule::{Arrival, Direction, Fates};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use crate::pc::{MAC, board_mac};
 
@@ -55,7 +55,7 @@ impl Wire {
     }
 
     /// From now on the line between the boards is as bad as the scene's network.
-    pub fn impair(&mut self, scene: &SceneFile) {
+    pub fn impair(&mut self, scene: &Scene) {
         self.fates = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Fates::new(scene, direction));
     }
 

@@ -16,7 +16,7 @@ use super::constructed::peer::State;
 use super::constructed::{Constructed, construct};
 use super::driven::TOO_LARGE;
 use super::{Lifted, prune};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Rounding may put one on this side of the limit and the other on that.
 const ALMOST: f64 = 1e-6;
@@ -34,7 +34,7 @@ pub struct Agreement {
 ///
 /// # Errors
 /// Settings that the peer refuses; eigenvalues that do not converge.
-pub fn agreement(linear: &SceneFile) -> Result<Option<Agreement>, AnalysisError> {
+pub fn agreement(linear: &Scene) -> Result<Option<Agreement>, AnalysisError> {
     let Some(constructed) = construct(linear) else { return Ok(None) };
     let driven = pair_matrix(linear)?;
     if !driven.matrix.is_finite() {
@@ -58,7 +58,7 @@ fn devices(places: &[Place]) -> Vec<usize> {
     (0..places.len()).filter(|at| device(&places[*at])).collect()
 }
 
-fn compare(linear: &SceneFile, driven: &Lifted, constructed: &Constructed) -> f64 {
+fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let locals = driven_order(linear);
     let second = (driven.matrix.rows() - packets(linear)) / 2;
     let kept = prune::kept(&constructed.lifted.matrix, &devices(&constructed.places));
@@ -90,7 +90,7 @@ fn compare(linear: &SceneFile, driven: &Lifted, constructed: &Constructed) -> f6
 }
 
 /// Core's order of a peer's states, as far as they are known here.
-fn driven_order(linear: &SceneFile) -> Vec<Option<State>> {
+fn driven_order(linear: &Scene) -> Vec<Option<State>> {
     use State::{
         CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity,
         FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
@@ -113,7 +113,7 @@ fn driven_order(linear: &SceneFile) -> Vec<Option<State>> {
 }
 
 /// Numbers on their way in the driven pair.
-fn packets(linear: &SceneFile) -> usize {
+fn packets(linear: &Scene) -> usize {
     delays_packets(linear).iter().sum::<usize>() * packet()
 }
 
@@ -125,7 +125,7 @@ fn packet() -> usize {
 }
 
 /// Where a place of the construction is in the driven pair.
-fn driven_place(linear: &SceneFile, place: Place, locals: &[Option<State>], second: usize) -> Option<usize> {
+fn driven_place(linear: &Scene, place: Place, locals: &[Option<State>], second: usize) -> Option<usize> {
     match place {
         Place::Local { peer, state } => {
             locals.iter().position(|known| *known == Some(state)).map(|at| peer * second + at)

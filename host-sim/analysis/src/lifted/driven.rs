@@ -1,7 +1,7 @@
 //! What one peer with its device answers to one packet period, found by driving the code that flies.
 //!
-//! [`Response::measure`] puts the peer into a unit state, lets [`haptic_core::peer::exchange`] and M times
-//! [`haptic_core::peer::tick`] run in `f64` against the exact plant, and reads the state back: one column of a matrix. No
+//! [`Response::measure`] puts the peer into a unit state, lets [`DynPeer::exchange`] and M times
+//! [`DynPeer::tick`] run in `f64` against the exact plant, and reads the state back: one column of a matrix. No
 //! equation of the peer is repeated here; a coordination law, integrator or estimator that is new to core's lists is
 //! analysed without a change, as long as it is linear and its `StateVector` visits all of its state.
 //!
@@ -14,14 +14,13 @@
 use haptic_core::device::AXES;
 use haptic_core::law::Packet;
 use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Refused;
 
 use super::super::matrix::Matrix;
+use haptic_sim::peers::{self, DynPeer};
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// 2⁻³⁰⁰: what stands for one unit of a state.
 const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
@@ -63,11 +62,11 @@ impl Response {
         self.sent.rows()
     }
 
-    /// Drives peer `index` (0 or 1) of a scene that is linear ([`SceneFile::linear`]).
+    /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]).
     ///
     /// # Errors
     /// What the peer's `build()` refuses.
-    pub fn measure(&mut self, linear: &SceneFile, index: usize) -> Result<(), Refused<'static>> {
+    pub fn measure(&mut self, linear: &Scene, index: usize) -> Result<(), Refused<'static>> {
         let mut seat = Seat::new(linear, index)?;
         let (states, packet) = (seat.local.len(), seat.packet.len());
         self.own.reset(states, states);
@@ -117,12 +116,7 @@ impl Response {
     ///
     /// # Errors
     /// What the peer's `build()` refuses.
-    pub fn drive(
-        linear: &SceneFile,
-        index: usize,
-        local: &[f64],
-        packet: &[f64],
-    ) -> Result<Vec<f64>, Refused<'static>> {
+    pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
         let mut seat = Seat::new(linear, index)?;
         seat.local.copy_from_slice(local);
         seat.packet.copy_from_slice(packet);
@@ -134,24 +128,32 @@ impl Response {
 
 /// A peer in front of its device, and the state and packet it is to start from, in units.
 struct Seat {
-    scene: Scene<Any<f64>>,
-    armed: State<Any<f64>>,
+    armed: Box<dyn DynPeer<f64>>,
+    /// The same one metre away.
+    there: Box<dyn DynPeer<f64>>,
+    ticks_per_packet: u32,
     plant: Plant,
     local: Vec<f64>,
     packet: Vec<f64>,
 }
 
 impl Seat {
-    fn new(linear: &SceneFile, index: usize) -> Result<Self, Refused<'static>> {
-        let scene = Scene::build(&linear.peers()[index])?;
-        let mut armed = State::new(&scene, [Motion::REST; AXES]);
-        armed.command(&scene, Command::Arm);
+    fn new(linear: &Scene, index: usize) -> Result<Self, Refused<'static>> {
+        let settings = &linear.peers()[index];
+        let at = |axes| {
+            let mut peer = peers::build(settings, axes)?;
+            peer.command(Command::Arm);
+            Ok(peer)
+        };
+        let [free, held @ ..] = [Motion::REST; AXES];
+        let (mut armed, there) = (at([free, held[0]])?, at([Motion::at(1.0), held[0]])?);
         let mut states = DEVICE_STATES;
         armed.visit(&mut |_| states += 1);
         let mut numbers = 0;
         Packet::<f64>::default().visit(&mut |_| numbers += 1);
         let plant = Plant::new(linear, index);
-        Ok(Self { scene, armed, plant, local: vec![0.0; states], packet: vec![0.0; numbers] })
+        let ticks_per_packet = settings.timing.ticks_per_packet;
+        Ok(Self { armed, there, ticks_per_packet, plant, local: vec![0.0; states], packet: vec![0.0; numbers] })
     }
 
     /// Everything at zero.
@@ -161,8 +163,8 @@ impl Seat {
     }
 
     /// The peer's share of the state, in the unit that is driven.
-    fn loaded(&self) -> State<Any<f64>> {
-        let mut state = self.armed;
+    fn loaded(&self) -> Box<dyn DynPeer<f64>> {
+        let mut state = self.armed.clone();
         let mut numbers = self.local[DEVICE_STATES..].iter();
         state.visit(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
         state
@@ -170,7 +172,7 @@ impl Seat {
 
     /// What the peer would send.
     fn send(&self, sent: &mut [f64]) {
-        let mut packet = peer::outgoing(&self.scene, &self.loaded());
+        let mut packet = self.loaded().outgoing();
         let mut sent = sent.iter_mut();
         packet.visit(&mut |number| {
             if let Some(sent) = sent.next() {
@@ -181,7 +183,7 @@ impl Seat {
 
     /// One exchange and M ticks.
     fn period(&mut self, after: &mut [f64]) {
-        let mut state = self.loaded();
+        let mut peer = self.loaded();
         let (motion, motor) = self.plant.free_axis();
         *motion = Motion { position: self.local[0] * UNIT, velocity: self.local[1] * UNIT };
         *motor = self.local[2] * UNIT;
@@ -189,15 +191,15 @@ impl Seat {
         let mut numbers = self.packet.iter();
         packet.visit(&mut |number: &mut f64| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
 
-        peer::exchange(&self.scene, &mut state, Some(packet));
-        for _ in 0..self.scene.ticks_per_packet() {
+        peer.exchange(Some(packet));
+        for _ in 0..self.ticks_per_packet {
             let sensors = self.plant.sensors();
-            let actuators = peer::tick(&self.scene, &mut state, &sensors);
+            let actuators = peer.tick(&sensors);
             self.plant.step(0.0, &actuators);
         }
 
         let (motion, motor) = self.plant.free_axis();
-        let mut within = state.mode() == Mode::Armed;
+        let mut within = peer.mode() == Mode::Armed;
         let mut after = after.iter_mut();
         let mut store = |number: f64| {
             within &= number.abs() < TOO_LARGE * UNIT;
@@ -206,19 +208,14 @@ impl Seat {
             }
         };
         [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
-        state.visit(&mut |number| store(*number));
+        peer.visit(&mut |number| store(*number));
     }
 
     /// Writes the local state of this peer at rest at one metre.
-    fn translation(&self, local: &mut [f64]) {
-        let [free, held @ ..] = [Motion::REST; AXES];
-        let mut axes = [Motion::at(1.0), free];
-        axes[1..].copy_from_slice(&held);
-        let mut there = State::new(&self.scene, axes);
-        there.command(&self.scene, Command::Arm);
+    fn translation(&mut self, local: &mut [f64]) {
         local[0] = 1.0;
         let mut numbers = local[DEVICE_STATES..].iter_mut();
-        there.visit(&mut |number| {
+        self.there.visit(&mut |number| {
             if let Some(out) = numbers.next() {
                 *out = *number;
             }

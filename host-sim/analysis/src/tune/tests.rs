@@ -7,7 +7,7 @@ use haptic_core::object::IntegratorName;
 use super::*;
 
 /// The three laws, the wave also decoded implicitly, over a short and a long delay, with a late and a prompt motor.
-fn scenes() -> Vec<SceneFile> {
+fn scenes() -> Vec<Scene> {
     [
         (LawName::Power, Decode::Delayed, 1, 1.0),
         (LawName::Wave, Decode::Delayed, 3, 0.2),
@@ -15,7 +15,7 @@ fn scenes() -> Vec<SceneFile> {
         (LawName::PassiveWave, Decode::Implicit, 3, 0.2),
     ]
     .map(|(comm, decode, delay, late)| {
-        let mut scene = SceneFile::default();
+        let mut scene = Scene::default();
         scene.peer.coordination.comm = comm;
         scene.peer.coordination.decode = decode;
         scene.peer.object.integrator = IntegratorName::SemiImplicit;
@@ -27,7 +27,7 @@ fn scenes() -> Vec<SceneFile> {
     .into()
 }
 
-fn stable(scene: &SceneFile, contact: f64, coordination: f64) -> bool {
+fn stable(scene: &Scene, contact: f64, coordination: f64) -> bool {
     verdict(&with(scene, contact, coordination).unwrap()).unwrap().stable
 }
 
@@ -77,7 +77,7 @@ fn stiffness_is_traded_for_margin_and_latency() {
 
 #[test]
 fn nothing_is_proposed_where_nothing_is_stable() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     // A damper this strong, a tick late, throws a device of 100 g about by itself.
     scene.peer.contact.damping_n_s_per_m = 500.0;
     assert_eq!(tune(&scene, 0.2, || {}).unwrap(), None);

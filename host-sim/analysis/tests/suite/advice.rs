@@ -4,25 +4,25 @@ use haptic_analysis::advice::{MARGIN, advice, change};
 use haptic_analysis::verdict;
 use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random;
 
 #[test]
 fn a_stable_scene_is_told_so() {
-    assert!(advice(&SceneFile::default()).unwrap().starts_with("inside its stability region"));
-    assert_eq!(advice(&SceneFile::default()).unwrap().lines().count(), 1);
+    assert!(advice(&Scene::default()).unwrap().starts_with("inside its stability region"));
+    assert_eq!(advice(&Scene::default()).unwrap().lines().count(), 1);
 }
 
 #[test]
 fn coordination_comes_before_contact() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     scene.peer.coordination.comm = LawName::Power;
     let text = advice(&scene).unwrap();
     assert!(text.contains("lower coordination.stiffness_n_per_m from 10620 to 321 N/m"), "{text}");
     // Stiffer than the contact alone bears: no K_T helps.
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     scene.peer.contact.stiffness_n_per_m = 6000.0;
     assert!(advice(&scene).unwrap().contains("lower contact.stiffness_n_per_m from 6000 to "));
 }
@@ -30,7 +30,7 @@ fn coordination_comes_before_contact() {
 /// A line of little impedance on a light copy: no stiffness helps while forces are a tick late.
 #[test]
 fn where_no_gain_helps_other_settings_are_named() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     scene.peer.object.mass_kg = 0.01;
     scene.peer.object.integrator = IntegratorName::SemiImplicit;
     scene.peer.coordination.damping_n_s_per_m = 40.0;

@@ -7,7 +7,7 @@ use haptic_analysis::verdict::{is_symmetric, pair_matrix};
 use haptic_analysis::{lifted, verdict};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::Choice;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random;
@@ -95,7 +95,7 @@ fn the_peer_is_linear_where_it_is_analysed() {
 /// A scene that grows beyond all bounds within a packet period is unstable, not an error.
 #[test]
 fn overflow_is_instability() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     scene.peer.timing.ticks_per_packet = 1000;
     scene.peer.contact.stiffness_n_per_m = 1e6;
     scene.peer.object.mass_kg = 1e-4;

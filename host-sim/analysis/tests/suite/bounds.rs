@@ -15,10 +15,10 @@ use haptic_analysis::{Effort, Limit, Range, figure4, limit, verdict};
 use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
-fn scene(comm: LawName, integrator: IntegratorName, delay: u32, device_delay: f64, contact: f64) -> SceneFile {
+fn scene(comm: LawName, integrator: IntegratorName, delay: u32, device_delay: f64, contact: f64) -> Scene {
     let mut scene = figure4::scene(comm, delay);
     scene.peer.coordination.decode = Decode::Implicit;
     scene.peer.object.integrator = integrator;
@@ -28,14 +28,14 @@ fn scene(comm: LawName, integrator: IntegratorName, delay: u32, device_delay: f6
     scene
 }
 
-fn along(scene: &SceneFile) -> Limit {
+fn along(scene: &Scene) -> Limit {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 1e6 };
     limit(scene, range, Effort { steps: 80, tolerance: 1e-3 }).unwrap()
 }
 
 /// The contact alone, without coordination: against a copy that is free (K_T → 0) and against one that cannot move
 /// (K_T → ∞, where the line holds it). A device that chatters on a wall does so behind any decode.
-fn contact_is_stable(scene: &SceneFile) -> bool {
+fn contact_is_stable(scene: &Scene) -> bool {
     let mut free = scene.clone();
     free.peer.coordination.comm = LawName::Free;
     let mut wall = free.clone();
@@ -44,7 +44,7 @@ fn contact_is_stable(scene: &SceneFile) -> bool {
 }
 
 /// Every scene of the given integrators with the contact alone stable, and the crossings of K_T there.
-fn all(integrators: &[IntegratorName], delays: &[u32]) -> Vec<(SceneFile, Limit)> {
+fn all(integrators: &[IntegratorName], delays: &[u32]) -> Vec<(Scene, Limit)> {
     let mut scenes = Vec::new();
     for comm in [LawName::Wave, LawName::PassiveWave] {
         for &integrator in integrators {
@@ -80,7 +80,7 @@ fn implicit_has_no_upper_bound() {
     }
 }
 
-fn describe(scene: &SceneFile) -> String {
+fn describe(scene: &Scene) -> String {
     let (peer, device) = (&scene.peer, &scene.world.device);
     format!(
         "{:?} {:?}, n_t {}, M {}, m_O {}, b {}, K_LC {}, device delay {}",
@@ -134,7 +134,7 @@ fn the_other_counter_examples() {
 #[test]
 fn forward_euler_is_the_counter_example() {
     let all = all(&[IntegratorName::ForwardEuler], &[0, 1, 8]);
-    let unstable: Vec<(SceneFile, Limit)> = all.into_iter().filter(|(_, limit)| !limit.crossings.is_empty()).collect();
+    let unstable: Vec<(Scene, Limit)> = all.into_iter().filter(|(_, limit)| !limit.crossings.is_empty()).collect();
     assert!(!unstable.is_empty());
     for (scene, Limit { stable_at_start, crossings, .. }) in unstable {
         let mut worst = 0.0_f64;

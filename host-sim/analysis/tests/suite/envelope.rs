@@ -6,7 +6,7 @@
 use haptic_analysis::{Analyser, Verdict};
 use haptic_core::num::StateVector;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::random::{self, Dice};
@@ -22,7 +22,7 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
     for _ in 0..ticks {
         pair.step();
         for side in &pair.sides {
-            let seen = side.state.observed();
+            let seen = side.peer.observed();
             for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                 largest = largest.max(size.abs());
             }
@@ -32,12 +32,12 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
 }
 
 /// Whether the simulated pair settles; `None` where it does neither.
-fn settles(linear: &SceneFile, verdict: &Verdict, seed: u64) -> Option<bool> {
+fn settles(linear: &Scene, verdict: &Verdict, seed: u64) -> Option<bool> {
     let mut pair = Pair::<f64>::new(linear).unwrap();
     let mut dice = Dice::new(!seed);
     let mut random = || (dice.unit() - 0.5) * 2.0_f64.powi(-200);
     for side in &mut pair.sides {
-        side.state.visit(&mut |number: &mut f64| *number = random());
+        side.peer.visit(&mut |number: &mut f64| *number = random());
         let (motion, motor) = side.plant.free_axis();
         (motion.position, motion.velocity, *motor) = (random(), random(), random());
     }
@@ -62,7 +62,7 @@ fn settles(linear: &SceneFile, verdict: &Verdict, seed: u64) -> Option<bool> {
 
 #[test]
 fn the_simulator_agrees_on_a_thousand_scenes() {
-    let scenes: Vec<(u64, SceneFile, Verdict)> = (1_000_000..1_004_000_u64)
+    let scenes: Vec<(u64, Scene, Verdict)> = (1_000_000..1_004_000_u64)
         .into_par_iter()
         .map_init(Analyser::default, |analyser, seed| {
             let linear = random::scene(seed).linear();

@@ -5,7 +5,7 @@ use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
 pub(crate) struct Dice(u64);
@@ -55,9 +55,9 @@ impl Dice {
 }
 
 /// A random linear scene: any law, decode, integrator, delay, one to sixteen ticks per packet, with and without arms.
-pub(crate) fn scene(seed: u64) -> SceneFile {
+pub(crate) fn scene(seed: u64) -> Scene {
     let mut dice = Dice::new(seed);
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     let peer = &mut scene.peer;
     peer.timing.control_period_s = dice.one(&[0.0005, 0.001, 0.001, 0.002]);
     peer.timing.ticks_per_packet = dice.whole(1, 16);

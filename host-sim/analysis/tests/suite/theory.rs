@@ -2,12 +2,12 @@
 
 use haptic_analysis::{Effort, Range, figure4, limit};
 use haptic_core::law::LawName;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 const K_T: &str = "coordination.stiffness_n_per_m";
 const K_LC: &str = "contact.stiffness_n_per_m";
 
-fn crossings(scene: &SceneFile, key: &str, from: f64, to: f64) -> Vec<f64> {
+fn crossings(scene: &Scene, key: &str, from: f64, to: f64) -> Vec<f64> {
     let found = limit(scene, Range { key: key.to_owned(), from, to }, Effort::default()).unwrap();
     assert!(found.stable_at_start, "{key} = {from}");
     found.crossings
@@ -73,7 +73,7 @@ fn the_configuration_of_the_experiments() {
         (LawName::PassiveWave, vec![4401.0, 6061.0, 10850.0]),
     ];
     for (comm, wanted) in table {
-        let mut scene = SceneFile::default();
+        let mut scene = Scene::default();
         scene.peer.coordination.comm = comm;
         let found = crossings(&scene, K_T, 10.0, 13_000.0);
         assert_eq!(found.len(), wanted.len(), "{found:?}");
@@ -86,7 +86,7 @@ fn the_configuration_of_the_experiments() {
 /// Crossings are where they are said to be: the radius is on either side of 1 a little before and after.
 #[test]
 fn crossings_are_crossings() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     for (at, crossing) in crossings(&scene, K_T, 10.0, 13_000.0).into_iter().enumerate() {
         for (factor, stable) in [(1.0 - 2e-4, at % 2 == 0), (1.0 + 2e-4, at % 2 == 1)] {
             scene.peer.coordination.stiffness_n_per_m = factor * crossing;
@@ -97,7 +97,7 @@ fn crossings_are_crossings() {
 
 #[test]
 fn a_key_of_whole_numbers_crosses_between_two() {
-    let mut scene = SceneFile::default();
+    let mut scene = Scene::default();
     scene.peer.coordination.comm = LawName::Power;
     scene.peer.coordination.stiffness_n_per_m = 200.0;
     // Limits are 357, 223.6, … for n_t = 1, 2, …: 200 N/m goes up to 2 packets.
@@ -114,9 +114,9 @@ fn rest_modes_are_counted() {
         (LawName::Free, 2, 0, 1),
     ];
     for (comm, free, both_held, one_held) in table {
-        let mut scene = SceneFile::default();
+        let mut scene = Scene::default();
         scene.peer.coordination.comm = comm;
-        let rest_modes = |scene: &SceneFile| haptic_analysis::verdict(scene).unwrap().rest_modes;
+        let rest_modes = |scene: &Scene| haptic_analysis::verdict(scene).unwrap().rest_modes;
         assert_eq!(rest_modes(&scene), free, "{comm:?}");
         scene.users[1].settings.user.arm_stiffness_n_per_m = 100.0;
         assert_eq!(rest_modes(&scene), if comm == LawName::Power { 0 } else { one_held }, "{comm:?}, one arm");

@@ -9,7 +9,7 @@
 use haptic_core::settings::Refused;
 
 use crate::pair::Pair;
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 use crate::user::{Trace, User};
 
 /// Ramp of each user's push, N/s.
@@ -19,7 +19,7 @@ const RAMP_N_PER_S: f64 = 1e-3;
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn measure(scene: &SceneFile) -> Result<f64, Refused<'static>> {
+pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
     let mut linear = scene.linear();
     let device = &scene.world.device;
     // Slowest time constant of the free pair: the terminal velocity of everything that moves.
@@ -40,7 +40,7 @@ pub fn measure(scene: &SceneFile) -> Result<f64, Refused<'static>> {
         let (mut force, mut speed) = (0.0, 0.0);
         for _ in 0..window {
             pair.step();
-            for seen in pair.sides.iter().map(|side| side.state.observed()) {
+            for seen in pair.sides.iter().map(|side| side.peer.observed()) {
                 force += seen.contact_force / window as f64;
                 speed += seen.object.velocity / 2.0 / window as f64;
             }
@@ -52,7 +52,7 @@ pub fn measure(scene: &SceneFile) -> Result<f64, Refused<'static>> {
 }
 
 /// Both users push toward positive x, user 2 away from the other peer, harder and harder.
-fn ramp(scene: &mut SceneFile, until_s: f64) {
+fn ramp(scene: &mut Scene, until_s: f64) {
     for (user, sign) in scene.users.iter_mut().zip([1.0, -1.0]) {
         *user = User { trace: Some(Trace::line(until_s, sign * RAMP_N_PER_S * until_s)), ..User::default() };
     }

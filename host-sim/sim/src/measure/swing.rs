@@ -11,7 +11,7 @@ use haptic_core::law::{Sends, sends};
 use haptic_core::settings::Refused;
 
 use crate::pair::Pair;
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 use crate::user::User;
 
 /// Angular frequency, rad/s: one period a second.
@@ -58,7 +58,7 @@ impl Phasor {
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn felt(scene: &SceneFile, periods: u32) -> Result<Felt, Refused<'static>> {
+pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     let mut swung = scene.clone();
     for (user, sign) in swung.users.iter_mut().zip([1.0, -1.0]) {
         // A push of user 2 toward the other peer is toward negative x.
@@ -77,7 +77,7 @@ pub fn felt(scene: &SceneFile, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..periods * per_period {
         let angle = OMEGA * pair.time_s();
         pair.step();
-        for seen in pair.sides.iter().map(|side| side.state.observed()) {
+        for seen in pair.sides.iter().map(|side| side.peer.observed()) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
             let (out, into) = match sends {
                 Sends::Motion => (seen.object.position, seen.desired.position),

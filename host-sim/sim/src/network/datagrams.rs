@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::in_flight::InFlight;
 use super::rule::{Arrival, Direction, Fates};
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// What became of the datagrams of one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -33,7 +33,7 @@ pub struct Datagrams {
 
 impl Datagrams {
     /// The direction's network as the scene describes it.
-    pub fn new(scene: &SceneFile, direction: Direction) -> Self {
+    pub fn new(scene: &Scene, direction: Direction) -> Self {
         let timing = &scene.peer.timing;
         let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
         Self {
@@ -84,7 +84,7 @@ mod tests {
 
     fn line(overrides: &[&str]) -> Datagrams {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Datagrams::new(&SceneFile::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
+        Datagrams::new(&Scene::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
     }
 
     #[test]

@@ -22,7 +22,7 @@ use std::collections::VecDeque;
 use haptic_protocol::playout::Playout;
 use rule::{Direction, Fates};
 
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// What became of the packets of one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -61,7 +61,7 @@ const SLACK: f64 = 1e-9;
 
 impl<P: Copy> Way<P> {
     /// The direction's network as the scene describes it.
-    pub fn new(scene: &SceneFile, direction: Direction) -> Self {
+    pub fn new(scene: &Scene, direction: Direction) -> Self {
         let (network, timing) = (&scene.world.network, &scene.peer.timing);
         Self {
             delay_packets: network.one_way_delay_packets,
@@ -159,7 +159,7 @@ mod tests {
 
     fn way(overrides: &[&str]) -> Way<u64> {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Way::new(&SceneFile::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
+        Way::new(&Scene::load(None, &overrides).expect("a good scene"), Direction::OneToTwo)
     }
 
     /// One packet period in which both ends are on time.

@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::rng::Dice;
-use crate::scene::{Network, SceneFile};
+use crate::scene::{Network, Scene};
 
 /// Which way a packet goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub enum Fates {
 
 impl Fates {
     /// The scene's network in one direction; `None` if all it does is delay.
-    pub fn new(scene: &SceneFile, direction: Direction) -> Option<Self> {
+    pub fn new(scene: &Scene, direction: Direction) -> Option<Self> {
         if let Some(trace) = &scene.network_trace {
             return Some(Self::Recorded { trace: Arc::clone(trace), direction });
         }
@@ -187,7 +187,7 @@ pub struct NetworkTrace {
 
 impl NetworkTrace {
     /// The fates of the first `packets` packets of a scene, sent every `packet_s` seconds.
-    pub fn record(scene: &SceneFile, packets: u64) -> Self {
+    pub fn record(scene: &Scene, packets: u64) -> Self {
         let timing = &scene.peer.timing;
         let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
         let half = |direction| match Fates::new(scene, direction) {

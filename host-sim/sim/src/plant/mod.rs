@@ -16,7 +16,7 @@ use haptic_core::device::{AXES, Reading};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 use crate::user::User;
 use joints::Joints;
 pub use linear::Linear;
@@ -41,7 +41,7 @@ pub struct Plant {
 
 impl Plant {
     /// The device of peer `index` (0 or 1), at rest and just clear of the object.
-    pub fn new(scene: &SceneFile, index: usize) -> Self {
+    pub fn new(scene: &Scene, index: usize) -> Self {
         let user = scene.users[index].clone();
         let (device, profile, world) = (&scene.world.device, &user.settings.user, &scene.world);
         let toward = if index == 0 { 1.0 } else { -1.0 };

@@ -7,13 +7,13 @@ use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, motion, settings_file, sign};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-fn scene(overrides: &str) -> SceneFile {
+fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    SceneFile::load(None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn number(found: &[Found], key: &str) -> f64 {
@@ -31,7 +31,7 @@ fn give(board: &mut Shared, found: &[Found], name: &str) {
     let _ = std::fs::remove_file(&path);
     settings_file::add(&path, found).expect("a settings file");
     settings_file::give(board, &path).expect("the board takes it");
-    SceneFile::load(Some(&path), &[]).expect("the simulator takes it");
+    Scene::load(Some(&path), &[]).expect("the simulator takes it");
 }
 
 #[track_caller]
@@ -241,11 +241,11 @@ fn the_settings_file_grows() {
         &[Found::number("encoder.counts_per_m", estimate, ""), Found::flag("motor.reversed", true)],
     )
     .expect("it takes them");
-    let scene = SceneFile::load(Some(&path), &[]).expect("a scene");
+    let scene = Scene::load(Some(&path), &[]).expect("a scene");
     assert_eq!(scene.get("object.mass_kg"), Some(Value::Number(0.25)));
     assert_eq!(scene.get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     assert_eq!(scene.get("motor.reversed"), Some(Value::Flag(true)));
-    let mut board = Shared::new(&SceneFile::default()).expect("a board");
+    let mut board = Shared::new(&Scene::default()).expect("a board");
     assert_eq!(settings_file::give(&mut board, &path), Ok(3));
     assert_eq!(board.settings().get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     // What is outside a key's range never reaches the file.

@@ -1,7 +1,7 @@
 //! The simulator against the independent model in `tests/oracle` (Python, written from the equations alone).
 
 use haptic_sim::run::{Options, run};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/simulations.csv");
 
@@ -13,7 +13,7 @@ fn random_scenes_give_the_oracles_answers() {
     let mut scenes = 0;
     for record in reader.records() {
         let record = record.expect("a row");
-        let mut scene = SceneFile::default();
+        let mut scene = Scene::default();
         let mut expected = std::collections::HashMap::new();
         for (key, value) in header.iter().zip(&record) {
             if key.contains('.') {

@@ -17,7 +17,7 @@ use haptic_core::settings::Settings;
 use haptic_protocol::clock::Clock;
 
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Time constant with which the view goes over to another engine's, s.
 pub const EASE_S: f64 = 0.1;
@@ -59,7 +59,7 @@ pub struct Client {
 
 impl Client {
     /// The client of user `index`, whose profile and side are those of user `index mod 2` of the scene.
-    pub fn new(scene: &SceneFile, settings: &Settings, index: usize, bounded: bool) -> Self {
+    pub fn new(scene: &Scene, settings: &Settings, index: usize, bounded: bool) -> Self {
         let (period_s, contact) = (settings.timing.control_period_s, &settings.contact);
         let bounder = Bounder::new(
             contact.stiffness_n_per_m,

@@ -21,7 +21,7 @@ use haptic_analysis::matrix::Matrix;
 use haptic_analysis::verdict::delays_packets;
 use haptic_analysis::{Analyser, AnalysisError, Verdict};
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// States of a device: position, velocity, motor force of the tick before.
 const DEVICE_STATES: usize = 3;
@@ -36,7 +36,7 @@ pub struct Line {
 }
 
 /// The clients of a world as it stands, in the scene that it was made from: its bounders' gains, its engine's place.
-pub fn lines(world: &World, scene: &SceneFile) -> Vec<Line> {
+pub fn lines(world: &World, scene: &Scene) -> Vec<Line> {
     let [down, up] = delays_packets(&scene.linear());
     let holder = world.holders().first().copied().unwrap_or(0);
     let line = |(number, gains)| Line {
@@ -55,7 +55,7 @@ pub fn lines(world: &World, scene: &SceneFile) -> Vec<Line> {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub fn verdict(scene: &SceneFile, lines: &[Line]) -> Result<Verdict, AnalysisError> {
+pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> {
     let mut period = Period::new(&scene.linear(), lines);
     let size = period.state.len();
     let mut matrix = Matrix::zeros(size, size);
@@ -90,7 +90,7 @@ struct Period {
 }
 
 impl Period {
-    fn new(linear: &SceneFile, lines: &[Line]) -> Self {
+    fn new(linear: &Scene, lines: &[Line]) -> Self {
         let settings = linear.peers();
         let seat = |(index, line): (usize, &Line)| Seat {
             plant: Plant::new(linear, index % 2),

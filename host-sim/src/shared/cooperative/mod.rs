@@ -35,7 +35,7 @@ pub mod run;
 pub mod waves;
 pub mod world;
 
-use haptic_sim::scene::{SceneError, SceneFile};
+use haptic_sim::scene::{Scene, SceneError};
 
 /// Most users.
 pub const MOST_USERS: usize = 16;
@@ -68,7 +68,7 @@ pub enum Engine {
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Devices, contact, object, network, and two users whose profiles alternate.
-    pub scene: SceneFile,
+    pub scene: Scene,
     /// How many users.
     pub users: usize,
     /// Stiffness and damping follow the measured round trip.
@@ -91,7 +91,7 @@ impl Setup {
     ];
 
     /// Two users in this scene, engine and bounder at the server and on.
-    pub fn new(scene: SceneFile) -> Self {
+    pub fn new(scene: Scene) -> Self {
         Self { scene, users: 2, bounder: true, collision: Collision::default(), engine: Engine::default() }
     }
 
@@ -103,6 +103,6 @@ impl Setup {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =
             Self::BASE.iter().chain(&[delay.as_str()]).chain(keys).map(|key| (*key).to_owned()).collect();
-        Ok(Self::new(SceneFile::load(None, &keys)?))
+        Ok(Self::new(Scene::load(None, &keys)?))
     }
 }

@@ -7,9 +7,7 @@
 
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, State};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Refused;
 use serde::Serialize;
 
@@ -18,14 +16,14 @@ use super::junction::Junction;
 use super::world::WorldError;
 use haptic_sim::network::Way;
 use haptic_sim::network::rule::Direction;
+use haptic_sim::peers::DynPeer;
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::{Network, SceneFile};
+use haptic_sim::scene::{Network, Scene};
 
 /// One peer, its device and its lines to and from the server.
 #[derive(Clone, Debug)]
 struct Seat {
-    scene: Scene<Any<f64>>,
-    state: State<Any<f64>>,
+    peer: Box<dyn DynPeer<f64>>,
     plant: Plant,
     up: Way<Packet<f64>>,
     down: Way<Packet<f64>>,
@@ -64,7 +62,7 @@ impl Waves {
     /// # Errors
     /// Users out of range; a comm that sends no waves; a network that does more than delay, without the ledger; what the
     /// peers refuse.
-    pub fn new(scene: &SceneFile, users: usize) -> Result<Self, WorldError> {
+    pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         if !(1..=MOST_USERS).contains(&users) {
             return Err(WorldError::Users(users));
         }
@@ -80,18 +78,14 @@ impl Waves {
             return Err(WorldError::NotConstant);
         }
         let junction = Junction::new(&scene.peer, users)?;
-        let settings = scene.peers();
         let seat = |index: usize| -> Result<Seat, Refused<'static>> {
-            let built = Scene::build(&settings[index % 2])?;
-            let plant = Plant::new(scene, index % 2);
-            let start = plant.motions().map(|motion| Motion::at(motion.position));
-            let mut state = State::new(&built, start);
-            state.command(&built, Command::Arm);
+            let mut peer = scene.peer(index % 2)?;
+            peer.command(Command::Arm);
             let mut line = scene.clone();
             // Every line has its own fate.
             line.world.network.seed = network.seed.wrapping_add(index as u32);
             let (up, down) = (Way::new(&line, Direction::OneToTwo), Way::new(&line, Direction::TwoToOne));
-            Ok(Seat { scene: built, state, plant, up, down })
+            Ok(Seat { peer, plant: Plant::new(scene, index % 2), up, down })
         };
         let seats = (0..users).map(seat).collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
@@ -105,12 +99,12 @@ impl Waves {
 
     /// The object's copy at every peer, as the last tick saw it.
     pub fn copies(&self) -> impl Iterator<Item = Motion<f64>> {
-        self.seats.iter().map(|seat| seat.state.observed().object)
+        self.seats.iter().map(|seat| seat.peer.observed().object)
     }
 
     /// Contact force at every peer, N.
     pub fn forces(&self) -> impl Iterator<Item = f64> {
-        self.seats.iter().map(|seat| seat.state.observed().contact_force)
+        self.seats.iter().map(|seat| seat.peer.observed().contact_force)
     }
 
     /// One tick.
@@ -121,7 +115,7 @@ impl Waves {
         let time_s = self.period_s * self.tick as f64;
         for seat in &mut self.seats {
             let sensors = seat.plant.sensors();
-            let actuators = peer::tick(&seat.scene, &mut seat.state, &sensors);
+            let actuators = seat.peer.tick(&sensors);
             seat.plant.step(time_s, &actuators);
         }
         self.tick += 1;
@@ -130,13 +124,13 @@ impl Waves {
     /// Packets to the server, through the junction, and back.
     fn exchange(&mut self, time: f64) {
         self.junction.exchange(self.seats.iter_mut().map(|seat| {
-            seat.up.send(time, peer::outgoing(&seat.scene, &seat.state));
+            seat.up.send(time, seat.peer.outgoing());
             seat.up.take(time)
         }));
         for (seat, port) in self.seats.iter_mut().zip(self.junction.ports()) {
             seat.down.send(time, port.back);
             let incoming = seat.down.take(time);
-            peer::exchange(&seat.scene, &mut seat.state, incoming);
+            seat.peer.exchange(incoming);
         }
     }
 
@@ -157,7 +151,7 @@ impl Waves {
         let energy = self.junction.energy();
         let out_over = |into: f64| if into > 0.0 { energy.sent_j / into } else { 1.0 };
         Outcome {
-            stable: self.seats.iter().all(|seat| seat.state.mode() == Mode::Armed),
+            stable: self.seats.iter().all(|seat| seat.peer.mode() == Mode::Armed),
             true_discrepancy_mm: 1e3 * discrepancy / counted.max(1) as f64,
             felt_n: felt / counted.max(1) as f64,
             peak_n,

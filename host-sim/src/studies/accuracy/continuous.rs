@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 
 use haptic_analysis::lifted::constructed::hold::exponential;
 use haptic_analysis::matrix::Matrix;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Time from one sample to the next, s.
 pub const SAMPLE_S: f64 = 1e-3;
@@ -55,7 +55,7 @@ struct Peer {
 }
 
 impl Peer {
-    fn new(scene: &SceneFile) -> Self {
+    fn new(scene: &Scene) -> Self {
         let (device, contact, object) = (&scene.world.device, &scene.peer.contact, &scene.peer.object);
         let line = &scene.peer.coordination;
         let (stiffness, damping, b) = (line.stiffness_n_per_m, line.damping_n_s_per_m, line.wave_impedance_n_s_per_m);
@@ -88,7 +88,7 @@ impl Peer {
 }
 
 /// The pair of a linear passive-wave scene, one sample each millisecond from 0 to before `duration_s`.
-pub fn run(scene: &SceneFile, duration_s: f64) -> Vec<Sample> {
+pub fn run(scene: &Scene, duration_s: f64) -> Vec<Sample> {
     let peer = Peer::new(scene);
     let timing = &scene.peer.timing;
     let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);

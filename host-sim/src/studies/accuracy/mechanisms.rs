@@ -14,9 +14,9 @@ use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
 use super::counts::Processor;
-use super::double_double::DoubleDouble;
 use super::{Comparison, Family, largest};
 pub use haptic_cases::workspace::{case, joints, settings};
+use haptic_sim::double_double::DoubleDouble;
 use haptic_sim::report::text::significant;
 
 /// Hand (m) and Jacobian (m/rad) of a pose.

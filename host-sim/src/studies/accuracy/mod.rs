@@ -16,7 +16,7 @@
 //! | [`counts`] | instructions, counted and reviewed, of the board's processor and of a PC's |
 //! | [`pareto`] | which choices nobody beats |
 //! | [`cost`] | what each model adds to a scene's tick |
-//! | [`continuous`], [`pair`], [`double_double`] | references |
+//! | [`continuous`], [`pair`] | references, the latter in [`haptic_sim::double_double`] |
 //! | [`picture`] | error against instructions, drawn |
 //!
 //! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
@@ -26,7 +26,6 @@ pub mod continuous;
 pub mod cost;
 pub mod counts;
 pub mod decodes;
-pub mod double_double;
 pub mod estimators;
 pub mod filters;
 pub mod integrators;

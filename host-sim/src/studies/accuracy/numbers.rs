@@ -2,7 +2,7 @@
 //!
 //! Two errors, because they answer two questions. The *whole* error, against continuous control ([`super::continuous`]),
 //! is what a user gets; most of it is the control period's. The *rounding* alone, against the same peer in double-double
-//! ([`super::double_double`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
+//! ([`DoubleDouble`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
 //! of what f64 itself shows. Unit: m, N.
 
 use haptic_core::law::wave::Decode;
@@ -11,9 +11,9 @@ use haptic_core::object::IntegratorName;
 use haptic_core::settings::Refused;
 
 use super::counts::Processor;
-use super::double_double::DoubleDouble;
 use super::pair::{self, Apart, apart};
 use super::{Comparison, Family, continuous};
+use haptic_sim::double_double::DoubleDouble;
 use haptic_sim::report::text::significant;
 
 /// The case whose ticks are counted: [`super::cost`].

@@ -5,14 +5,14 @@
 //! a continuous limit to be near to; K_T is 1590 N/m, where both decodes are stable.
 
 use haptic_core::law::wave::Decode;
-use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Refused;
+use haptic_sim::peers::Number;
 
 use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// Simulated time, s.
 pub const DURATION_S: f64 = 10.0;
@@ -22,8 +22,8 @@ pub const MOTION: &str = "Coupled pair, passive wave, K_T 1590 N/m, 8 ms packets
                           delay. §5.1: both push 0.1 N, user 1 adds 1 N for 25 ms every 2.5 s; 10 s";
 
 /// The scene with these choices, at `ticks_per_ms` (a power of two) ticks each millisecond.
-pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> SceneFile {
-    let mut scene = SceneFile::default();
+pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> Scene {
+    let mut scene = Scene::default();
     scene.peer.timing.control_period_s = SAMPLE_S / f64::from(ticks_per_ms);
     scene.peer.timing.ticks_per_packet = 8 * ticks_per_ms;
     scene.peer.object.integrator = integrator;
@@ -42,13 +42,13 @@ pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> S
 ///
 /// # Errors
 /// What the peers' `build()` refuses.
-pub fn run<S: Scalar>(scene: &SceneFile, duration_s: f64) -> Result<Vec<Sample>, Refused<'static>> {
+pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Refused<'static>> {
     let ticks_per_sample = (SAMPLE_S / scene.peer.timing.control_period_s).round() as usize;
     let mut pair = Pair::<S>::new(scene)?;
     let samples = (duration_s / SAMPLE_S).round() as usize;
     let sample = |_| {
         pair.step();
-        let seen = pair.sides.each_ref().map(|side| *side.state.observed());
+        let seen = pair.sides.each_ref().map(|side| *side.peer.observed());
         (1..ticks_per_sample).for_each(|_| pair.step());
         Sample {
             objects_m: seen.map(|seen| seen.object.position.to_f64()),

@@ -11,7 +11,7 @@ use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
 
 use super::TASK;
 use haptic_sim::plant::Linear;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use haptic_sim::user::minimum_jerk;
 
 /// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
@@ -78,7 +78,7 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    pub(super) fn new(scene: &SceneFile, index: usize, goal: f64) -> Self {
+    pub(super) fn new(scene: &Scene, index: usize, goal: f64) -> Self {
         let settings = &scene.peers()[index];
         let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
         let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);

@@ -39,7 +39,7 @@ use serde::Serialize;
 
 use crate::shared::cooperative::world::WorldError;
 use haptic_analysis::AnalysisError;
-use haptic_sim::scene::{SceneError, SceneFile};
+use haptic_sim::scene::{Scene, SceneError};
 
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
@@ -186,7 +186,7 @@ pub enum ArchitectureError {
 ///
 /// # Errors
 /// A key or value that the scene refuses.
-pub(crate) fn scene(keys: &[String]) -> Result<SceneFile, SceneError> {
+pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
     let user = |index: usize| {
         // Toward the other peer is toward positive x for user 1, and away from it for user 2.
         let sign = if index == 0 { 1.0 } else { -1.0 };
@@ -202,7 +202,7 @@ pub(crate) fn scene(keys: &[String]) -> Result<SceneFile, SceneError> {
     let base = ["object.integrator=semi-implicit", "object.force_delay_ticks=0", "network.one_way_delay_packets=0"];
     let base = base.map(str::to_owned);
     let all: Vec<String> = base.into_iter().chain(user(0)).chain(user(1)).chain(keys.iter().cloned()).collect();
-    SceneFile::load(None, &all)
+    Scene::load(None, &all)
 }
 
 /// One architecture at one delay.

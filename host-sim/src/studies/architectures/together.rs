@@ -33,7 +33,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     let mut account = Account::new(ticks);
     for _ in 0..ticks {
         pair.step();
-        let seen = pair.sides.each_ref().map(|side| side.state.observed());
+        let seen = pair.sides.each_ref().map(|side| side.peer.observed());
         account.see(seen.map(|seen| seen.object.position), seen.map(|seen| seen.contact_force));
     }
     let bytes = if comm == "none" {

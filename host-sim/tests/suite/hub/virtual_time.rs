@@ -9,12 +9,12 @@ use haptic_sim::network::datagrams::Datagrams;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 use host_sim::live::hub::{Hub, number_on};
 use host_sim::shared::cooperative::waves::Waves;
 
-fn scene(keys: &[String]) -> SceneFile {
+fn scene(keys: &[String]) -> Scene {
     let mut scene = scenes::load("any-network").expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
@@ -27,7 +27,7 @@ fn key() -> Key {
 
 /// A hub, its peers and their lines; a peer may be gone.
 struct Meeting {
-    scene: SceneFile,
+    scene: Scene,
     hub: Hub<usize>,
     peers: Vec<Option<Node>>,
     up: Vec<Datagrams>,
@@ -37,7 +37,7 @@ struct Meeting {
 }
 
 impl Meeting {
-    fn new(scene: SceneFile, users: usize) -> Self {
+    fn new(scene: Scene, users: usize) -> Self {
         let mut drawn = 0;
         let entropy = || {
             drawn += 1;

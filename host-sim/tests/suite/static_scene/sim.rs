@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
 use haptic_sim::network::rule::{Arrival, Direction, Fates};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use host_sim::shared::visit::host::Host;
 use host_sim::shared::visit::visitor::{Party, Setup, Visitor};
 use host_sim::shared::world::World;
@@ -42,7 +42,7 @@ impl Sim {
     /// A world without servers or visitors, over the scene's network (`network.…` overrides) with 8 ms one way.
     pub(crate) fn new(network: &[&str]) -> Self {
         let network: Vec<String> = network.iter().map(|key| format!("network.{key}")).collect();
-        let scene = SceneFile::load(None, &network).expect("a good network");
+        let scene = Scene::load(None, &network).expect("a good network");
         let fates = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Fates::new(&scene, direction));
         let (hosts, visitors) = (BTreeMap::new(), BTreeMap::new());
         Self { hosts, visitors, gone: BTreeSet::new(), tick: 0, fates, packets: 0, in_flight: vec![] }

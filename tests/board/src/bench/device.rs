@@ -6,7 +6,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::peer::Actuators;
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use crate::part::Bridges;
 
@@ -14,7 +14,7 @@ use crate::part::Bridges;
 pub const PWM_STEPS: u32 = 3000;
 
 /// The scene as boards can run it: encoders for sensors, duties for motors, PWM in the board's steps.
-pub fn for_boards(scene: &SceneFile) -> SceneFile {
+pub fn for_boards(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.world.plant.encoder = true;
     scene.world.plant.motor = true;

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use firmware_parts::record::Record;
 use haptic_core::safety::Mode;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use crate::cost::Meter;
 use crate::image::Firmware;
@@ -45,7 +45,7 @@ pub struct Bench {
     pub pc: Pc,
     /// Who stands in for board 2, if anyone.
     pub partner: Option<Partner>,
-    scene: SceneFile,
+    scene: Scene,
     devices: Vec<Option<Device>>,
     /// The devices while nobody holds them; empty while somebody does.
     loose: Vec<Device>,
@@ -85,7 +85,7 @@ impl Bench {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
-            scene: for_boards(&SceneFile::default()),
+            scene: for_boards(&Scene::default()),
             devices: nodes.iter().map(|_| None).collect(),
             loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),

@@ -11,7 +11,7 @@ use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 use haptic_sim::plant::Plant;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
@@ -63,7 +63,7 @@ impl Bench {
     ///
     /// # Errors
     /// What a board says against a setting.
-    pub fn set_up(&mut self, scene: &SceneFile) -> Result<(), String> {
+    pub fn set_up(&mut self, scene: &Scene) -> Result<(), String> {
         self.period_s = scene.peer.timing.control_period_s;
         self.scene = scene.clone();
         self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(Plant::new(scene, index)))).collect();
@@ -107,7 +107,7 @@ impl Bench {
 
     /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
     /// them, and what moves them is their own board.
-    pub fn let_go(&mut self, device: Option<&SceneFile>) {
+    pub fn let_go(&mut self, device: Option<&Scene>) {
         let mut scene = device.unwrap_or(&self.scene).clone();
         scene.users = Default::default();
         let counts = |index: usize| {

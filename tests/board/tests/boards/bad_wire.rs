@@ -57,7 +57,10 @@ fn they_stay_armed_and_nothing_jerks() {
     let ticks = (1000.0 * SECONDS) as u64;
     for trial in [&clean, &bad] {
         assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, ticks, 0));
-        assert!(trial.records.iter().flatten().all(|record| record.mode() == Mode::Armed), "a board did not stay armed");
+        assert!(
+            trial.records.iter().flatten().all(|record| record.mode() == Mode::Armed),
+            "a board did not stay armed"
+        );
         assert_eq!(trial.equal.first_difference, None);
         assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
         trial.reports.iter().for_each(reviewed::check);

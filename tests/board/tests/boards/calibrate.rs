@@ -13,13 +13,13 @@ use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// The bench with one board, as its operator and the person at its device share it.
 #[derive(Clone)]
 struct Table {
     bench: Rc<RefCell<Bench>>,
-    truth: SceneFile,
+    truth: Scene,
     taken: Rc<RefCell<usize>>,
 }
 
@@ -72,7 +72,7 @@ fn near(key: &str, found: &[Found], truth: f64, relative: f64) {
 
 #[test]
 fn a_person_calibrates_a_board_whose_signs_are_wrong() {
-    let mut truth = SceneFile::default();
+    let mut truth = Scene::default();
     for text in [
         "plant.encoder=true",
         "plant.motor=true",
@@ -135,5 +135,5 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
     assert_eq!(sign::calibrate(&mut board, 1).expect("sign"), [Found::flag("motor.reversed", false)]);
     assert_eq!(board.ask("arm").expect("an answer"), "ok armed");
-    SceneFile::load(Some(&file), &[]).expect("the simulator takes the file");
+    Scene::load(Some(&file), &[]).expect("the simulator takes the file");
 }

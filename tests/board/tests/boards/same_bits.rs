@@ -8,7 +8,7 @@ use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use haptic_sim::scenes;
 
-fn run(scene: &haptic_sim::scene::SceneFile, seconds: u64) -> Bench {
+fn run(scene: &haptic_sim::scene::Scene, seconds: u64) -> Bench {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 2, Line::default());
     bench.set_up(scene).expect("the boards take the scene");

@@ -10,11 +10,11 @@ use super::peer::State::{
     CoordinationForce, DesiredPosition, DesiredVelocity, ObjectPosition, ObjectVelocity, Outgoing,
 };
 use super::peer::{Peer, decay};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 impl Peer {
     /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
-    pub(super) fn power(&mut self, scene: &SceneFile) {
+    pub(super) fn power(&mut self, scene: &Scene) {
         let (k, b) = (scene.peer.coordination.stiffness_n_per_m, scene.peer.coordination.damping_n_s_per_m);
         for (held, (state, gain)) in [(ObjectPosition, k), (ObjectVelocity, b)].into_iter().enumerate() {
             let at = self.at(state);
@@ -23,7 +23,7 @@ impl Peer {
         }
     }
 
-    pub(super) fn wave(&mut self, scene: &SceneFile) {
+    pub(super) fn wave(&mut self, scene: &Scene) {
         let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
         let (k, damping) = (coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
         let impedance = coordination.wave_impedance_n_s_per_m;

@@ -18,7 +18,7 @@ pub mod network;
 pub mod peer;
 
 use super::Lifted;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 use network::Place;
 
 /// The pair's lifted matrix, with the place of each of its states.
@@ -30,9 +30,9 @@ pub struct Constructed {
     pub places: Vec<Place>,
 }
 
-/// Builds the pair of a linear scene ([`SceneFile::linear`]), without using symmetry; `None` where the scene names a
+/// Builds the pair of a linear scene ([`Scene::linear`]), without using symmetry; `None` where the scene names a
 /// model that this construction has no equations for.
-pub fn construct(linear: &SceneFile) -> Option<Constructed> {
+pub fn construct(linear: &Scene) -> Option<Constructed> {
     let peers = [peer::Peer::new(linear, 0)?, peer::Peer::new(linear, 1)?];
     let periods = peers.each_ref().map(|peer| lift::close(peer, linear.peer.timing.ticks_per_packet as usize));
     Some(network::join(linear, &peers, &periods))

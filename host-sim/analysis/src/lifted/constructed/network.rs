@@ -12,7 +12,7 @@ use super::super::Lifted;
 use super::Constructed;
 use super::lift::Period;
 use super::peer::{Peer, State};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// What a state of the pair is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub enum Place {
 }
 
 /// Joins the two peers.
-pub fn join(scene: &SceneFile, peers: &[Peer; 2], periods: &[Period; 2]) -> Constructed {
+pub fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2]) -> Constructed {
     let delays = delays_packets(scene);
     let mut places = Vec::new();
     for (peer, open) in peers.iter().enumerate() {
@@ -75,7 +75,7 @@ pub fn join(scene: &SceneFile, peers: &[Peer; 2], periods: &[Period; 2]) -> Cons
 }
 
 /// THEORY §3: in power the translation of the pair, otherwise each peer's own, where no arm holds it.
-fn rest_modes(scene: &SceneFile, peers: &[Peer; 2], places: &[Place]) -> Vec<Vec<f64>> {
+fn rest_modes(scene: &Scene, peers: &[Peer; 2], places: &[Place]) -> Vec<Vec<f64>> {
     let translation = |moving: &[usize]| {
         let moves = |place: &Place| match place {
             Place::Local { peer, state } => moving.contains(peer) && is_position(*state),

@@ -11,7 +11,7 @@ use haptic_core::object::IntegratorName;
 
 use super::super::super::matrix::Matrix;
 use super::hold::{Held, exponential};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 /// What a state of one peer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ use State::{
 
 impl Peer {
     /// Peer `index` of the scene, or `None` where its models are not known here.
-    pub fn new(scene: &SceneFile, index: usize) -> Option<Self> {
+    pub fn new(scene: &Scene, index: usize) -> Option<Self> {
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
             LawName::Power => (false, vec![ObjectPosition, ObjectVelocity]),
@@ -139,7 +139,7 @@ impl Peer {
         }
     }
 
-    fn device(&mut self, scene: &SceneFile, index: usize) {
+    fn device(&mut self, scene: &Scene, index: usize) {
         let (device, arm) = (&scene.world.device, &scene.users[index].settings.user);
         let held = Held::exact(
             device.mass_kg + arm.arm_mass_kg,
@@ -151,7 +151,7 @@ impl Peer {
         self.moves([DevicePosition, DeviceVelocity, DeviceForce], &held, &[(Contact, -1.0)]);
     }
 
-    fn object(&mut self, scene: &SceneFile) -> Option<()> {
+    fn object(&mut self, scene: &Scene) -> Option<()> {
         let (object, period) = (&scene.peer.object, scene.peer.timing.control_period_s);
         let (mass, damping, late) = (object.mass_kg, object.damping_n_s_per_m, object.force_delay_ticks);
         let held = match object.integrator {
@@ -166,7 +166,7 @@ impl Peer {
     }
 
     /// F_LC = K_LC·(x_h − x_o) + B_LC·(ẋ_h − ẋ_o), with ẋ_h as the estimator gives it.
-    fn velocity(&mut self, scene: &SceneFile) {
+    fn velocity(&mut self, scene: &Scene) {
         let (contact, period) = (&scene.peer.contact, scene.peer.timing.control_period_s);
         let (k, b) = (contact.stiffness_n_per_m, contact.damping_n_s_per_m);
         let estimate: Vec<(State, f64)> = match scene.peer.axis.velocity {

@@ -2,21 +2,21 @@
 
 use haptic_analysis::{Effort, Range, limit, verdict};
 use haptic_core::num::Fixed;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use super::setup::{COMMS, growth, scene};
 
 /// m/s: far above the steps of I32F32, far below every limit.
 const KICK_M_PER_S: f64 = 0.3;
 
-fn radius(scene: &SceneFile, stiffness: f64) -> f64 {
+fn radius(scene: &Scene, stiffness: f64) -> f64 {
     let mut scene = scene.clone();
     scene.peer.coordination.stiffness_n_per_m = stiffness;
     verdict(&scene).expect("a verdict").spectral_radius
 }
 
 /// K_T near a crossing at which the spectral radius is `wanted`.
-fn stiffness_with(scene: &SceneFile, crossing: f64, wanted: f64) -> f64 {
+fn stiffness_with(scene: &Scene, crossing: f64, wanted: f64) -> f64 {
     let (mut low, mut high) = (0.99 * crossing, 1.01 * crossing);
     let rises = radius(scene, low) < radius(scene, high);
     for _ in 0..60 {
@@ -67,7 +67,7 @@ fn a_millionth_inside_and_outside_the_simulation_agrees() {
     }
 }
 
-fn with_radius(scene: &SceneFile, crossing: f64, radius: f64) -> SceneFile {
+fn with_radius(scene: &Scene, crossing: f64, radius: f64) -> Scene {
     let mut linear = scene.linear();
     linear.peer.coordination.stiffness_n_per_m = stiffness_with(scene, crossing, radius);
     linear

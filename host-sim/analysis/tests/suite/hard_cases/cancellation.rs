@@ -2,21 +2,22 @@
 
 use haptic_analysis::verdict;
 use haptic_core::law::LawName;
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::Fixed;
 use haptic_core::settings::Choice;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::peers::Number;
+use haptic_sim::scene::Scene;
 
 use super::setup::scene;
 
 /// Largest |x_o1 + x_o2|, m, and the first tick in which anything of peer 2 is not exactly minus that of peer 1.
-fn asymmetry<S: Scalar>(scene: &SceneFile) -> (f64, Option<u64>) {
+fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
     let (mut largest_m, mut first) = (0.0_f64, None);
     for tick in 0..10_000 {
         pair.step();
         let [one, two] = pair.sides.each_ref().map(|side| {
-            let seen = side.state.observed();
+            let seen = side.peer.observed();
             let forces = [seen.contact_force, seen.coordination_force];
             let motions = [seen.device, seen.object, seen.desired].map(|motion| [motion.position, motion.velocity]);
             (forces, motions)
@@ -31,7 +32,7 @@ fn asymmetry<S: Scalar>(scene: &SceneFile) -> (f64, Option<u64>) {
     (largest_m, first)
 }
 
-fn scenes(extra: &str) -> impl Iterator<Item = (String, SceneFile)> {
+fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
     LawName::NAMES.iter().flat_map(|comm| ["delayed", "implicit"].map(|decode| (*comm, decode))).map(
         move |(comm, decode)| {
             let overrides = format!(

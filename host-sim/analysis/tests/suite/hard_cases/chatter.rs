@@ -1,20 +1,21 @@
 //! One-sided contact: at rest on the surface, across a gap, and at the edge of chatter.
 
 use haptic_analysis::{Effort, Range, limit};
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::Fixed;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::peers::Number;
+use haptic_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 
 /// Both devices touch exactly and nobody pushes.
-fn stays<S: Scalar>(scene: &SceneFile) {
+fn stays<S: Number>(scene: &Scene) {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
     let start = pair.sides.each_ref().map(|side| side.plant.motions());
     for _ in 0..5000 {
         pair.step();
         for (side, start) in pair.sides.iter().zip(&start) {
-            let seen = side.state.observed();
+            let seen = side.peer.observed();
             assert_eq!((seen.contact_force, seen.coordination_force), (S::ZERO, S::ZERO), "{}", S::NAME);
             assert_eq!(&side.plant.motions(), start, "{}", S::NAME);
         }
@@ -54,7 +55,7 @@ fn contact_begins_after_the_gap() {
         loop {
             pair.step();
             let travels = [0, 1].map(|at: usize| {
-                let seen = pair.sides[at].state.observed();
+                let seen = pair.sides[at].peer.observed();
                 ((seen.device.position - start[at]).abs(), seen.device.velocity.abs(), seen.contact_force != 0.0)
             });
             let one_tick_m = 1e-3 * travels[0].1 + 1e-6;
@@ -70,13 +71,13 @@ fn contact_begins_after_the_gap() {
 }
 
 /// How often contact begins or ends in the last five of ten seconds, and the largest contact force then, N.
-fn chatter<S: Scalar>(scene: &SceneFile) -> (u32, f64) {
+fn chatter<S: Number>(scene: &Scene) -> (u32, f64) {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
     let (mut touched, mut changes, mut largest_n) = ([false; 2], 0, 0.0_f64);
     for tick in 0..10_000 {
         pair.step();
         for (side, touched) in pair.sides.iter().zip(&mut touched) {
-            let force_n = side.state.observed().contact_force.to_f64();
+            let force_n = side.peer.observed().contact_force.to_f64();
             let touches = force_n != 0.0;
             if std::mem::replace(touched, touches) != touches && tick > 5000 {
                 changes += 1;

@@ -1,10 +1,11 @@
 //! Encoders from 16 to 24 bit per metre, read through a counter of 16 bit.
 
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::Fixed;
 use haptic_core::safety::Fault;
 use haptic_sim::pair::Pair;
+use haptic_sim::peers::Number;
 use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scene::SceneFile;
+use haptic_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 
@@ -28,14 +29,14 @@ fn sensing(bits: i32, estimator: &str) -> String {
 
 /// A free device under a push: how far the peer is from the truth at worst (counts, and what rounding may add), how far
 /// the device went (m).
-fn tracked<S: Scalar>(scene: &SceneFile, ulp: f64) -> f64 {
+fn tracked<S: Number>(scene: &Scene, ulp: f64) -> f64 {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
     let counts_per_m = scene.peer.encoder.counts_per_m;
     let mut travel_m = 0.0_f64;
     for _ in 0..800 {
         let truth = pair.sides[0].plant.motions()[0].position;
         pair.step();
-        let error_m = (pair.sides[0].state.observed().device.position.to_f64() - truth).abs();
+        let error_m = (pair.sides[0].peer.observed().device.position.to_f64() - truth).abs();
         assert!(error_m <= 1.0 / counts_per_m + ulp * truth.abs(), "{error_m} m off at {truth} m in {}", S::NAME);
         travel_m = travel_m.max(truth.abs());
     }
@@ -70,7 +71,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         let counts_per_m = 2.0_f64.powi(bits);
         let overrides = ["plant.encoder=true", "axis.velocity=difference"].map(str::to_owned);
         let resolution = format!("encoder.counts_per_m={counts_per_m}");
-        let refused = SceneFile::load(None, &[overrides.to_vec(), vec![resolution]].concat()).unwrap_err().to_string();
+        let refused = Scene::load(None, &[overrides.to_vec(), vec![resolution]].concat()).unwrap_err().to_string();
         assert!(refused.contains("safety.max_speed_m_per_s = 10 is not allowed"), "{refused}");
         let fastest = fastest_m_per_s(counts_per_m);
         let too_fast = scene(&format!(

@@ -1,9 +1,10 @@
 //! Gains, masses and delays over all that a scene accepts.
 
 use haptic_analysis::{Verdict, verdict};
-use haptic_core::num::{Fixed, Scalar, StateVector};
+use haptic_core::num::{Fixed, StateVector};
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::peers::Number;
+use haptic_sim::scene::Scene;
 
 use super::setup::{COMMS, scene};
 
@@ -20,7 +21,7 @@ struct Ran {
 }
 
 /// Runs the scene; whatever the peers compute, what reaches the motors is within the limit, and nothing after a fault.
-fn ran<S: Scalar>(scene: &SceneFile) -> Ran {
+fn ran<S: Number>(scene: &Scene) -> Ran {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
     let mut largest_force_n = 0.0_f64;
     for _ in 0..PACKETS * u64::from(scene.peer.timing.ticks_per_packet) {
@@ -28,8 +29,8 @@ fn ran<S: Scalar>(scene: &SceneFile) -> Ran {
         for side in &mut pair.sides {
             let motor_n = *side.plant.free_axis().1;
             assert!(motor_n.abs() <= scene.peer.safety.max_force_n, "{motor_n} N from {}", S::NAME);
-            assert!(motor_n == 0.0 || side.state.mode() == haptic_core::safety::Mode::Armed);
-            largest_force_n = largest_force_n.max(side.state.observed().coordination_force.to_f64().abs());
+            assert!(motor_n == 0.0 || side.peer.mode() == haptic_core::safety::Mode::Armed);
+            largest_force_n = largest_force_n.max(side.peer.observed().coordination_force.to_f64().abs());
         }
     }
     Ran { faulted: pair.fault().is_some(), largest_force_n }
@@ -37,7 +38,7 @@ fn ran<S: Scalar>(scene: &SceneFile) -> Ran {
 
 /// Whether the linear pair settles, from random states too small to meet a limit; asked of what changes by e⁶ within
 /// 150,000 packets.
-fn settles(scene: &SceneFile, verdict: &Verdict) -> bool {
+fn settles(scene: &Scene, verdict: &Verdict) -> bool {
     let linear = scene.linear();
     let mut pair = Pair::<f64>::new(&linear).expect("a good scene");
     let mut seed = 1_u64;
@@ -46,7 +47,7 @@ fn settles(scene: &SceneFile, verdict: &Verdict) -> bool {
         ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 2.0_f64.powi(-300)
     };
     for side in &mut pair.sides {
-        side.state.visit(&mut |number: &mut f64| *number = random());
+        side.peer.visit(&mut |number: &mut f64| *number = random());
         side.plant.free_axis().0.velocity = random();
     }
     let least = 8.0 * f64::from(linear.world.network.one_way_delay_packets + 1);
@@ -57,7 +58,7 @@ fn settles(scene: &SceneFile, verdict: &Verdict) -> bool {
         for _ in 0..window {
             pair.step();
             for side in &pair.sides {
-                let seen = side.state.observed();
+                let seen = side.peer.observed();
                 for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                     *envelope = envelope.max(size.abs());
                 }

@@ -1,16 +1,16 @@
 //! What the hard cases share: scenes from overrides, and how fast a linear pair grows.
 
-use haptic_core::num::Scalar;
 use haptic_sim::pair::Pair;
-use haptic_sim::scene::SceneFile;
+use haptic_sim::peers::Number;
+use haptic_sim::scene::Scene;
 
 /// Every way to communicate that the papers compare, with a gain of its own at which the default scene is stable.
 pub(crate) const COMMS: [(&str, f64); 3] = [("power", 200.0), ("wave", 1000.0), ("passive-wave", 2000.0)];
 
 /// The default scene with overrides `table.key=value`, separated by blanks.
-pub(crate) fn scene(overrides: &str) -> SceneFile {
+pub(crate) fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    SceneFile::load(None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Growth of the dominant oscillation over one packet period, measured on the running pair: of the objects' velocities s(k)
@@ -18,7 +18,7 @@ pub(crate) fn scene(overrides: &str) -> SceneFile {
 ///
 /// The pair is kicked by `kick_m_per_s`, left alone for `settle` packets until faster modes are gone, and watched over
 /// `count` more.
-pub(crate) fn growth<S: Scalar>(linear: &SceneFile, kick_m_per_s: f64, settle: u64, count: u64) -> f64 {
+pub(crate) fn growth<S: Number>(linear: &Scene, kick_m_per_s: f64, settle: u64, count: u64) -> f64 {
     let mut pair = Pair::<S>::new(linear).expect("a good scene");
     for (side, share) in pair.sides.iter_mut().zip([1.0, -0.6]) {
         side.plant.free_axis().0.velocity = share * kick_m_per_s;
@@ -36,10 +36,10 @@ pub(crate) fn growth<S: Scalar>(linear: &SceneFile, kick_m_per_s: f64, settle: u
 }
 
 /// A²·sin²φ of the sum and of the difference of both objects' velocities, over three packets.
-fn squared_amplitudes<S: Scalar>(pair: &mut Pair<S>, ticks: u64) -> [f64; 2] {
+fn squared_amplitudes<S: Number>(pair: &mut Pair<S>, ticks: u64) -> [f64; 2] {
     let mut sample = || {
         (0..ticks).for_each(|_| pair.step());
-        let [first, second] = pair.sides.each_ref().map(|side| side.state.observed().object.velocity.to_f64());
+        let [first, second] = pair.sides.each_ref().map(|side| side.peer.observed().object.velocity.to_f64());
         [first + second, first - second]
     };
     let [before, now, after] = [sample(), sample(), sample()];

@@ -1,7 +1,8 @@
 //! States that decay below the smallest normal number.
 
-use haptic_core::num::{Scalar, StateVector};
+use haptic_core::num::StateVector;
 use haptic_sim::pair::Pair;
+use haptic_sim::peers::Number;
 
 use super::setup::{COMMS, scene};
 
@@ -21,7 +22,7 @@ struct Fate {
 }
 
 /// Kicks both devices, held by arms so that everything decays, and counts.
-fn fate<S: Scalar>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: impl Fn(S) -> bool) -> Fate {
+fn fate<S: Number>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: impl Fn(S) -> bool) -> Fate {
     let arms = "user.1.arm_stiffness_n_per_m=50 user.1.arm_damping_n_s_per_m=1 \
                 user.2.arm_stiffness_n_per_m=50 user.2.arm_damping_n_s_per_m=1";
     let scene = scene(&format!("coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} {arms}"));
@@ -33,7 +34,7 @@ fn fate<S: Scalar>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: 
         pair.step();
         let (mut numbers, mut subnormal, mut largest) = (0, 0, 0.0_f64);
         for side in &pair.sides {
-            let mut state = side.state;
+            let mut state = side.peer.clone();
             state.visit(&mut |number: &mut S| {
                 assert!(number.is_finite());
                 numbers += 1;

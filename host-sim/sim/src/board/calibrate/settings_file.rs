@@ -8,7 +8,7 @@ use haptic_core::settings::{Settings, Value};
 
 use super::Found;
 use super::board::{Board, say};
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// Adds what was found to the file at `path`, which is made if it is not there.
 ///
@@ -29,7 +29,7 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
         inner.insert(name.to_owned(), value.clone());
     }
     let text = format!("# Found by `host-sim calibrate`; a scene file, in part.\n\n{document}");
-    SceneFile::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
+    Scene::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
     std::fs::write(path, text).map_err(|cause| format!("cannot write {place}: {cause}"))
 }
 
@@ -38,7 +38,7 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
 /// # Errors
 /// What the board says against it.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
-    let scene = SceneFile::load(Some(path), &[]).map_err(|error| error.to_string())?;
+    let scene = Scene::load(Some(path), &[]).map_err(|error| error.to_string())?;
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
     let document: toml::Table = text.parse().map_err(|error| format!("{}: {error}", path.display()))?;
     let named = |key: &str| {

@@ -11,24 +11,22 @@ use haptic_core::device::probe::{End, Probe, Request, Shape};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, State};
 use haptic_core::safety::Mode;
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Choice, Settings, Value};
 
 use super::board::{Board, Tick};
 use super::{Person, Task};
+use crate::peers::{self, DynPeer};
 use crate::plant::Plant;
-use crate::scene::SceneFile;
+use crate::scene::Scene;
 
 /// The board and its device.
 #[derive(Debug)]
 pub struct Simulated {
-    truth: SceneFile,
+    truth: Scene,
     plant: Plant,
     settings: Settings,
-    scene: Scene<Any<f32>>,
-    state: State<Any<f32>>,
+    peer: Box<dyn DynPeer<f32>>,
     tick: u32,
     every: u32,
     records: Vec<Tick>,
@@ -45,7 +43,7 @@ impl Shared {
     ///
     /// # Errors
     /// The board cannot run with it.
-    pub fn new(truth: &SceneFile) -> Result<Self, String> {
+    pub fn new(truth: &Scene) -> Result<Self, String> {
         let mut truth = truth.clone();
         truth.world.plant.encoder = true;
         truth.world.plant.motor = true;
@@ -53,13 +51,12 @@ impl Shared {
         settings.axis.velocity = VelocityName::Filtered;
         settings.axis.count = truth.peer.axis.count;
         settings.kinematics = truth.peer.kinematics;
-        let scene = Scene::build(&settings).map_err(|refused| refused.to_string())?;
+        let peer = peers::build(&settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
         let simulated = Simulated {
             plant: Plant::new(&truth, 0),
-            state: State::new(&scene, [Motion::REST; AXES]),
+            peer,
             truth,
             settings,
-            scene,
             tick: 0,
             every: 0,
             records: Vec::new(),
@@ -77,13 +74,13 @@ impl Shared {
 impl Simulated {
     fn step(&mut self) {
         let sensors = self.plant.sensors::<f32>();
-        let actuators = peer::tick(&self.scene, &mut self.state, &sensors);
+        let actuators = self.peer.tick(&sensors);
         self.tick += 1;
         if self.every > 0
             && self.tick.is_multiple_of(self.every)
             && let Reading::Counts(counts) = sensors.reading
         {
-            let mode = match self.state.mode() {
+            let mode = match self.peer.mode() {
                 Mode::Disarmed => 0,
                 Mode::Armed => 1,
                 Mode::Faulted(_) => super::board::FAULTED,
@@ -119,10 +116,10 @@ impl Simulated {
     }
 
     fn begin(&mut self, probe: Result<Probe<f32>, haptic_core::settings::Refused<'static>>) -> String {
-        match (self.state.mode(), probe) {
+        match (self.peer.mode(), probe) {
             (_, Err(refused)) => format!("error {refused}"),
             (Mode::Disarmed, Ok(probe)) => {
-                self.state.probe(probe);
+                self.peer.probe(probe);
                 format!("ok probing joint {} for {} ticks", probe.joint(), probe.ticks())
             }
             (mode, _) => format!("error {mode:?}"),
@@ -144,10 +141,9 @@ impl Simulated {
                     Err(error) => format!("error {error:?}"),
                 }
             }
-            ["apply"] => match Scene::build(&self.settings) {
-                Ok(scene) => {
-                    self.scene = scene;
-                    self.state = State::new(&self.scene, [Motion::REST; AXES]);
+            ["apply"] => match peers::build(&self.settings, [Motion::REST; AXES]) {
+                Ok(peer) => {
+                    self.peer = peer;
                     "ok applied".to_owned()
                 }
                 Err(refused) => format!("error {refused}"),
@@ -168,7 +164,7 @@ impl Simulated {
                 },
             )),
             ["probed"] => {
-                let outcome = self.state.probed();
+                let outcome = self.peer.probed();
                 let (joint, end) = (outcome.joint, outcome.end);
                 let verdict = outcome.verdict();
                 match end {
@@ -222,8 +218,8 @@ impl Person for Shared {
             Task::Fasten { kilograms, .. } => {
                 heavier.world.device.mass_kg += kilograms;
                 simulated.plant = Plant::new(&heavier, 0);
-                let home = simulated.scene;
-                simulated.state = State::new(&home, [Motion::REST; AXES]);
+                simulated.peer =
+                    peers::build(&simulated.settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
             }
         }
         Ok(())
