@@ -288,6 +288,24 @@ const fn whole(min: u32, max: u32) -> Allowed {
     Allowed::Whole { min, max }
 }
 
+impl Timing {
+    /// The packet period T_n, s.
+    pub fn packet_period_s(&self) -> f64 {
+        self.control_period_s * f64::from(self.ticks_per_packet)
+    }
+
+    /// The control period to the nearest nanosecond: what simulated time counts in.
+    pub fn control_period_ns(&self) -> u64 {
+        // Positive and at most 0.1 s.
+        (1e9 * self.control_period_s + 0.5) as u64
+    }
+
+    /// As many control periods as there are in a packet period, ns.
+    pub fn packet_period_ns(&self) -> u64 {
+        self.control_period_ns() * u64::from(self.ticks_per_packet)
+    }
+}
+
 settings! {
     /// Everything a peer can be told before it starts.
     pub struct Settings;

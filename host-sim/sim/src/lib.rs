@@ -5,6 +5,7 @@
 
 pub mod board;
 pub mod double_double;
+pub mod engine;
 pub mod flows;
 pub mod key_file;
 pub mod measure;

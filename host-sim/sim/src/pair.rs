@@ -17,7 +17,6 @@ use crate::plant::Plant;
 use crate::scene::Scene;
 
 /// One peer with its device and the line that its packets come in by.
-#[derive(Clone, Debug)]
 pub struct Side<S: Scalar> {
     /// The peer.
     pub peer: Box<dyn DynPeer<S>>,
@@ -43,7 +42,6 @@ pub struct Seen<'a, S: Scalar> {
 }
 
 /// Two peers on one network, computing in `S`.
-#[derive(Clone, Debug)]
 pub struct Pair<S: Scalar> {
     /// Peer 1 (left) and peer 2 (right).
     pub sides: [Side<S>; 2],
@@ -64,7 +62,7 @@ impl<S: Number> Pair<S> {
         let side = |index: usize| {
             let mut peer = scene.peer(index)?;
             peer.command(Command::Arm);
-            let incoming = Way::new(scene, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo });
+            let incoming = Way::new(scene, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo }, 0);
             Ok(Side { peer, plant: Plant::new(scene, index), incoming })
         };
         Ok(Self {

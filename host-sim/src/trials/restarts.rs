@@ -13,7 +13,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 
-use haptic_sim::network::datagrams::Datagrams;
+use haptic_sim::network::link::{Link, Route};
 use haptic_sim::network::rule::Direction;
 use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
@@ -76,7 +76,7 @@ struct World<'a> {
     random: Xoshiro256PlusPlus,
     lives: [Life; 2],
     /// From peer 1 to peer 2 and back.
-    lines: [Datagrams; 2],
+    lines: [Link<[u8]>; 2],
     now_us: u64,
     period_us: u64,
     report: Report,
@@ -92,11 +92,11 @@ impl World<'_> {
                 [first, second] if index == 0 => [first, second],
                 [first, second] => [second, first],
             };
-            while let Some(mut datagram) = inward.take(self.now_us) {
+            while let Some((_, mut datagram)) = inward.take(1_000 * self.now_us) {
                 // What a network broke, or was sent to an earlier life, is refused.
                 let _ = life.node.receive(self.now_us, &mut datagram);
             }
-            let actuators = life.node.beat(self.now_us, |bytes| outward.send(self.now_us, bytes));
+            let actuators = life.node.beat(self.now_us, |bytes| outward.send(1_000 * self.now_us, bytes));
             let engaged = life.node.is_engaged();
             if engaged && !life.engaged {
                 let first = f64::from(life.node.observed().coordination_force).abs();
@@ -149,7 +149,7 @@ pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
         scene,
         random,
         lives,
-        lines: [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Datagrams::new(scene, direction)),
+        lines: [Direction::OneToTwo, Direction::TwoToOne].map(|way| Link::new(Route::of_scene(scene, way, 0))),
         now_us: 0,
         period_us: (1e6 * timing.control_period_s).round() as u64,
         report: Report { allowed_step_n, seed, ..Report::default() },

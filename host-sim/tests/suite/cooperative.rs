@@ -224,13 +224,13 @@ fn many_wave_peers_share_one_object() {
     }
     let bad =
         ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.02", "object.integrator=semi-implicit"];
-    assert!(Waves::new(&waves(&bad), 3).unwrap_err().to_string().contains("constant delay"));
+    assert!(Waves::new(&waves(&bad), 3).err().unwrap().to_string().contains("constant delay"));
     let paid = waves(&[&bad[..], &["coordination.ledger=true", "coordination.drift_correction=true"]].concat());
     let outcome = Waves::new(&paid, 3).expect("a node").run(20.0);
     assert!(outcome.stable && outcome.node_out_over_put_in <= 1.0, "{outcome:?}");
     assert!(outcome.true_discrepancy_mm < 20.0 && outcome.node_out_over_put_in > 0.5, "{outcome:?}");
     let power = waves(&["coordination.comm=power"]);
-    assert!(Waves::new(&power, 3).unwrap_err().to_string().contains("coordination.comm"));
+    assert!(Waves::new(&power, 3).err().unwrap().to_string().contains("coordination.comm"));
 }
 
 /// Bad input: exit status 2, nothing on standard output, one line that names it.

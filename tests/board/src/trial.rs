@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use firmware_parts::record::{RECEIVED, Record, SENT};
 use haptic_core::safety::Mode;
-use haptic_sim::network::rule::{Direction, Fates};
+use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::report::table::{Column, Table};
 use haptic_sim::run::{Options, Outcome, PortEnergy, Spread};
 use haptic_sim::scene::Scene;
@@ -92,7 +92,7 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, String> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
-    let impaired = Fates::new(&scene, Direction::OneToTwo).is_some();
+    let impaired = of_scene(&scene, Direction::OneToTwo, 0).is_some();
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
     let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
         .map_err(|refused| refused.to_string())?;

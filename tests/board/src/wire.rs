@@ -1,12 +1,12 @@
 //! The switch between the boards and the PC: a frame goes to the port it is addressed to, or to every other one.
 //!
 //! Delay and bad luck are between the boards only; the PC's line is ideal. What becomes of each frame there is host-sim's to
-//! say ([`Fates`]: drawn from the scene's network, or read from a trace): greetings and ARP fare as flow does. A frame that is to
+//! say ([`Rule`]: drawn from the scene's network, or read from a trace): greetings and ARP fare as flow does. A frame that is to
 //! arrive between two stops arrives at the later one.
 
 use std::collections::VecDeque;
 
-use haptic_sim::network::rule::{Arrival, Direction, Fates};
+use haptic_sim::network::rule::{Arrival, Direction, Fate, Rule, of_scene};
 use haptic_sim::scene::Scene;
 
 use crate::pc::{MAC, board_mac};
@@ -32,12 +32,11 @@ impl Default for Line {
 }
 
 /// The switch.
-#[derive(Debug)]
 pub struct Wire {
     /// Between the boards.
     pub line: Line,
     /// What becomes of frames from board 1 and from board 2; `None`: they arrive.
-    fates: [Option<Fates>; 2],
+    rules: [Option<Box<dyn Rule>>; 2],
     sent: [u64; 2],
     flying: VecDeque<(u64, usize, Vec<u8>)>,
     /// Frames lost between the boards.
@@ -51,12 +50,12 @@ pub struct Wire {
 impl Wire {
     /// An empty switch.
     pub fn new(line: Line) -> Self {
-        Self { line, fates: [None, None], sent: [0; 2], flying: VecDeque::new(), lost: 0, doubled: 0, corrupt: 0 }
+        Self { line, rules: [None, None], sent: [0; 2], flying: VecDeque::new(), lost: 0, doubled: 0, corrupt: 0 }
     }
 
     /// From now on the line between the boards is as bad as the scene's network.
     pub fn impair(&mut self, scene: &Scene) {
-        self.fates = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Fates::new(scene, direction));
+        self.rules = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| of_scene(scene, direction, 0));
     }
 
     /// The copies of a frame from a board that arrive at the other.
@@ -66,10 +65,7 @@ impl Wire {
         }
         let number = self.sent[from];
         self.sent[from] += 1;
-        match &mut self.fates[from] {
-            Some(fates) => fates.next(number, at_ns as f64 * 1e-9),
-            None => vec![Arrival { delay_s: 0.0, corrupt: false }],
-        }
+        self.rules[from].as_mut().map_or(Fate::Pass, |rule| rule.decide(number, at_ns)).copies()
     }
 
     /// Takes a frame that left `from` at `at_ns`.
@@ -91,7 +87,7 @@ impl Wire {
                     frame[middle] ^= 0x10;
                     self.corrupt += 1;
                 }
-                let due = at_ns + self.line.delay_ns + (1e9 * copy.delay_s).round() as u64;
+                let due = at_ns + self.line.delay_ns + copy.delay_ns;
                 self.flying.push_back((due, to, frame));
             }
         }

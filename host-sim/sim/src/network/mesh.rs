@@ -4,8 +4,8 @@
 
 use haptic_protocol::wire::Event;
 
-use super::rule::{Direction, Generator};
-use crate::rng::Dice;
+use super::rule::{Direction, Rule, SeededRule};
+use crate::rng::Rng;
 use crate::scene::Network;
 
 /// A message between two of several peers.
@@ -39,24 +39,24 @@ impl Clock {
 #[derive(Clone, Debug)]
 pub struct Mesh {
     peers: usize,
-    lines: Vec<Generator>,
+    lines: Vec<SeededRule>,
 }
 
 impl Mesh {
     /// Lines that all do what `network` says of the way from 1 to 2, each from a seed of its own; `packet_s` is what
     /// reordering counts in.
-    pub fn new(peers: usize, network: Network, packet_s: f64, dice: &mut Dice) -> Self {
+    pub fn new(peers: usize, network: Network, packet_s: f64, rng: &mut Rng) -> Self {
         let mut line = |_| {
-            let network = Network { seed: dice.below(1 << 32) as u32, ..network };
-            Generator::new(network, Direction::OneToTwo, packet_s)
+            let network = Network { seed: rng.below(1 << 32) as u32, ..network };
+            SeededRule::new(network, Direction::OneToTwo, packet_s)
         };
         Self { peers, lines: (0..peers * peers).map(&mut line).collect() }
     }
 
     /// How long each copy takes of what `from` sends `to` at `now_us`, µs; none, and it is lost.
     pub fn delays_us(&mut self, from: usize, to: usize, now_us: u64) -> Vec<u64> {
-        let arrivals = self.lines[from * self.peers + to].next(now_us as f64 * 1e-6);
+        let arrivals = self.lines[from * self.peers + to].decide(0, 1_000 * now_us).copies();
         let whole = arrivals.iter().filter(|arrival| !arrival.corrupt);
-        whole.map(|arrival| (arrival.delay_s * 1e6) as u64).collect()
+        whole.map(|arrival| arrival.delay_ns / 1_000).collect()
     }
 }

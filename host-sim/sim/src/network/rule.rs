@@ -1,7 +1,7 @@
-//! What becomes of each packet: how late it arrives, how often, broken or not at all.
+//! [`Rule`]: what becomes of each packet, how late it arrives, how often, broken or not at all.
 //!
-//! Drawn from a seed by the scene's `network` table, or read from a trace. A trace is the same list written down, so that
-//! one recording impairs a run in memory, two processes and two boards alike:
+//! Drawn from a seed by the scene's `network` table, read from a trace, or said by any closure. A trace is the same list
+//! written down, so that one recording impairs a run in memory, two processes and two boards alike:
 //!
 //! ```csv
 //! direction,packet,delay_s,fate
@@ -16,8 +16,18 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::rng::Dice;
+use crate::rng::Rng;
 use crate::scene::{Network, Scene};
+
+/// Nanoseconds as seconds.
+pub fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+/// Seconds to the nearest nanosecond.
+pub fn nanoseconds(s: f64) -> u64 {
+    (1e9 * s).round() as u64
+}
 
 /// Which way a packet goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,12 +39,73 @@ pub enum Direction {
 }
 
 /// One copy of a packet that arrives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arrival {
-    /// Time on top of the constant delay, s.
-    pub delay_s: f64,
+    /// Time on top of the constant delay, ns.
+    pub delay_ns: u64,
     /// Its bits are no longer what was sent.
     pub corrupt: bool,
+}
+
+/// What becomes of a packet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It arrives after the constant delay.
+    Pass,
+    /// It never arrives.
+    Drop,
+    /// These copies of it arrive; none, and it is lost.
+    Copies(Vec<Arrival>),
+}
+
+impl Fate {
+    /// Whole, once, and this much later than the constant delay.
+    pub fn late(delay_ns: u64) -> Self {
+        Self::Copies(vec![Arrival { delay_ns, corrupt: false }])
+    }
+
+    /// The copies that arrive.
+    pub fn copies(self) -> Vec<Arrival> {
+        match self {
+            Self::Pass => vec![Arrival { delay_ns: 0, corrupt: false }],
+            Self::Drop => Vec::new(),
+            Self::Copies(copies) => copies,
+        }
+    }
+}
+
+/// Says of every packet on one way of a network what becomes of it.
+///
+/// The network table of a scene is a rule, a recorded trace is one, and so is any closure: `|number, _| if number % 3 == 0
+/// { Fate::Drop } else { Fate::Pass }` loses every third packet in the [`crate::engine`], in a relay and in a test alike.
+pub trait Rule: Send {
+    /// What becomes of packet `number`, counted from 0 in the order of sending, which is sent at `sent_ns`.
+    fn decide(&mut self, number: u64, sent_ns: u64) -> Fate;
+}
+
+impl<F: FnMut(u64, u64) -> Fate + Send> Rule for F {
+    fn decide(&mut self, number: u64, sent_ns: u64) -> Fate {
+        self(number, sent_ns)
+    }
+}
+
+/// The rule of a scene's network in one direction, on line `line` of several with streams of their own; `None` if all that
+/// the network does is delay by whole packets.
+pub fn of_scene(scene: &Scene, direction: Direction, line: u32) -> Option<Box<dyn Rule>> {
+    if let Some(trace) = &scene.network_trace {
+        return Some(Box::new(RecordedRule { trace: Arc::clone(trace), direction }));
+    }
+    let network = scene.world.network;
+    let plain = Network {
+        one_way_delay_packets: network.one_way_delay_packets,
+        playout_packets: network.playout_packets,
+        clock_drift_ppm: network.clock_drift_ppm,
+        seed: network.seed,
+        ..Network::default()
+    };
+    let own = Network { seed: network.seed.wrapping_add(line), ..network };
+    let packet_s = scene.peer.timing.packet_period_s();
+    (network != plain).then(|| -> Box<dyn Rule> { Box::new(SeededRule::new(own, direction, packet_s)) })
 }
 
 /// How the delay varies.
@@ -56,79 +127,51 @@ impl haptic_core::settings::Choice for Jitter {
 /// Bits of one packet on the wire: a sealed flow message with its Ethernet, IP and UDP headers.
 const PACKET_BITS: f64 = 8.0 * 110.0;
 
-/// Where fates come from.
+/// One direction of a recording.
 #[derive(Clone, Debug)]
-pub enum Fates {
-    /// Drawn.
-    Seeded(Box<Generator>),
-    /// Read.
-    Recorded {
-        /// The recording.
-        trace: Arc<NetworkTrace>,
-        /// Which half of it.
-        direction: Direction,
-    },
+struct RecordedRule {
+    trace: Arc<NetworkTrace>,
+    direction: Direction,
 }
 
-impl Fates {
-    /// The scene's network in one direction; `None` if all it does is delay.
-    pub fn new(scene: &Scene, direction: Direction) -> Option<Self> {
-        if let Some(trace) = &scene.network_trace {
-            return Some(Self::Recorded { trace: Arc::clone(trace), direction });
-        }
-        let network = scene.world.network;
-        let plain = Network {
-            one_way_delay_packets: network.one_way_delay_packets,
-            playout_packets: network.playout_packets,
-            clock_drift_ppm: network.clock_drift_ppm,
-            seed: network.seed,
-            ..Network::default()
-        };
-        let packet_s = scene.peer.timing.control_period_s * f64::from(scene.peer.timing.ticks_per_packet);
-        (network != plain).then(|| Self::Seeded(Box::new(Generator::new(network, direction, packet_s))))
-    }
-
-    /// The copies of packet number `packet`, sent at `sent_s`, that arrive.
-    pub fn next(&mut self, packet: u64, sent_s: f64) -> Vec<Arrival> {
-        match self {
-            Self::Seeded(generator) => generator.next(sent_s),
-            Self::Recorded { trace, direction } => trace.of(*direction, packet).to_vec(),
-        }
+impl Rule for RecordedRule {
+    fn decide(&mut self, number: u64, _: u64) -> Fate {
+        Fate::Copies(self.trace.of(self.direction, number).to_vec())
     }
 }
 
-/// Draws fates from a seed.
+/// What a network table says, drawn from its seed.
 #[derive(Clone, Debug)]
-pub struct Generator {
+pub struct SeededRule {
     network: Network,
     direction: Direction,
     packet_s: f64,
-    dice: Dice,
+    rng: Rng,
     /// In a run of losses (Gilbert–Elliott).
     losing: bool,
     /// When the line is free again, s.
     free_s: f64,
 }
 
-impl Generator {
-    /// Fates as `network` describes them for packets every `packet_s` seconds; each direction has its own stream.
+impl SeededRule {
+    /// As `network` describes it for packets every `packet_s` seconds; each direction has its own stream.
     pub fn new(network: Network, direction: Direction, packet_s: f64) -> Self {
         let stream = match direction {
             Direction::OneToTwo => 0,
             Direction::TwoToOne => 1 << 32,
         };
-        let dice = Dice::new(u64::from(network.seed) | stream);
-        Self { network, direction, packet_s, dice, losing: false, free_s: 0.0 }
+        let rng = Rng::new(u64::from(network.seed) | stream);
+        Self { network, direction, packet_s, rng, losing: false, free_s: 0.0 }
     }
 
     fn lost(&mut self) -> bool {
         let (loss, burst) = (self.network.loss, self.network.loss_burst_packets);
         if burst <= 1.0 {
-            return self.dice.chance(loss);
+            return self.rng.chance(loss);
         }
         // Mean run of `burst` losses; entered so often that `loss` of all packets fall into one.
         let change = if self.losing { 1.0 / burst } else { loss / (burst * (1.0 - loss)) };
-        if self.dice.chance(change) {
+        if self.rng.chance(change) {
             self.losing = !self.losing;
         }
         self.losing
@@ -145,37 +188,37 @@ impl Generator {
         }
         delay += match network.jitter {
             Jitter::None => 0.0,
-            Jitter::Uniform => network.jitter_s * self.dice.unit(),
+            Jitter::Uniform => network.jitter_s * self.rng.unit(),
             // Two exponentials of half the mean.
             Jitter::Gamma => {
-                -0.5 * network.jitter_s * (libm::log(1.0 - self.dice.unit()) + libm::log(1.0 - self.dice.unit()))
+                -0.5 * network.jitter_s * (libm::log(1.0 - self.rng.unit()) + libm::log(1.0 - self.rng.unit()))
             }
         };
         delay
     }
+}
 
-    /// The copies of the next packet, sent at `sent_s`, that arrive.
-    pub fn next(&mut self, sent_s: f64) -> Vec<Arrival> {
-        let network = self.network;
+impl Rule for SeededRule {
+    fn decide(&mut self, _: u64, sent_ns: u64) -> Fate {
+        let (network, sent_s) = (self.network, seconds(sent_ns));
         if self.lost() {
-            return Vec::new();
+            return Fate::Drop;
         }
         let mut queued = 0.0;
         if network.bandwidth_bit_per_s > 0.0 {
             self.free_s = self.free_s.max(sent_s) + PACKET_BITS / network.bandwidth_bit_per_s;
             queued = self.free_s - sent_s;
         }
-        let copies = 1 + usize::from(self.dice.chance(network.duplicate));
-        (0..copies)
-            .map(|_| {
-                let mut delay_s = queued + self.delay(sent_s);
-                if self.dice.chance(network.reorder) {
-                    delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.dice.unit();
-                }
-                // No packet arrives before the constant delay is over, whatever steps are asked for.
-                Arrival { delay_s: delay_s.max(0.0), corrupt: self.dice.chance(network.corrupt) }
-            })
-            .collect()
+        let copies = 1 + usize::from(self.rng.chance(network.duplicate));
+        let copy = |_| {
+            let mut delay_s = queued + self.delay(sent_s);
+            if self.rng.chance(network.reorder) {
+                delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.rng.unit();
+            }
+            // No packet arrives before the constant delay is over, whatever steps are asked for.
+            Arrival { delay_ns: nanoseconds(delay_s.max(0.0)), corrupt: self.rng.chance(network.corrupt) }
+        };
+        Fate::Copies((0..copies).map(copy).collect())
     }
 }
 
@@ -186,13 +229,13 @@ pub struct NetworkTrace {
 }
 
 impl NetworkTrace {
-    /// The fates of the first `packets` packets of a scene, sent every `packet_s` seconds.
+    /// What becomes of the first `packets` packets of a scene, sent each packet period.
     pub fn record(scene: &Scene, packets: u64) -> Self {
-        let timing = &scene.peer.timing;
-        let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
-        let half = |direction| match Fates::new(scene, direction) {
-            Some(mut fates) => (0..packets).map(|packet| fates.next(packet, packet as f64 * packet_s)).collect(),
-            None => vec![vec![Arrival { delay_s: 0.0, corrupt: false }]; packets as usize],
+        let packet_ns = scene.peer.timing.packet_period_ns();
+        let half = |direction| {
+            let mut rule = of_scene(scene, direction, 0);
+            let fate = |number: u64| rule.as_mut().map_or(Fate::Pass, |rule| rule.decide(number, number * packet_ns));
+            (0..packets).map(fate).map(Fate::copies).collect()
         };
         Self { packets: [half(Direction::OneToTwo), half(Direction::TwoToOne)] }
     }
@@ -234,7 +277,9 @@ impl NetworkTrace {
                 _ => return Err(wrong("fate must be arrives, corrupt or lost")),
             };
             match delay_s {
-                Some(delay_s) if (0.0..=1e4).contains(&delay_s) => half[packet].push(Arrival { delay_s, corrupt }),
+                Some(delay_s) if (0.0..=1e4).contains(&delay_s) => {
+                    half[packet].push(Arrival { delay_ns: nanoseconds(delay_s), corrupt });
+                }
                 _ => return Err(wrong("delay_s must be a number from 0 to 10000")),
             }
         }
@@ -261,7 +306,7 @@ impl NetworkTrace {
                     row(String::new(), "lost")?;
                 }
                 for copy in copies {
-                    row(copy.delay_s.to_string(), if copy.corrupt { "corrupt" } else { "arrives" })?;
+                    row(seconds(copy.delay_ns).to_string(), if copy.corrupt { "corrupt" } else { "arrives" })?;
                 }
             }
         }

@@ -9,7 +9,7 @@ use super::history::History;
 use super::user::{LONGEST_EDIT_US, User};
 use super::world::{Cast, Peer};
 use super::{MOST_USERS, Mistake, Trial};
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 
 /// The object.
 const OBJECT: u16 = 7;
@@ -48,15 +48,15 @@ fn lease() -> Lease {
 
 /// A server and the trial's users.
 pub fn peers(trial: &Trial) -> Cast<LockPeer> {
-    let mut dice = Dice::new(!trial.seed);
+    let mut rng = Rng::new(!trial.seed);
     let server = Server::new(lease(), Value::default());
     let stored = server.record().clone();
     let no_fence = trial.mistake == Some(Mistake::NoFence);
     let mut peers = vec![LockPeer::Server(Box::new(ServerPeer { server, stored, out: Outbox::new(), no_fence }))];
     peers.extend((0..trial.users).map(|_| {
         LockPeer::Client(Box::new(ClientPeer {
-            client: client(&mut dice),
-            user: User::new(0, &mut dice),
+            client: client(&mut rng),
+            user: User::new(0, &mut rng),
             out: Outbox::new(),
         }))
     }));
@@ -67,8 +67,8 @@ pub fn peers(trial: &Trial) -> Cast<LockPeer> {
     }
 }
 
-fn client(dice: &mut Dice) -> Client {
-    Client::new(PeerId(0), lease(), dice.below(1 << 32) as u32, Value::default())
+fn client(rng: &mut Rng) -> Client {
+    Client::new(PeerId(0), lease(), rng.below(1 << 32) as u32, Value::default())
 }
 
 impl ServerPeer {
@@ -93,7 +93,7 @@ impl ClientPeer {
         now: u64,
         message: Option<(PeerId, Message)>,
         history: &mut History,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Result<(), String> {
         match message {
             Some((from, message)) => self.client.receive(now, from, &message, &mut self.out),
@@ -101,7 +101,7 @@ impl ClientPeer {
         }
         while let Some(notice) = self.client.take_notice() {
             match notice {
-                Notice::Published { version } => self.user.has_published(version, now, history, dice)?,
+                Notice::Published { version } => self.user.has_published(version, now, history, rng)?,
                 Notice::Expired | Notice::TooLate { .. } => self.user.is_interrupted(),
                 Notice::Granted | Notice::Changed { .. } => {}
             }
@@ -110,14 +110,14 @@ impl ClientPeer {
             (Wish::Edit, Phase::Idle) => self.client.ask(now),
             (Wish::Leave, Phase::Asking) => {
                 self.client.withdraw(&mut self.out);
-                self.user.plan(now, dice);
+                self.user.plan(now, rng);
             }
             (_, Phase::Owner { .. }) if self.client.owns(now) => {
                 if let Some(value) = self.user.edits(now, &self.client.copy().value, history)? {
                     self.client.release(now, Some(value), &mut self.out).map_err(|error| error.to_string())?;
                 }
             }
-            (Wish::Leave, Phase::Idle) if self.user.is_gone(now) => self.user.plan(now, dice),
+            (Wish::Leave, Phase::Idle) if self.user.is_gone(now) => self.user.plan(now, rng),
             _ => {}
         }
         Ok(())
@@ -130,7 +130,7 @@ impl Peer for LockPeer {
         now: u64,
         message: Option<(PeerId, &Event)>,
         history: &mut History,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Result<(), String> {
         let message = message.and_then(|(from, event)| match Message::parse(event) {
             Ok((OBJECT, message)) => Some((from, message)),
@@ -138,7 +138,7 @@ impl Peer for LockPeer {
         });
         match self {
             Self::Server(peer) => peer.step(now, message, history),
-            Self::Client(peer) => peer.step(now, message, history, dice),
+            Self::Client(peer) => peer.step(now, message, history, rng),
         }
     }
 
@@ -154,7 +154,7 @@ impl Peer for LockPeer {
         matches!(self, Self::Client(peer) if peer.client.owns(now))
     }
 
-    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice) {
+    fn restart(&mut self, now: u64, forgets: bool, rng: &mut Rng) {
         match self {
             Self::Server(peer) => {
                 let record = if forgets {
@@ -166,9 +166,9 @@ impl Peer for LockPeer {
                 peer.out = Outbox::new();
             }
             Self::Client(peer) => {
-                peer.client = client(dice);
+                peer.client = client(rng);
                 peer.user.forgets();
-                peer.user.plan(now, dice);
+                peer.user.plan(now, rng);
                 peer.out = Outbox::new();
             }
         }

@@ -10,7 +10,7 @@ use super::history::History;
 use super::user::{LONGEST_EDIT_US, User};
 use super::world::{Cast, Peer};
 use super::{Mistake, Trial};
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 
 /// The object.
 const OBJECT: u16 = 9;
@@ -40,14 +40,14 @@ pub struct Member {
 
 /// The trial's users. With four or more, the last but one leaves for good.
 pub fn peers(trial: &Trial) -> Cast<Member> {
-    let mut dice = Dice::new(!trial.seed);
+    let mut rng = Rng::new(!trial.seed);
     let users = trial.users;
     let lease = Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"));
-    let founders = Roster::of(0..=dice.below(u64::from(users)) as u8);
+    let founders = Roster::of(0..=rng.below(u64::from(users)) as u8);
     let everybody = Roster::of(0..users);
     let peers = (0..users)
         .map(|seat| {
-            let config = Config { seat, contacts: everybody, lease, turn_us: TURN_US, seed: dice.below(u64::MAX) };
+            let config = Config { seat, contacts: everybody, lease, turn_us: TURN_US, seed: rng.below(u64::MAX) };
             let record =
                 if founders.contains(seat) { Record::founder(founders, Value::default()) } else { Record::outsider() };
             let for_good = users > 3 && seat + 2 == users;
@@ -56,10 +56,10 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
                 config,
                 stored: record,
                 blank: record,
-                stays_us: (seat > 0).then(|| 500_000 + dice.below(LEAVES_US)),
+                stays_us: (seat > 0).then(|| 500_000 + rng.below(LEAVES_US)),
                 since_us: None,
                 for_good,
-                user: User::new(0, &mut dice),
+                user: User::new(0, &mut rng),
                 out: Outbox::new(),
                 no_majority: trial.mistake == Some(Mistake::NoMajority),
             }
@@ -71,18 +71,18 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
 
 impl Member {
     /// Joins again, with what it has stored.
-    fn comes_back(&mut self, now: u64, dice: &mut Dice) {
-        self.config.seed = dice.below(u64::MAX);
+    fn comes_back(&mut self, now: u64, rng: &mut Rng) {
+        self.config.seed = rng.below(u64::MAX);
         self.ring = Ring::new(self.config, now, self.stored);
         self.user.forgets();
-        self.stays_us = (!self.user.is_patient()).then(|| dice.below(LEAVES_US));
+        self.stays_us = (!self.user.is_patient()).then(|| rng.below(LEAVES_US));
         self.since_us = Some(now);
     }
 
-    fn told(&mut self, now: u64, history: &mut History, dice: &mut Dice) -> Result<(), String> {
+    fn told(&mut self, now: u64, history: &mut History, rng: &mut Rng) -> Result<(), String> {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
-                Notice::Published { version } => self.user.has_published(version, now, history, dice)?,
+                Notice::Published { version } => self.user.has_published(version, now, history, rng)?,
                 Notice::Overdue | Notice::Lost => {
                     self.user.forgets();
                     self.user.is_interrupted();
@@ -100,7 +100,7 @@ impl Peer for Member {
         now: u64,
         message: Option<(PeerId, &Event)>,
         history: &mut History,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Result<(), String> {
         match message.map(|(from, event)| (from, Message::parse(event))) {
             Some((_, Ok((OBJECT, vote @ Message::Vote { .. })))) if self.no_majority => {
@@ -111,12 +111,12 @@ impl Peer for Member {
             Some((from, Ok((OBJECT, message)))) => self.ring.receive(now, from, &message, &mut self.out),
             _ => self.ring.poll(now, &mut self.out),
         }
-        self.told(now, history, dice)?;
+        self.told(now, history, rng)?;
         let since_us = *self.since_us.get_or_insert(now);
         if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
             self.ring.leave();
             if self.ring.has_left() && !self.for_good {
-                self.comes_back(now, dice);
+                self.comes_back(now, rng);
             }
         } else if self.ring.owns(now) {
             if let Some(value) = self.user.edits(now, &self.ring.state().value, history)? {
@@ -127,12 +127,12 @@ impl Peer for Member {
                 Wish::Edit => self.ring.ask(),
                 Wish::Leave if self.user.is_gone(now) => {
                     self.ring.give_up(now, &mut self.out);
-                    self.user.plan(now, dice);
+                    self.user.plan(now, rng);
                 }
                 _ => {}
             }
         }
-        self.told(now, history, dice)?;
+        self.told(now, history, rng)?;
         self.stored = *self.ring.record();
         Ok(())
     }
@@ -145,11 +145,11 @@ impl Peer for Member {
         self.ring.owns(now)
     }
 
-    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice) {
-        self.config.seed = dice.below(u64::MAX);
+    fn restart(&mut self, now: u64, forgets: bool, rng: &mut Rng) {
+        self.config.seed = rng.below(u64::MAX);
         self.ring = Ring::new(self.config, now, if forgets { self.blank } else { self.stored });
         self.user.forgets();
-        self.user.plan(now, dice);
+        self.user.plan(now, rng);
         self.out = Outbox::new();
     }
 

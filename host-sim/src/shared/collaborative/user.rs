@@ -3,7 +3,7 @@
 use haptic_protocol::roles::collaborative::{Approach, Value, Wish};
 
 use super::history::History;
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 
 /// How fast a hand comes and goes, m/s.
 const SPEED_M_PER_S: f64 = 0.5;
@@ -37,7 +37,7 @@ pub struct User {
 
 impl User {
     /// A user who comes for the first time soon after `now`.
-    pub fn new(now: u64, dice: &mut Dice) -> Self {
+    pub fn new(now: u64, rng: &mut Rng) -> Self {
         let mut user = Self {
             comes_us: 0,
             goes_us: 0,
@@ -48,16 +48,16 @@ impl User {
             published: 0,
             interrupted: 0,
         };
-        user.plan(now, dice);
+        user.plan(now, rng);
         user
     }
 
     /// The next visit.
-    pub fn plan(&mut self, now: u64, dice: &mut Dice) {
-        self.comes_us = now + dice.below(300_000);
-        self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + dice.below(1_500_000) };
-        self.edit_us = 10_000 + dice.below(LONGEST_EDIT_US - 10_000);
-        if !self.patient && dice.chance(0.125) {
+    pub fn plan(&mut self, now: u64, rng: &mut Rng) {
+        self.comes_us = now + rng.below(300_000);
+        self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + rng.below(1_500_000) };
+        self.edit_us = 10_000 + rng.below(LONGEST_EDIT_US - 10_000);
+        if !self.patient && rng.chance(0.125) {
             self.edit_us *= STUBBORN;
         }
         self.editing_us = None;
@@ -115,12 +115,12 @@ impl User {
         version: u32,
         now: u64,
         history: &mut History,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Result<(), String> {
         let value = self.edited.take().ok_or_else(|| format!("version {version} was never edited"))?;
         history.publish(&value)?;
         self.published += 1;
-        self.plan(now, dice);
+        self.plan(now, rng);
         if self.patient {
             self.comes_us = u64::MAX;
         }

@@ -9,10 +9,10 @@ use haptic_protocol::wire::{Event, PeerId};
 
 use super::history::History;
 use super::{Mistake, Trial};
-use haptic_sim::network::in_flight::InFlight;
+use haptic_sim::network::link::InFlight;
 use haptic_sim::network::mesh::{Clock, Letter, Mesh};
 use haptic_sim::network::rule::Jitter;
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 use haptic_sim::scene::Network;
 
 /// End of the time in which things go wrong, µs.
@@ -37,14 +37,14 @@ pub trait Peer {
         now: u64,
         message: Option<(PeerId, &Event)>,
         history: &mut History,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Result<(), String>;
     /// What it says.
     fn say(&mut self) -> Vec<(PeerId, Event)>;
     /// Whether it may edit.
     fn owns(&self, now: u64) -> bool;
     /// Starts anew, from its record unless that is lost, too.
-    fn restart(&mut self, now: u64, forgets: bool, dice: &mut Dice);
+    fn restart(&mut self, now: u64, forgets: bool, rng: &mut Rng);
     /// Everything is well from now on; whether this peer has a user who must get to publish.
     fn insist(&mut self, now: u64) -> bool;
     /// Publications so far, and rights to edit that ended before.
@@ -104,34 +104,34 @@ struct World<P> {
     /// Which ways are cut: from, to.
     cut: Vec<bool>,
     flying: InFlight<Letter>,
-    dice: Dice,
+    rng: Rng,
     history: History,
     run: Run,
 }
 
 impl<P: Peer> World<P> {
     fn new(trial: &Trial, cast: Cast<P>) -> Self {
-        let mut dice = Dice::new(trial.seed);
+        let mut rng = Rng::new(trial.seed);
         let count = cast.peers.len();
         // Within what a lease allows; one of them beyond, if that is the mistake.
-        let slow = 1 + dice.below(count as u64 - 1) as usize;
+        let slow = 1 + rng.below(count as u64 - 1) as usize;
         let slow = (trial.mistake == Some(Mistake::SlowClock)).then_some(slow);
         let clocks = (0..count)
             .map(|at| Clock {
-                start_us: dice.below(1 << 40),
-                rate: if slow == Some(at) { 0.25 } else { 0.94 + dice.below(120_000) as f64 * 1e-6 },
+                start_us: rng.below(1 << 40),
+                rate: if slow == Some(at) { 0.25 } else { 0.94 + rng.below(120_000) as f64 * 1e-6 },
             })
             .collect();
         let network = Network {
-            loss: dice.below(40) as f64 * 0.01,
-            duplicate: dice.below(30) as f64 * 0.01,
+            loss: rng.below(40) as f64 * 0.01,
+            duplicate: rng.below(30) as f64 * 0.01,
             jitter: Jitter::Uniform,
-            jitter_s: dice.below(60) as f64 * 1e-3,
-            reorder: dice.below(10) as f64 * 0.01,
+            jitter_s: rng.below(60) as f64 * 1e-3,
+            reorder: rng.below(10) as f64 * 0.01,
             reorder_depth_packets: 1000,
             ..Network::default()
         };
-        let mesh = Mesh::new(count, network, HELD_BACK_US as f64 * 1e-9, &mut dice);
+        let mesh = Mesh::new(count, network, HELD_BACK_US as f64 * 1e-9, &mut rng);
         let wait_bound_us = (cast.wait_bound_us)(2 * DELAY_US);
         Self {
             peers: cast.peers,
@@ -140,7 +140,7 @@ impl<P: Peer> World<P> {
             mesh,
             cut: vec![false; count * count],
             flying: InFlight::default(),
-            dice,
+            rng,
             history: History::default(),
             run: Run { wait_bound_us, ..Run::default() },
         }
@@ -150,7 +150,7 @@ impl<P: Peer> World<P> {
     fn step(&mut self, now: u64, at: usize, message: Option<(usize, Event)>) {
         let message = message.as_ref().map(|(from, event)| (PeerId(*from as u8), event));
         let clock = self.clocks[at].at(now);
-        if let Err(what) = self.peers[at].step(clock, message, &mut self.history, &mut self.dice) {
+        if let Err(what) = self.peers[at].step(clock, message, &mut self.history, &mut self.rng) {
             self.wrong(Trouble::LostUpdate, now, &what);
         }
         for (to, event) in self.peers[at].say() {
@@ -170,13 +170,13 @@ impl<P: Peer> World<P> {
     fn send(&mut self, now: u64, from: usize, to: usize, event: Event) {
         self.run.messages += 1;
         let delays_us =
-            if now < TROUBLE_US { self.mesh.delays_us(from, to, now) } else { vec![self.dice.below(DELAY_US)] };
+            if now < TROUBLE_US { self.mesh.delays_us(from, to, now) } else { vec![self.rng.below(DELAY_US)] };
         if self.cut[from * self.peers.len() + to] || delays_us.is_empty() {
             self.run.lost += 1;
             return;
         }
         for delay_us in delays_us {
-            self.flying.send(now + DELAY_US + delay_us, Letter { from, to, event });
+            self.flying.put(now + DELAY_US + delay_us, Letter { from, to, event });
         }
     }
 
@@ -199,27 +199,27 @@ impl<P: Peer> World<P> {
 
     /// The network comes together, falls into two, or loses single ways between two peers, one direction each.
     fn fall_apart(&mut self) {
-        let (count, kind) = (self.peers.len(), self.dice.below(4));
-        let sides = self.dice.below(1 << count);
+        let (count, kind) = (self.peers.len(), self.rng.below(4));
+        let sides = self.rng.below(1 << count);
         for way in 0..count * count {
             let (from, to) = (way / count, way % count);
             self.cut[way] = match kind {
                 0 | 1 => false,
                 2 => (sides >> from ^ sides >> to) & 1 == 1,
-                _ => self.dice.chance(0.4),
+                _ => self.rng.chance(0.4),
             };
         }
     }
 
     /// Somebody crashes, or the network falls apart or comes together, now and then.
     fn disturb(&mut self, now: u64, crashes: f64, partitions: f64) {
-        if self.dice.chance(partitions) {
+        if self.rng.chance(partitions) {
             self.fall_apart();
         }
         for at in 0..self.peers.len() {
-            if self.down_until[at] <= now && self.dice.chance(crashes) {
+            if self.down_until[at] <= now && self.rng.chance(crashes) {
                 self.run.crashes += 1;
-                self.down_until[at] = (now + 20_000 + self.dice.below(DOWN_US)).min(TROUBLE_US);
+                self.down_until[at] = (now + 20_000 + self.rng.below(DOWN_US)).min(TROUBLE_US);
             }
         }
     }
@@ -230,8 +230,8 @@ pub fn run<P: Peer>(trial: &Trial, cast: Cast<P>) -> Run {
     let mut world = World::new(trial, cast);
     let forgets = trial.mistake == Some(Mistake::Amnesia);
     let count = world.peers.len();
-    let crashes = world.dice.below(100) as f64 * 3e-5;
-    let partitions = world.dice.below(100) as f64 * 1e-4;
+    let crashes = world.rng.below(100) as f64 * 3e-5;
+    let partitions = world.rng.below(100) as f64 * 1e-4;
     let bound = world.run.wait_bound_us;
     let mut waits: Vec<Option<u64>> = vec![None; count];
     let mut before = vec![0; count];
@@ -250,7 +250,7 @@ pub fn run<P: Peer>(trial: &Trial, cast: Cast<P>) -> Run {
             if until > 0 {
                 world.down_until[at] = 0;
                 let clock = world.clocks[at].at(now);
-                world.peers[at].restart(clock, forgets, &mut world.dice);
+                world.peers[at].restart(clock, forgets, &mut world.rng);
             }
             world.step(now, at, None);
         }

@@ -21,7 +21,6 @@ use haptic_sim::plant::Plant;
 use haptic_sim::scene::{Network, Scene};
 
 /// One peer, its device and its lines to and from the server.
-#[derive(Clone, Debug)]
 struct Seat {
     peer: Box<dyn DynPeer<f64>>,
     plant: Plant,
@@ -30,7 +29,6 @@ struct Seat {
 }
 
 /// Peers around a node.
-#[derive(Clone, Debug)]
 pub struct Waves {
     seats: Vec<Seat>,
     junction: Junction,
@@ -81,10 +79,8 @@ impl Waves {
         let seat = |index: usize| -> Result<Seat, Refused<'static>> {
             let mut peer = scene.peer(index % 2)?;
             peer.command(Command::Arm);
-            let mut line = scene.clone();
-            // Every line has its own fate.
-            line.world.network.seed = network.seed.wrapping_add(index as u32);
-            let (up, down) = (Way::new(&line, Direction::OneToTwo), Way::new(&line, Direction::TwoToOne));
+            let way = |direction| Way::new(scene, direction, index as u32);
+            let (up, down) = (way(Direction::OneToTwo), way(Direction::TwoToOne));
             Ok(Seat { peer, plant: Plant::new(scene, index % 2), up, down })
         };
         let seats = (0..users).map(seat).collect::<Result<Vec<_>, _>>()?;

@@ -23,7 +23,6 @@ use haptic_sim::network::rule::Direction;
 pub const LEASE_US: u32 = 2_000_000;
 
 /// One client with its lines and what it plays in the hand-over.
-#[derive(Clone, Debug)]
 struct Seat {
     client: Client,
     role: role::Client,
@@ -44,7 +43,6 @@ struct Seat {
 }
 
 /// A cooperative environment at work.
-#[derive(Clone, Debug)]
 pub struct World {
     seats: Vec<Seat>,
     server: role::Server,
@@ -106,23 +104,18 @@ impl World {
         let (contact, period_s) = (&settings[0].contact, settings[0].timing.control_period_s);
         let lease = Lease::new(LEASE_US)?;
         let engine = DynamicsEngine::new(&settings[0]);
-        let seats = (0..setup.users).map(|index| {
-            let mut line = scene.clone();
-            // Every line has its own fate.
-            line.world.network.seed = line.world.network.seed.wrapping_add(index as u32);
-            Seat {
-                client: Client::new(scene, &settings[index % 2], index, setup.bounder),
-                role: role::Client::new(lease),
-                up: Way::new(&line, Direction::OneToTwo),
-                down: Way::new(&line, Direction::TwoToOne),
-                engine: engine.clone(),
-                force_n: 0.0,
-                received_n: 0.0,
-                push: None,
-                sensed: None,
-                passed_on: None,
-                answer: None,
-            }
+        let seats = (0..setup.users).map(|index| Seat {
+            client: Client::new(scene, &settings[index % 2], index, setup.bounder),
+            role: role::Client::new(lease),
+            up: Way::new(scene, Direction::OneToTwo, index as u32),
+            down: Way::new(scene, Direction::TwoToOne, index as u32),
+            engine: engine.clone(),
+            force_n: 0.0,
+            received_n: 0.0,
+            push: None,
+            sensed: None,
+            passed_on: None,
+            answer: None,
         });
         let damping = scene.world.device.damping_n_s_per_m;
         let bounder = Bounder::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, damping, period_s);

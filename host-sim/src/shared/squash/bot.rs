@@ -5,7 +5,7 @@
 
 use haptic_protocol::roles::squash::{Ball, Court, MotionBounder, Racket};
 
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 
 /// A device's workspace over the court: 15 cm for 9.75 m.
 pub const SCALE: f64 = 0.15 / 9.75;
@@ -70,16 +70,16 @@ pub struct Bot {
     /// When it begins to do something about what it has seen, s.
     reacts_s: Option<f64>,
     plan: Option<Plan>,
-    dice: Dice,
+    rng: Rng,
 }
 
 impl Bot {
     /// A bot that stands somewhere in the middle.
     pub fn new(court: Court, seed: u64) -> Self {
-        let mut dice = Dice::new(seed);
+        let mut rng = Rng::new(seed);
         let [length, width] = [court.length_m, court.width_m].map(f64::from);
-        let home = [length * 0.35, width * (0.25 + 0.5 * unit(&mut dice))];
-        Self { court, home, position: home, velocity: [0.0; 2], target: home, reacts_s: None, plan: None, dice }
+        let home = [length * 0.35, width * (0.25 + 0.5 * unit(&mut rng))];
+        Self { court, home, position: home, velocity: [0.0; 2], target: home, reacts_s: None, plan: None, rng }
     }
 
     /// Where the hand is and how it moves.
@@ -94,7 +94,7 @@ impl Bot {
 
     /// It has seen that it is its turn.
     pub fn sees_its_turn(&mut self, now_s: f64) {
-        let reaction = REACTION_S.0 + REACTION_S.1 * normal(&mut self.dice);
+        let reaction = REACTION_S.0 + REACTION_S.1 * normal(&mut self.rng);
         self.reacts_s = Some(now_s + reaction.max(0.1));
         self.plan = None;
     }
@@ -161,11 +161,11 @@ impl Bot {
     fn plans(&mut self, now_s: f64, ball: Option<Ball>) -> Plan {
         let (in_s, there) = ball.map_or((SERVES_AFTER_S, self.home), |ball| self.meets(&ball));
         let front = there[0] > FRONT * f64::from(self.court.length_m);
-        let smash = self.dice.chance(if front { SMASH.0 } else { SMASH.1 });
+        let smash = self.rng.chance(if front { SMASH.0 } else { SMASH.1 });
         let (least, most) = if smash { SMASHES } else { STROKES };
-        let (speed, angle) = (between(&mut self.dice, least, most), between(&mut self.dice, -0.6, 0.6));
-        self.target = there.map(|m| m + ROUGH.0 * normal(&mut self.dice));
-        Plan { at_s: now_s + in_s + ROUGH.1 * normal(&mut self.dice), speed, angle }
+        let (speed, angle) = (between(&mut self.rng, least, most), between(&mut self.rng, -0.6, 0.6));
+        self.target = there.map(|m| m + ROUGH.0 * normal(&mut self.rng));
+        Plan { at_s: now_s + in_s + ROUGH.1 * normal(&mut self.rng), speed, angle }
     }
 
     /// Somewhere on the ball's way back from the front wall where the hand can be in time: rather sooner, far in front,
@@ -184,21 +184,21 @@ impl Bot {
         };
         let can: Vec<_> = places.iter().copied().filter(can).collect();
         let last = places.last().copied().unwrap_or((0.0, self.position));
-        let pick = unit(&mut self.dice) * unit(&mut self.dice);
+        let pick = unit(&mut self.rng) * unit(&mut self.rng);
         can.get((pick * can.len() as f64) as usize).copied().unwrap_or(last)
     }
 }
 
-fn unit(dice: &mut Dice) -> f64 {
-    dice.below(1 << 53) as f64 * (-53.0_f64).exp2()
+fn unit(rng: &mut Rng) -> f64 {
+    rng.below(1 << 53) as f64 * (-53.0_f64).exp2()
 }
 
-fn between(dice: &mut Dice, least: f64, most: f64) -> f64 {
-    least + (most - least) * unit(dice)
+fn between(rng: &mut Rng, least: f64, most: f64) -> f64 {
+    least + (most - least) * unit(rng)
 }
 
 /// Standard normal, by Box and Muller.
-fn normal(dice: &mut Dice) -> f64 {
-    let radius = (-2.0 * libm::log(1.0 - unit(dice))).sqrt();
-    radius * libm::cos(core::f64::consts::TAU * unit(dice))
+fn normal(rng: &mut Rng) -> f64 {
+    let radius = (-2.0 * libm::log(1.0 - unit(rng))).sqrt();
+    radius * libm::cos(core::f64::consts::TAU * unit(rng))
 }

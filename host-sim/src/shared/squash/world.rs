@@ -14,9 +14,9 @@ use super::bot::SCALE;
 use super::contestant::{Contestant, TICK_S};
 use super::referee::Referee;
 use super::{Change, Game, Moment, Options};
-use haptic_sim::network::in_flight::InFlight;
+use haptic_sim::network::link::InFlight;
 use haptic_sim::network::mesh::{Clock, Letter, Mesh};
-use haptic_sim::rng::Dice;
+use haptic_sim::rng::Rng;
 use haptic_sim::scene::Network;
 
 struct Peer {
@@ -40,41 +40,41 @@ struct World<'a> {
     seats: Vec<Seat>,
     mesh: Mesh,
     flying: InFlight<Letter>,
-    dice: Dice,
+    rng: Rng,
     referee: Referee,
     rallies: u16,
 }
 
-fn seat(number: usize, dice: &mut Dice) -> Seat {
-    let (life, seed) = (dice.below(1 << 16) as u16, dice.below(u64::MAX));
+fn seat(number: usize, rng: &mut Rng) -> Seat {
+    let (life, seed) = (rng.below(1 << 16) as u16, rng.below(u64::MAX));
     let contestant = Contestant::new(PeerId(number as u8), life, seed);
     Seat { contestant, out: Outbox::new(), bytes: 0, trail: VecDeque::new() }
 }
 
 impl<'a> World<'a> {
     fn new(options: &'a Options) -> Self {
-        let mut dice = Dice::new(options.seed);
+        let mut rng = Rng::new(options.seed);
         let count = usize::from(options.players) + 1;
         let peers = (0..count)
             .map(|_| {
                 // Quartz: 100 ppm.
-                let (start_us, ppm) = (dice.below(1 << 40), dice.below(201) as f64 - 100.0);
+                let (start_us, ppm) = (rng.below(1 << 40), rng.below(201) as f64 - 100.0);
                 Peer { clock: Clock { start_us, rate: 1.0 + ppm * 1e-6 }, on: true }
             })
             .collect();
         let network =
             Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
-        let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut dice);
+        let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut rng);
         let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
         Self {
             options,
             peers,
             server: Server::new(config),
             server_out: Outbox::new(),
-            seats: (1..count).map(|number| seat(number, &mut dice)).collect(),
+            seats: (1..count).map(|number| seat(number, &mut rng)).collect(),
             mesh,
             flying: InFlight::default(),
-            dice,
+            rng,
             referee: Referee::new(Court::SINGLES, options.players),
             rallies: 0,
         }
@@ -108,7 +108,7 @@ impl<'a> World<'a> {
             let to = usize::from(to.0);
             if to < self.peers.len() {
                 for delay_us in self.mesh.delays_us(from, to, now_us) {
-                    self.flying.send(now_us + delay_us, Letter { from, to, event });
+                    self.flying.put(now_us + delay_us, Letter { from, to, event });
                 }
             }
         }
@@ -200,7 +200,7 @@ impl<'a> World<'a> {
             Change::Vanishes => self.peers[at].on = false,
             Change::Comes => {
                 self.peers[at].on = true;
-                self.seats[at - 1] = seat(at, &mut self.dice);
+                self.seats[at - 1] = seat(at, &mut self.rng);
                 self.referee.came_back(at as u8);
             }
         }

@@ -11,7 +11,7 @@ use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Doing, Hand};
 use super::{Architecture, ArchitectureError, Row, TASK, scene};
 use haptic_analysis::verdict;
-use haptic_sim::network::in_flight::InFlight;
+use haptic_sim::network::link::InFlight;
 use haptic_sim::network::mesh::Letter;
 
 /// How long a right lasts that nobody renews, µs.
@@ -202,7 +202,7 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Arch
                 } else {
                     server_bytes += bytes
                 }
-                flying.send(now + delay_us, Letter { from, to: usize::from(to.0), event });
+                flying.put(now + delay_us, Letter { from, to: usize::from(to.0), event });
             }
         }
     }

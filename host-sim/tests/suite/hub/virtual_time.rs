@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
-use haptic_sim::network::datagrams::Datagrams;
+use haptic_sim::network::link::{Link, Route};
 use haptic_sim::network::rule::Direction;
 use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
@@ -30,8 +30,8 @@ struct Meeting {
     scene: Scene,
     hub: Hub<usize>,
     peers: Vec<Option<Node>>,
-    up: Vec<Datagrams>,
-    down: Vec<Datagrams>,
+    up: Vec<Link<[u8]>>,
+    down: Vec<Link<[u8]>>,
     lives: u8,
     tick: u64,
 }
@@ -44,11 +44,7 @@ impl Meeting {
             Ok([drawn; Key::LEN])
         };
         let hub = Hub::new(&scene, users, &key(), entropy).expect("a hub");
-        let way = |index: usize, direction| {
-            let mut line = scene.clone();
-            line.world.network.seed += index as u32;
-            Datagrams::new(&line, direction)
-        };
+        let way = |index: usize, direction| Link::new(Route::of_scene(&scene, direction, index as u32));
         let mut meeting = Self {
             hub,
             peers: Vec::new(),
@@ -77,22 +73,22 @@ impl Meeting {
     fn step(&mut self) {
         let now_us = 1_000 * self.tick;
         for ((peer, up), down) in self.peers.iter_mut().zip(&mut self.up).zip(&mut self.down) {
-            while let Some(mut datagram) = down.take(now_us) {
+            while let Some((_, mut datagram)) = down.take(1_000 * now_us) {
                 if let Some(peer) = peer {
                     let _ = peer.receive(now_us, &mut datagram);
                 }
             }
             if let Some(peer) = peer {
-                let _ = peer.beat(now_us, |bytes| up.send(now_us, bytes));
+                let _ = peer.beat(now_us, |bytes| up.send(1_000 * now_us, bytes));
             }
         }
         let down = &mut self.down;
         for (index, up) in self.up.iter_mut().enumerate() {
-            while let Some(mut datagram) = up.take(now_us) {
-                self.hub.receive(now_us, index, &mut datagram, |to, bytes| down[to].send(now_us, bytes));
+            while let Some((_, mut datagram)) = up.take(1_000 * now_us) {
+                self.hub.receive(now_us, index, &mut datagram, |to, bytes| down[to].send(1_000 * now_us, bytes));
             }
         }
-        self.hub.beat(now_us, |to, bytes| down[to].send(now_us, bytes));
+        self.hub.beat(now_us, |to, bytes| down[to].send(1_000 * now_us, bytes));
         self.tick += 1;
         let energy = self.hub.junction().energy();
         assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.tick);

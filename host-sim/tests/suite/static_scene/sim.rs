@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
-use haptic_sim::network::rule::{Arrival, Direction, Fates};
+use haptic_sim::network::link::{InFlight, Route};
+use haptic_sim::network::rule::Direction;
 use haptic_sim::scene::Scene;
 use host_sim::shared::visit::host::Host;
 use host_sim::shared::visit::visitor::{Party, Setup, Visitor};
@@ -33,9 +34,8 @@ pub(crate) struct Sim {
     /// Servers that are switched off.
     pub(crate) gone: BTreeSet<u8>,
     pub(crate) tick: u64,
-    fates: [Option<Fates>; 2],
-    packets: u64,
-    in_flight: Vec<(u64, u64, End, End, Vec<u8>)>,
+    ways: [Route; 2],
+    in_flight: InFlight<(End, End, Vec<u8>)>,
 }
 
 impl Sim {
@@ -43,9 +43,9 @@ impl Sim {
     pub(crate) fn new(network: &[&str]) -> Self {
         let network: Vec<String> = network.iter().map(|key| format!("network.{key}")).collect();
         let scene = Scene::load(None, &network).expect("a good network");
-        let fates = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Fates::new(&scene, direction));
+        let ways = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Route::of_scene(&scene, direction, 0));
         let (hosts, visitors) = (BTreeMap::new(), BTreeMap::new());
-        Self { hosts, visitors, gone: BTreeSet::new(), tick: 0, fates, packets: 0, in_flight: vec![] }
+        Self { hosts, visitors, gone: BTreeSet::new(), tick: 0, ways, in_flight: InFlight::default() }
     }
 
     pub(crate) fn now(&self) -> u64 {
@@ -66,29 +66,15 @@ impl Sim {
 
     fn send(&mut self, from: End, to: End, bytes: &[u8]) {
         let way = usize::from(matches!(from, End::Server(_)));
-        self.packets += 1;
-        let copies = match &mut self.fates[way] {
-            None => vec![Arrival { delay_s: 0.0, corrupt: false }],
-            Some(fates) => fates.next(self.packets, 1e-3 * self.tick as f64),
-        };
-        for copy in copies {
-            let mut bytes = bytes.to_vec();
-            if copy.corrupt {
-                let middle = bytes.len() / 2;
-                bytes[middle] ^= 0x10;
-            }
-            let due = self.now() + 8_000 + (1e6 * copy.delay_s) as u64;
-            self.in_flight.push((due, self.packets, from, to, bytes));
-        }
+        self.ways[way]
+            .send(1_000_000 * self.tick, bytes, |due_ns, bytes| self.in_flight.put(due_ns, (from, to, bytes)));
     }
 
     /// One control period with each visitor's hand where `hands` says; the force on each.
     pub(crate) fn step(&mut self, hands: impl Fn(u32) -> [Motion<f64>; 2]) -> BTreeMap<u32, [f64; 2]> {
         let (now, gone) = (self.now(), self.gone.clone());
         let mut said: Vec<(End, End, Vec<u8>)> = vec![];
-        let mut due: Vec<_> = self.in_flight.extract_if(.., |datagram| datagram.0 <= now).collect();
-        due.sort();
-        for (_, _, from, to, mut bytes) in due {
+        while let Some((_, (from, to, mut bytes))) = self.in_flight.take(1_000 * now) {
             match (from, to) {
                 (End::Client(line), End::Server(number)) if !gone.contains(&number) => {
                     let Some(host) = self.hosts.get_mut(&number) else { continue };

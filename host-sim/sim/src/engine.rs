@@ -1,0 +1,321 @@
+//! The engine: actors, each on its own clock, and a network from each to each other, stepped together in virtual time.
+//!
+//! **One tick**, a control period of true time: what has come is heard, everybody speaks, what comes at once is heard, and
+//! then everybody acts in the order of the seats, each after hearing what has come by then. So a network without delay
+//! delivers within the tick, and who sits last has heard everybody. What is said in answer leaves when the question arrived,
+//! not at the next tick. Nobody else steps anything: who wants to watch gives [`Engine::step`] a closure that sees every
+//! actor after each of its turns; who wants to disturb switches seats off and on, changes actors and cuts routes in between.
+//!
+//! Time and randomness are arguments, so a run is a function of what it was given. Time is nanoseconds.
+
+use std::borrow::{Borrow, BorrowMut};
+
+use crate::network::link::{Counts, InFlight, Payload, Route};
+
+/// Where an actor's packets go: whom to, and what.
+pub type Out<'a, A, P> = dyn FnMut(A, &P) + 'a;
+
+/// A peer with its device, a sealed node, a hub, a client, a server, a player: whoever takes packets and sends packets.
+///
+/// `A` is how others are addressed: by the number of their seat in an [`Engine`], by a socket address on a real network. An
+/// actor that is to run on both takes any `A: Copy` and `Packet = [u8]`. All times are of one clock, its own, which may start
+/// anywhere and does not go back.
+///
+/// **How it is driven.** By the engine: [`Actor::hear`] at the instant that each packet arrives, and once each of its
+/// control periods [`Actor::speak`] and [`Actor::act`], between which everybody else speaks. By a runner on sockets: once
+/// each control period `hear` for every datagram that has come, up to a bound, then `speak` and `act` at once; a datagram
+/// that the socket does not take is lost. So an actor must not count on anything between `speak` and `act`.
+pub trait Actor<A> {
+    /// What is sent and heard: `[u8]`, or a value that crosses as it is.
+    type Packet: Payload + ?Sized;
+
+    /// Takes what has come; it may change it in place, as a seal does that is opened.
+    fn hear(&mut self, now_ns: u64, from: A, packet: &mut Self::Packet, out: &mut Out<'_, A, Self::Packet>);
+
+    /// Says what is due, before anybody acts.
+    fn speak(&mut self, _now_ns: u64, _out: &mut Out<'_, A, Self::Packet>) {}
+
+    /// Does what a control period brings, and says what follows from it.
+    fn act(&mut self, _now_ns: u64, _out: &mut Out<'_, A, Self::Packet>) {}
+}
+
+/// A clock that starts anywhere and runs fast or slow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// What it shows in the beginning, ns.
+    pub start_ns: u64,
+    /// How fast it runs; 1 is true.
+    pub rate: f64,
+}
+
+impl Clock {
+    /// True time.
+    pub const TRUE: Self = Self { start_ns: 0, rate: 1.0 };
+
+    /// What it shows at this true time, ns.
+    #[inline]
+    pub fn at(self, true_ns: u64) -> u64 {
+        self.start_ns + if self.rate == 1.0 { true_ns } else { (true_ns as f64 * self.rate) as u64 }
+    }
+}
+
+/// An actor and what the engine knows of it.
+pub struct Seat<A> {
+    /// Who sits there.
+    pub actor: A,
+    /// The clock that it is told the time of.
+    pub clock: Clock,
+    /// Its control period over the true one: now and then it has no tick or two.
+    pub period: f64,
+    /// It has crashed or is gone: it hears nothing and does nothing.
+    pub off: bool,
+}
+
+impl<A> Seat<A> {
+    /// In true time.
+    pub fn new(actor: A) -> Self {
+        Self { actor, clock: Clock::TRUE, period: 1.0, off: false }
+    }
+
+    /// Ticks in the true tick `tick`.
+    fn turns(&self, tick: u64) -> u64 {
+        let done = |tick: u64| (tick as f64 / self.period).floor() as u64;
+        if self.off { 0 } else { done(tick + 1) - done(tick) }
+    }
+}
+
+/// Which turn an actor has had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// It has heard a packet.
+    Heard,
+    /// It has spoken.
+    Spoke,
+    /// It has acted.
+    Acted,
+}
+
+/// What an observer sees after each turn of an actor.
+pub struct Seen<'a, A> {
+    /// True time, ns.
+    pub now_ns: u64,
+    /// Whose turn it was.
+    pub seat: usize,
+    /// Which.
+    pub turn: Turn,
+    /// Everybody.
+    pub seats: &'a mut [Seat<A>],
+}
+
+/// What is said on its way to whom it is for.
+struct Network<P: Payload + ?Sized> {
+    count: usize,
+    /// From each to each other.
+    routes: Vec<Route>,
+    in_flight: InFlight<Envelope<P>>,
+}
+
+struct Envelope<P: Payload + ?Sized> {
+    from: usize,
+    to: usize,
+    packet: P::Owned,
+}
+
+impl<P: Payload + ?Sized> Network<P> {
+    #[inline]
+    fn send(&mut self, now_ns: u64, from: usize, to: usize, packet: &P) {
+        // What is for nobody is lost.
+        if to < self.count {
+            self.routes[from * self.count + to].send(now_ns, packet, |due_ns, packet| {
+                self.in_flight.put(due_ns, Envelope { from, to, packet });
+            });
+        }
+    }
+}
+
+/// Actors and the network between them.
+pub struct Engine<A: Actor<usize>> {
+    /// Who takes part.
+    pub seats: Vec<Seat<A>>,
+    network: Network<A::Packet>,
+    period_ns: u64,
+    tick: u64,
+    missed: u64,
+}
+
+impl<A: Actor<usize>> Engine<A> {
+    /// These actors, at time 0, with what `route` says from one seat to another; a tick is `period_ns`.
+    pub fn new(period_ns: u64, seats: Vec<Seat<A>>, mut route: impl FnMut(usize, usize) -> Route) -> Self {
+        let count = seats.len();
+        let routes = (0..count * count).map(|way| route(way / count, way % count)).collect();
+        let network = Network { count, routes, in_flight: InFlight::default() };
+        Self { seats, network, period_ns, tick: 0, missed: 0 }
+    }
+
+    /// Ticks done so far.
+    #[inline]
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// True time of the next tick, ns.
+    #[inline]
+    pub fn now_ns(&self) -> u64 {
+        self.tick * self.period_ns
+    }
+
+    /// The way from one seat to another: to be cut, or to be put under another rule.
+    pub fn route(&mut self, from: usize, to: usize) -> &mut Route {
+        &mut self.network.routes[from * self.network.count + to]
+    }
+
+    /// What became of all that was said; what came to a seat that was off is lost, too.
+    pub fn counts(&self) -> Counts {
+        let none = Counts { lost: self.missed, ..Counts::default() };
+        self.network.routes.iter().map(Route::counts).fold(none, |sum, way| Counts {
+            taken: sum.taken + way.taken,
+            sent: sum.sent + way.sent,
+            lost: sum.lost + way.lost,
+            corrupt: sum.corrupt + way.corrupt,
+        })
+    }
+
+    /// One tick; `watch` sees every turn.
+    #[inline]
+    pub fn step(&mut self, watch: &mut impl FnMut(Seen<'_, A>)) {
+        let most = self.seats.iter().map(|seat| if seat.period == 1.0 { 1 } else { seat.turns(self.tick) }).max();
+        for round in 0..most.unwrap_or(0).max(1) {
+            self.round(round, watch);
+        }
+        self.tick += 1;
+    }
+
+    /// One turn of those who have more than `round` in this tick.
+    #[inline]
+    fn round(&mut self, round: u64, watch: &mut impl FnMut(Seen<'_, A>)) {
+        let (now_ns, tick) = (self.now_ns(), self.tick);
+        let has_turn = |seat: &Seat<A>| match seat.period == 1.0 {
+            true => !seat.off && round == 0,
+            false => seat.turns(tick) > round,
+        };
+        self.deliver(now_ns, watch);
+        for at in 0..self.seats.len() {
+            if has_turn(&self.seats[at]) {
+                self.turn(at, now_ns, Turn::Spoke, watch, |actor, local_ns, out| actor.speak(local_ns, out));
+            }
+        }
+        for at in 0..self.seats.len() {
+            self.deliver(now_ns, watch);
+            if has_turn(&self.seats[at]) {
+                self.turn(at, now_ns, Turn::Acted, watch, |actor, local_ns, out| actor.act(local_ns, out));
+            }
+        }
+    }
+
+    /// What has arrived by `now_ns` is heard, in the order of arrival.
+    #[inline]
+    fn deliver(&mut self, now_ns: u64, watch: &mut impl FnMut(Seen<'_, A>)) {
+        while let Some((due_ns, Envelope { from, to, mut packet })) = self.network.in_flight.take(now_ns) {
+            if self.seats[to].off {
+                self.missed += 1;
+                continue;
+            }
+            self.turn(to, due_ns, Turn::Heard, watch, |actor, local_ns, out| {
+                actor.hear(local_ns, from, packet.borrow_mut(), out);
+            });
+        }
+    }
+
+    #[inline]
+    fn turn(
+        &mut self,
+        at: usize,
+        now_ns: u64,
+        turn: Turn,
+        watch: &mut impl FnMut(Seen<'_, A>),
+        take: impl FnOnce(&mut A, u64, &mut Out<'_, usize, A::Packet>),
+    ) {
+        let (seat, network) = (&mut self.seats[at], &mut self.network);
+        take(&mut seat.actor, seat.clock.at(now_ns), &mut |to, packet| network.send(now_ns, at, to, packet.borrow()));
+        watch(Seen { now_ns, seat: at, turn, seats: &mut self.seats });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::rule::Fate;
+
+    /// Sends its tick to the next, and keeps what it hears: when, from whom.
+    #[derive(Default)]
+    struct Caller {
+        next: usize,
+        heard: Vec<(u64, usize, Vec<u8>)>,
+        acted: u64,
+    }
+
+    impl Actor<usize> for Caller {
+        type Packet = [u8];
+
+        fn hear(&mut self, now_ns: u64, from: usize, packet: &mut [u8], _: &mut Out<'_, usize, [u8]>) {
+            self.heard.push((now_ns, from, packet.to_vec()));
+        }
+
+        fn speak(&mut self, _: u64, out: &mut Out<'_, usize, [u8]>) {
+            out(self.next, &[self.acted as u8]);
+        }
+
+        fn act(&mut self, _: u64, _: &mut Out<'_, usize, [u8]>) {
+            self.acted += 1;
+        }
+    }
+
+    fn engine(route: impl FnMut(usize, usize) -> Route) -> Engine<Caller> {
+        let seats = [1, 0].map(|next| Seat::new(Caller { next, ..Caller::default() }));
+        Engine::new(1_000, seats.into(), route)
+    }
+
+    #[test]
+    fn without_delay_what_is_said_is_heard_before_anybody_acts() {
+        let mut engine = engine(|_, _| Route::default());
+        let mut order = Vec::new();
+        engine.step(&mut |seen: Seen<'_, Caller>| order.push((seen.seat, seen.turn)));
+        let wanted = [
+            (0, Turn::Spoke),
+            (1, Turn::Spoke),
+            (1, Turn::Heard),
+            (0, Turn::Heard),
+            (0, Turn::Acted),
+            (1, Turn::Acted),
+        ];
+        assert_eq!(order, wanted);
+        assert_eq!(engine.seats[0].actor.heard, [(0, 1, vec![0])]);
+    }
+
+    #[test]
+    fn packets_arrive_when_they_are_due_by_the_receivers_clock_and_closures_lose_them() {
+        let mut engine = engine(|from, _| match from {
+            0 => Route::new(2_500).with_rule(|number, _| if number % 3 == 0 { Fate::Drop } else { Fate::Pass }),
+            _ => Route::new(0).with_rule(|number, sent_ns| Fate::late(if number == 0 { 1_900 } else { sent_ns })),
+        });
+        engine.seats[1].clock = Clock { start_ns: 500, rate: 2.0 };
+        (0..6).for_each(|_| engine.step(&mut |_| ()));
+        let [first, second] = [0, 1].map(|at| std::mem::take(&mut engine.seats[at].actor.heard));
+        assert_eq!(second, [(7_500, 0, vec![1]), (9_500, 0, vec![2])]);
+        assert_eq!(first, [(1_900, 1, vec![0]), (2_000, 1, vec![1]), (4_000, 1, vec![2])]);
+        assert_eq!(engine.counts(), Counts { taken: 12, sent: 10, lost: 2, corrupt: 0 });
+    }
+
+    #[test]
+    fn who_is_off_hears_nothing_and_a_slow_clock_misses_turns() {
+        let mut engine = engine(|_, _| Route::new(500));
+        engine.seats[1].period = 1.25;
+        (0..10).for_each(|_| engine.step(&mut |_| ()));
+        assert_eq!((engine.seats[0].actor.acted, engine.seats[1].actor.acted), (10, 8));
+        engine.seats[0].off = true;
+        engine.route(1, 0).cut = true;
+        (0..10).for_each(|_| engine.step(&mut |_| ()));
+        assert_eq!((engine.seats[0].actor.acted, engine.seats[1].actor.acted), (10, 16));
+        assert_eq!(engine.counts().lost, 1 + 8);
+    }
+}
