@@ -3,8 +3,10 @@
 //! Nothing here knows about haptics. The same data give the same bytes on every run: no clock, no system font, no map
 //! with a random order. Empty tables, NaN and constant data are ordinary input everywhere.
 
+mod columns;
 pub mod files;
 pub mod table;
 pub mod text;
 
+pub use columns::{Cell, Column, Columns, Rows};
 pub use haptic_plot::ReportError;

@@ -1,0 +1,654 @@
+//! Columns: what a table holds, declared once, as aligned text, Markdown, CSV, Parquet and JSON.
+//!
+//! A study declares its columns over a slice of its rows; name, digits and meaning stand in one place:
+//!
+//! ```
+//! use haptic_sim::report::Columns;
+//! struct Cell { comm: &'static str, stable: bool, true_discrepancy_mm: f64, mass_kg: Option<f64> }
+//! let cells = [Cell { comm: "power", stable: true, true_discrepancy_mm: 3.2407, mass_kg: None }];
+//! let columns = Columns::of(&cells)
+//!     .value("comm", |cell| cell.comm)
+//!     .value("stable", |cell| cell.stable)
+//!     .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm).head("true")
+//!     .number("mass_kg", 3, |cell| cell.mass_kg).means("what the hands feel")
+//!     .done();
+//! assert_eq!(columns.to_string(), "\
+//! comm   stable  true mm  mass kg
+//! -----  ------  -------  -------
+//! power  yes        3.24        -
+//! ");
+//! assert_eq!(
+//!     serde_json::to_string(&columns)?,
+//!     r#"[{"comm":"power","stable":true,"true_discrepancy_mm":3.2407,"mass_kg":null}]"#
+//! );
+//! # Ok::<(), serde_json::Error>(())
+//! ```
+//!
+//! The **name** is the field of JSON, the heading of CSV and the column of Parquet; it ends with the unit
+//! (`true_discrepancy_mm`). A dot in it nests in JSON (`force_n.mean`, `energy.0.sent_j`), as pandas' `json_normalize`
+//! undoes it. In text the **heading** is the name in words, or what [`Rows::head`] says, and the unit; numbers have the
+//! digits asked for. JSON, CSV and Parquet keep every number exactly.
+//!
+//! | cell | text | JSON | CSV | Parquet |
+//! |---|---|---|---|---|
+//! | nothing | `-` | null | empty | NaN |
+//! | yes or no | `yes`, `NO` | true, false | 1, 0 | 1, 0 |
+//! | number | its digits | exact, null for NaN | shortest that reads back | DOUBLE |
+//! | list of numbers | with commas | array | with blanks | text |
+//! | text | itself | string | string | text |
+//!
+//! In text a column whose filled cells are all numbers is set to the right, any other to the left. Widths count
+//! characters, so wide scripts and combining marks are not aligned.
+
+use std::fmt;
+
+use haptic_plot::significant;
+use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
+
+/// What stands at one place of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing: it was not measured, or there is none.
+    Empty,
+    /// Yes or no.
+    Flag(bool),
+    /// A count.
+    Whole(i64),
+    /// A number.
+    Number(f64),
+    /// Several numbers.
+    List(Vec<f64>),
+    /// Words.
+    Text(String),
+}
+
+macro_rules! cell_from {
+    ($($from:ty => $cell:expr),+ $(,)?) => {
+        $(impl From<$from> for Cell {
+            fn from(value: $from) -> Self {
+                $cell(value)
+            }
+        })+
+    };
+}
+
+cell_from! {
+    bool => Cell::Flag,
+    f64 => Cell::Number,
+    f32 => |value| Cell::Number(f64::from(value)),
+    u8 => |value| Cell::Whole(i64::from(value)),
+    u16 => |value| Cell::Whole(i64::from(value)),
+    u32 => |value| Cell::Whole(i64::from(value)),
+    i32 => |value| Cell::Whole(i64::from(value)),
+    i64 => Cell::Whole,
+    u64 => |value| i64::try_from(value).map_or(Cell::Number(value as f64), Cell::Whole),
+    usize => |value| Cell::from(value as u64),
+    Vec<f64> => Cell::List,
+    String => Cell::Text,
+    &str => |value: &str| Cell::Text(value.to_owned()),
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Empty, Into::into)
+    }
+}
+
+/// How a number is written in text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Digits {
+    /// As many as it takes.
+    All,
+    /// So many behind the point.
+    Fixed(usize),
+    /// At least so many that count.
+    Significant(usize),
+    /// So many behind the point of a power of ten.
+    Power(usize),
+    /// With its sign.
+    Signed,
+}
+
+impl Digits {
+    fn write(self, number: f64) -> String {
+        match self {
+            Self::All => number.to_string(),
+            Self::Fixed(digits) => format!("{number:.digits$}"),
+            Self::Significant(digits) => significant(number, digits),
+            Self::Power(digits) => format!("{number:.digits$e}"),
+            Self::Signed => format!("{number:+}"),
+        }
+    }
+}
+
+/// Units by the ends of names, the longer one first where one ends like the other.
+const UNITS: &[(&str, &str)] = &[
+    ("counts_per_m", "counts/m"),
+    ("bytes_per_s", "B/s"),
+    ("bit_per_s", "bit/s"),
+    ("mm_per_n", "mm/N"),
+    ("n_s_per_m", "N·s/m"),
+    ("n_per_m", "N/m"),
+    ("m_per_s", "m/s"),
+    ("per_s", "/s"),
+    ("n_s", "N·s"),
+    ("rad", "rad"),
+    ("ppm", "ppm"),
+    ("khz", "kHz"),
+    ("hz", "Hz"),
+    ("kg", "kg"),
+    ("mm", "mm"),
+    ("um", "µm"),
+    ("ms", "ms"),
+    ("us", "µs"),
+    ("mn", "mN"),
+    ("mj", "mJ"),
+    ("m", "m"),
+    ("s", "s"),
+    ("n", "N"),
+    ("j", "J"),
+];
+
+/// What is before the unit of a name, and the unit.
+fn apart(name: &str) -> (&str, &'static str) {
+    let of = |(end, unit): &(&str, &'static str)| {
+        Some((name.strip_suffix(end)?.strip_suffix(['_', '.'])?, *unit)).filter(|(rest, _)| !rest.is_empty())
+    };
+    UNITS.iter().find_map(of).unwrap_or((name, ""))
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Values {
+    Numbers(Vec<f64>),
+    Cells(Vec<Cell>),
+}
+
+/// One named column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    name: String,
+    head: String,
+    unit: String,
+    meaning: String,
+    scale: f64,
+    digits: Digits,
+    in_text: bool,
+    in_data: bool,
+    /// Rows whose text is a dash, whatever the number.
+    blank: Vec<bool>,
+    values: Values,
+}
+
+impl Column {
+    fn new(name: String, digits: Digits, values: Values) -> Self {
+        let (head, unit) = apart(&name);
+        Self {
+            head: head.replace(['_', '.'], " "),
+            unit: unit.to_owned(),
+            meaning: String::new(),
+            scale: 1.0,
+            in_text: true,
+            in_data: true,
+            blank: Vec::new(),
+            name,
+            digits,
+            values,
+        }
+    }
+
+    /// A column of numbers.
+    pub fn numbers(name: impl Into<String>, values: Vec<f64>) -> Self {
+        Self::new(name.into(), Digits::All, Values::Numbers(values))
+    }
+
+    /// Its name, with the unit at the end.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it means, in words; may be empty.
+    pub fn meaning(&self) -> &str {
+        &self.meaning
+    }
+
+    fn len(&self) -> usize {
+        match &self.values {
+            Values::Numbers(values) => values.len(),
+            Values::Cells(values) => values.len(),
+        }
+    }
+
+    /// What stands in this row; nothing where there is no such row.
+    pub fn cell(&self, row: usize) -> Cell {
+        match &self.values {
+            Values::Numbers(values) => values.get(row).copied().into(),
+            Values::Cells(values) => values.get(row).cloned().unwrap_or(Cell::Empty),
+        }
+    }
+
+    /// The heading with the unit.
+    fn heading(&self) -> String {
+        format!("{} {}", self.head, self.unit).trim().to_owned()
+    }
+
+    fn text(&self, row: usize) -> String {
+        if self.blank.get(row) == Some(&true) {
+            return "-".to_owned();
+        }
+        let number = |number: f64| self.digits.write(self.scale * number);
+        match self.cell(row) {
+            Cell::Empty => "-".to_owned(),
+            Cell::Flag(flag) => if flag { "yes" } else { "NO" }.to_owned(),
+            Cell::Whole(count) if self.scale == 1.0 && self.digits == Digits::Signed => format!("{count:+}"),
+            Cell::Whole(count) if self.scale == 1.0 => count.to_string(),
+            Cell::Whole(count) => number(count as f64),
+            Cell::Number(value) => number(value),
+            Cell::List(values) => values.into_iter().map(number).collect::<Vec<_>>().join(", "),
+            Cell::Text(text) => text,
+        }
+    }
+}
+
+/// Columns of a slice of rows, being declared. What is said of a column is said of the last one.
+#[derive(Debug)]
+pub struct Rows<'a, R> {
+    rows: &'a [R],
+    columns: Columns,
+}
+
+impl<R> Rows<'_, R> {
+    fn with<C: Into<Cell>>(mut self, name: impl Into<String>, digits: Digits, cell: impl Fn(&R) -> C) -> Self {
+        let cells = self.rows.iter().map(|row| cell(row).into()).collect();
+        self.columns.push(Column::new(name.into(), digits, Values::Cells(cells)));
+        self
+    }
+
+    fn last(mut self, change: impl FnOnce(&mut Column)) -> Self {
+        if let Some(column) = self.columns.columns.last_mut() {
+            change(column);
+        }
+        self
+    }
+
+    /// A column of texts, flags, counts, or numbers with as many digits as they have.
+    #[must_use]
+    pub fn value<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&R) -> C) -> Self {
+        self.with(name, Digits::All, cell)
+    }
+
+    /// A column of numbers with so many digits behind the point.
+    #[must_use]
+    pub fn number<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+        self.with(name, Digits::Fixed(digits), cell)
+    }
+
+    /// A column of numbers with at least so many digits that count.
+    #[must_use]
+    pub fn significant<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+        self.with(name, Digits::Significant(digits), cell)
+    }
+
+    /// A column of powers of ten with so many digits behind the point.
+    #[must_use]
+    pub fn power<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+        self.with(name, Digits::Power(digits), cell)
+    }
+
+    /// A column of differences, always with a sign.
+    #[must_use]
+    pub fn signed<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&R) -> C) -> Self {
+        self.with(name, Digits::Signed, cell)
+    }
+
+    /// What it is called in text, without the unit.
+    #[must_use]
+    pub fn head(self, head: &str) -> Self {
+        self.last(|column| column.head = head.to_owned())
+    }
+
+    /// In text, in this unit: `factor` of the name's one. The data keep the unit of the name.
+    #[must_use]
+    pub fn shown_in(self, unit: &str, factor: f64) -> Self {
+        self.last(|column| (column.unit, column.scale) = (unit.to_owned(), factor))
+    }
+
+    /// What it means, for those who read the table or its file.
+    #[must_use]
+    pub fn means(self, meaning: &str) -> Self {
+        self.last(|column| column.meaning = meaning.to_owned())
+    }
+
+    /// In text only rows of which this is true show it; the data keep all.
+    #[must_use]
+    pub fn where_true(self, shown: impl Fn(&R) -> bool) -> Self {
+        let blank = self.rows.iter().map(|row| !shown(row)).collect();
+        self.last(|column| column.blank = blank)
+    }
+
+    /// Not in text.
+    #[must_use]
+    pub fn data_only(self) -> Self {
+        self.last(|column| column.in_text = false)
+    }
+
+    /// Not in JSON, CSV and Parquet: another column holds it for programs.
+    #[must_use]
+    pub fn text_only(self) -> Self {
+        self.last(|column| column.in_data = false)
+    }
+
+    /// The columns.
+    pub fn done(self) -> Columns {
+        self.columns
+    }
+}
+
+/// Columns of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Columns {
+    columns: Vec<Column>,
+}
+
+impl Columns {
+    /// Columns of these rows, to be declared one by one.
+    pub fn of<R>(rows: &[R]) -> Rows<'_, R> {
+        Rows { rows, columns: Self::default() }
+    }
+
+    /// Columns of numbers without rows yet, to be filled with [`Self::push_row`].
+    pub fn named<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
+        Self { columns: names.into_iter().map(|name| Column::numbers(name, Vec::new())).collect() }
+    }
+
+    /// One column more.
+    ///
+    /// # Panics
+    /// It is longer or shorter than the others.
+    pub fn push(&mut self, column: Column) {
+        assert!(self.columns.is_empty() || column.len() == self.len(), "column `{}` has other rows", column.name);
+        self.columns.push(column);
+    }
+
+    /// Adds one row of numbers, one for each column.
+    ///
+    /// # Panics
+    /// The row has another number of values than there are columns, or a column is none of numbers.
+    pub fn push_row(&mut self, row: &[f64]) {
+        assert_eq!(row.len(), self.columns.len(), "a row has one value for each column");
+        for (column, value) in self.columns.iter_mut().zip(row) {
+            match &mut column.values {
+                Values::Numbers(values) => values.push(*value),
+                Values::Cells(_) => panic!("column `{}` is none of numbers", column.name),
+            }
+        }
+    }
+
+    /// Columns that are written to files, in their order.
+    pub fn data(&self) -> impl Iterator<Item = &Column> + Clone {
+        self.columns.iter().filter(|column| column.in_data)
+    }
+
+    /// The values of the column of numbers with exactly this name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|column| column.name == name).and_then(|column| match &column.values {
+            Values::Numbers(values) => Some(values.as_slice()),
+            Values::Cells(_) => None,
+        })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, Column::len)
+    }
+
+    /// True when there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn shown(&self) -> impl Iterator<Item = &Column> {
+        self.columns.iter().filter(|column| column.in_text)
+    }
+
+    /// Headings, and the texts of every row.
+    fn grid(&self) -> Vec<Vec<String>> {
+        let rows = (0..self.len()).map(|row| self.shown().map(|column| column.text(row)).collect());
+        std::iter::once(self.shown().map(Column::heading).collect()).chain(rows).collect()
+    }
+
+    /// As text with a line for every column and `titles` above the rows, which stand side by side; a column in which
+    /// there is nothing is left out. For one row, or few, of many columns.
+    pub fn down(&self, titles: &[&str]) -> String {
+        let titles = std::iter::once("").chain(titles.iter().copied()).map(str::to_owned).collect();
+        let lines = self.shown().filter(|column| (0..self.len()).any(|row| column.text(row) != "-")).map(|column| {
+            let with_unit = |row| match column.text(row) {
+                dash if dash == "-" => dash,
+                text => format!("{text} {}", column.unit).trim_end().to_owned(),
+            };
+            std::iter::once(column.head.clone()).chain((0..self.len()).map(with_unit)).collect()
+        });
+        aligned(&std::iter::once(titles).chain(lines).collect::<Vec<_>>())
+    }
+
+    /// A line for every column that has a meaning: its heading and what it means.
+    pub fn meanings(&self) -> String {
+        let told = self.shown().filter(|column| !column.meaning.is_empty());
+        told.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
+    }
+
+    /// As a Markdown table, ending with a line break.
+    pub fn markdown(&self) -> String {
+        let escape = |cell: String| cell.replace('|', "\\|").replace('\n', "<br>");
+        let grid: Vec<Vec<String>> = self.grid().into_iter().map(|row| row.into_iter().map(escape).collect()).collect();
+        let layout = layout(&grid);
+        let rule: Vec<String> =
+            layout.iter().map(|(width, right)| "-".repeat(width + 1) + if *right { ":" } else { "-" }).collect();
+        let line = |row: &Vec<String>| format!("| {} |\n", padded(row, &layout).join(" | "));
+        let [head, rows @ ..] = &grid[..] else { return String::new() };
+        format!("{}|{}|\n{}", line(head), rule.join("|"), rows.iter().map(line).collect::<String>())
+    }
+}
+
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&aligned(&self.grid()))
+    }
+}
+
+/// Width of every column of a grid, and whether it is set to the right.
+fn layout(grid: &[Vec<String>]) -> Vec<(usize, bool)> {
+    let number = |cell: &String| {
+        let cell = cell.trim_end_matches('%').trim();
+        cell == "-" || cell.parse::<f64>().is_ok()
+    };
+    let column = |at: usize| {
+        let width = grid.iter().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+        let mut filled = grid.iter().skip(1).filter_map(|row| row.get(at)).filter(|cell| !cell.is_empty()).peekable();
+        (width, filled.peek().is_some() && filled.all(number))
+    };
+    (0..grid.iter().map(Vec::len).max().unwrap_or(0)).map(column).collect()
+}
+
+fn padded(row: &[String], layout: &[(usize, bool)]) -> Vec<String> {
+    let cell = |(cell, (width, right)): (&String, &(usize, bool))| {
+        if *right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+    };
+    row.iter().zip(layout).map(cell).collect()
+}
+
+/// The rows of a grid with aligned columns, a rule below the first.
+fn aligned(grid: &[Vec<String>]) -> String {
+    let layout = layout(grid);
+    let rule = layout.iter().map(|(width, _)| "-".repeat(*width)).collect::<Vec<_>>().join("  ");
+    let mut lines = grid.iter().map(|row| padded(row, &layout).join("  ").trim_end().to_owned() + "\n");
+    let head = lines.next().unwrap_or_default();
+    format!("{head}{rule}\n{}", lines.collect::<String>())
+}
+
+impl Serialize for Columns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let fields: Vec<(&str, &Column)> = self.data().map(|column| (column.name.as_str(), column)).collect();
+        let mut rows = serializer.serialize_seq(Some(self.len()))?;
+        for row in 0..self.len() {
+            rows.serialize_element(&Node { fields: &fields, row })?;
+        }
+        rows.end()
+    }
+}
+
+/// One row of these fields, the names of which are relative to where they stand.
+struct Node<'a> {
+    fields: &'a [(&'a str, &'a Column)],
+    row: usize,
+}
+
+impl Serialize for Node<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if let [("", column)] = self.fields {
+            return column.cell(self.row).serialize(serializer);
+        }
+        let parts: Vec<(&str, (&str, &Column))> = self
+            .fields
+            .iter()
+            .map(|(name, column)| {
+                let (own, rest) = name.split_once('.').unwrap_or((name, ""));
+                (own, (rest, *column))
+            })
+            .collect();
+        let groups = parts
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|group| (group[0].0, group.iter().map(|(_, field)| *field).collect::<Vec<_>>()));
+        if parts.iter().all(|(own, _)| own.parse::<usize>().is_ok()) && !parts.is_empty() {
+            let mut list = serializer.serialize_seq(None)?;
+            for (_, fields) in groups {
+                list.serialize_element(&Node { fields: &fields, row: self.row })?;
+            }
+            return list.end();
+        }
+        let mut map = serializer.serialize_map(None)?;
+        for (own, fields) in groups {
+            map.serialize_entry(own, &Node { fields: &fields, row: self.row })?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Cell {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Empty => serializer.serialize_none(),
+            Self::Flag(flag) => serializer.serialize_bool(*flag),
+            Self::Whole(count) => serializer.serialize_i64(*count),
+            Self::Number(number) => serializer.serialize_f64(*number),
+            Self::List(numbers) => numbers.serialize(serializer),
+            Self::Text(text) => serializer.serialize_str(text),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Gain {
+        comm: &'static str,
+        gain: Option<f64>,
+        crossings: Vec<f64>,
+        force: (f64, f64),
+    }
+
+    fn gains() -> Columns {
+        let rows = [
+            Gain { comm: "power", gain: Some(310.0), crossings: vec![357.04], force: (1.0, 0.5) },
+            Gain { comm: "a|b", gain: None, crossings: vec![1.0, 2.5], force: (f64::NAN, 0.1) },
+        ];
+        Columns::of(&rows)
+            .value("comm", |row| row.comm)
+            .number("gain_n_per_m", 0, |row| row.gain)
+            .means("the largest")
+            .number("crossings_n_per_m", 1, |row| row.crossings.clone())
+            .head("boundaries")
+            .number("force_n.mean", 2, |row| row.force.0)
+            .head("F_T")
+            .shown_in("mN", 1e3)
+            .where_true(|row| row.comm == "power")
+            .value("force_n.sd", |row| row.force.1)
+            .data_only()
+            .value("note", |_| "x")
+            .text_only()
+            .done()
+    }
+
+    #[test]
+    fn text_is_aligned_and_numbers_are_set_right() {
+        let expected = "\
+comm   gain N/m  boundaries N/m   F_T mN  note
+-----  --------  --------------  -------  ----
+power       310  357.0           1000.00  x
+a|b           -  1.0, 2.5              -  x
+";
+        assert_eq!(gains().to_string(), expected);
+        assert_eq!(gains().meanings(), "gain: the largest.\n");
+    }
+
+    #[test]
+    fn markdown_escapes_and_marks_number_columns() {
+        let markdown = gains().markdown();
+        let lines: Vec<&str> = markdown.lines().collect();
+        assert_eq!(lines[1], "|-------|---------:|----------------|--------:|------|");
+        assert!(lines[3].starts_with("| a\\|b  |        - | 1.0, 2.5"), "{markdown}");
+    }
+
+    #[test]
+    fn one_row_stands_upright() {
+        let rows = [(true, 0.5, None::<f64>)];
+        let facts = Columns::of(&rows)
+            .value("stable", |row| row.0)
+            .number("peak_force_n", 3, |row| row.1)
+            .value("mass_kg", |row| row.2)
+            .done();
+        assert_eq!(facts.down(&["a"]), "            a\n----------  -------\nstable      yes\npeak force  0.500 N\n");
+    }
+
+    #[test]
+    fn json_keeps_order_nests_and_has_no_nan() {
+        let json = serde_json::to_string(&gains()).unwrap();
+        assert_eq!(
+            json,
+            r#"[{"comm":"power","gain_n_per_m":310.0,"crossings_n_per_m":[357.04],"force_n":{"mean":1.0,"sd":0.5}},"#
+                .to_owned()
+                + r#"{"comm":"a|b","gain_n_per_m":null,"crossings_n_per_m":[1.0,2.5],"force_n":{"mean":null,"sd":0.1}}]"#
+        );
+        let pair = Columns::of(&[()]).value("energy.0.j", |()| 1_u8).value("energy.1.j", |()| 2_u8).done();
+        assert_eq!(serde_json::to_string(&pair).unwrap(), r#"[{"energy":[{"j":1},{"j":2}]}]"#);
+        assert_eq!(serde_json::to_string(&Columns::default()).unwrap(), "[]");
+    }
+
+    #[test]
+    fn rows_of_numbers_are_added_and_found() {
+        let mut columns = Columns::named(["time_s", "x_m"]);
+        assert!(columns.is_empty());
+        columns.push_row(&[0.0, 1.5]);
+        columns.push_row(&[1.0, f64::NAN]);
+        assert_eq!((columns.len(), columns.column("time_s")), (2, Some(&[0.0, 1.0][..])));
+        assert_eq!(columns.column("z_m"), None);
+    }
+
+    #[test]
+    #[should_panic(expected = "one value for each column")]
+    fn a_row_that_does_not_fit_is_a_mistake() {
+        Columns::named(["time_s", "x_m"]).push_row(&[1.0]);
+    }
+
+    #[test]
+    fn names_end_with_their_unit() {
+        for (name, head, unit) in [
+            ("true_discrepancy_mm_per_n", "true_discrepancy", "mm/N"),
+            ("drag_n_s_per_m", "drag", "N·s/m"),
+            ("loss", "loss", ""),
+            ("s", "s", ""),
+        ] {
+            assert_eq!(apart(name), (head, unit));
+        }
+    }
+}
