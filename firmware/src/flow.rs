@@ -11,12 +11,12 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
-use firmware_parts::packet;
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link, Notice};
+use haptic_protocol::peer::{flow_of, packet_of, parameters_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 
 use crate::board::{Number, pace, random};
@@ -41,7 +41,7 @@ pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<
         key: key.clone(),
         ends: Ends { local: number.peer(), remote: number.other().peer() },
         packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
-        parameters: packet::parameters(settings),
+        parameters: parameters_of(settings),
         entropy: random::draw()?,
     })
     .ok()
@@ -82,7 +82,7 @@ impl Flow {
                         self.signals.life.count();
                     }
                     let life = self.signals.life.get();
-                    self.incoming.write(Received { life, packet: packet::packet(&flow) });
+                    self.incoming.write(Received { life, packet: packet_of(&flow) });
                 }
             }
             Ok(_) => {}
@@ -141,7 +141,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
             Either3::First(()) => {
                 if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
                     && !flow.outdated
-                    && let Some(length) = flow.link.send(now(), packet::flow(packet, armed, tick), &mut out)
+                    && let Some(length) = flow.link.send(now(), flow_of(packet, armed, tick), &mut out)
                 {
                     let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
                     (if sent { &signals.sent } else { &signals.dropped }).count();

@@ -17,7 +17,6 @@
 pub mod exchange;
 pub mod kept;
 pub mod operator;
-pub mod packet;
 pub mod record;
 pub mod signals;
 pub mod status;

@@ -133,6 +133,8 @@ pub mod key;
 pub mod lines;
 pub mod link;
 pub mod parameters;
+#[cfg(feature = "peer")]
+pub mod peer;
 pub mod playout;
 pub mod reliable;
 pub mod replay;

@@ -6,7 +6,6 @@
 pub mod board;
 pub mod double_double;
 pub mod engine;
-pub mod flows;
 pub mod key_file;
 pub mod measure;
 pub mod network;

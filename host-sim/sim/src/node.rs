@@ -14,14 +14,12 @@
 
 use haptic_core::peer::{Actuators, Observed};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Settings, Value};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
-use haptic_protocol::parameters::{Parameters, TooManyTables};
+use haptic_protocol::peer::{Inbox, flow_of, packet_of, parameters_of};
 use haptic_protocol::wire::{Flow, MAX_DATAGRAM, Message, PeerId, Telemetry};
 
-use super::flows::{Inbox, flow_of, packet_of};
 use crate::peers::DynPeer;
 use crate::plant::Plant;
 use crate::scene::Scene;
@@ -47,15 +45,6 @@ pub struct Node {
 /// Time from telemetry to telemetry, s.
 pub const TELEMETRY_S: f64 = 0.5;
 
-/// What both peers must have been told alike, as a greeting names it.
-fn parameters(settings: &Settings) -> Result<Parameters, TooManyTables> {
-    Parameters::of(settings.shared(), |table, key, value| match value {
-        Value::Number(number) => table.number(key, number),
-        Value::Flag(flag) => table.flag(key, flag),
-        Value::Text(text) => table.text(key, text),
-    })
-}
-
 /// The sealed line from one end of a scene to the other, calling.
 pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
     let settings = &scene.peers()[usize::from(ends.local == PeerId(2))];
@@ -64,7 +53,7 @@ pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -
         key,
         ends,
         packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
-        parameters: parameters(settings).map_err(|error| error.to_string())?,
+        parameters: parameters_of(settings),
         entropy,
     })
     .map_err(|error| error.to_string())
@@ -97,7 +86,7 @@ impl Node {
             peer,
             plant,
             link,
-            inbox: Inbox::new(scene),
+            inbox: Inbox::new(scene.world.network.playout_packets, scene.peer.timing.ticks_per_packet),
             period_s: scene.peer.timing.control_period_s,
             ticks: 0,
             armed_ticks: 0,

@@ -18,11 +18,11 @@
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Link, Notice, Stage};
+use haptic_protocol::peer::{Inbox, flow_of, packet_of};
 use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 
 use crate::shared::cooperative::MOST_USERS;
 use crate::shared::cooperative::junction::{Junction, Port};
-use haptic_sim::flows::{Inbox, flow_of, packet_of};
 use haptic_sim::node::{TELEMETRY_S, open_link};
 use haptic_sim::scene::Scene;
 
@@ -112,7 +112,13 @@ impl<A: Copy> Hub<A> {
             let number = number_on(line);
             let ends = Ends { local: PeerId(3 - number), remote: PeerId(number) };
             let link = open_link(scene, ends, key.line(line), entropy()?)?;
-            Ok(Line { link, address: None, inbox: Inbox::new(scene), heard: None, notices: Vec::new() })
+            Ok(Line {
+                link,
+                address: None,
+                inbox: Inbox::new(scene.world.network.playout_packets, scene.peer.timing.ticks_per_packet),
+                heard: None,
+                notices: Vec::new(),
+            })
         });
         let lines = lines.collect::<Result<Vec<_>, String>>()?;
         (0..users).for_each(|line| junction.part(line));

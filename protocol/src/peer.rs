@@ -1,0 +1,143 @@
+//! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, what two peers must have been told alike,
+//! and what waits for the next exchange. The same for a board and a PC.
+
+use haptic_core::law::Packet;
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::settings::{Settings, Value};
+
+use crate::parameters::Parameters;
+use crate::playout::Playout;
+use crate::wire::Flow;
+
+/// What both peers must have been told alike, as a greeting names it.
+pub fn parameters_of(settings: &Settings) -> Parameters {
+    Parameters::of(settings.shared(), |table, key, value| match value {
+        Value::Number(number) => table.number(key, number),
+        Value::Flag(flag) => table.flag(key, flag),
+        Value::Text(text) => table.text(key, text),
+    })
+    // There is room for all of it; tests see to that.
+    .unwrap_or_default()
+}
+
+/// A packet of tick `tick` as it goes out; `engaged` while the motors are on.
+pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
+    // From f32 and back to it nothing is lost.
+    let wire = |value: S| value.to_f64() as f32;
+    Flow {
+        engaged,
+        tick,
+        position: wire(packet.motion.position),
+        velocity: wire(packet.motion.velocity),
+        wave: wire(packet.wave),
+        wave_integral: packet.wave_integral,
+        energy_sent: packet.energy_j,
+        ..Flow::default()
+    }
+}
+
+/// The packet in a flow.
+pub fn packet_of<S: Scalar>(flow: &Flow) -> Packet<S> {
+    let core = |value: f32| S::from_f64(value.into());
+    Packet {
+        motion: Motion { position: core(flow.position), velocity: core(flow.velocity) },
+        wave: core(flow.wave),
+        energy_j: flow.energy_sent,
+        wave_integral: flow.wave_integral,
+    }
+}
+
+/// Flow of the other end that no exchange has taken yet: the newest, or, with play-out, what is due.
+#[derive(Clone, Debug)]
+pub struct Inbox {
+    newest: Option<Flow>,
+    /// The other end's motors have gone off since its last flow that counted.
+    apart: bool,
+    playout: Option<Playout<Flow>>,
+}
+
+impl Inbox {
+    /// Nothing there; flow waits for `playout_packets` packet periods of so many control periods each, 0: for nothing.
+    pub fn new(playout_packets: u32, ticks_per_packet: u32) -> Self {
+        let playout = (playout_packets > 0).then(|| Playout::new(playout_packets, ticks_per_packet));
+        Self { newest: None, apart: false, playout }
+    }
+
+    /// Takes a flow that came in this control period.
+    pub fn put(&mut self, tick: u32, flow: Flow) {
+        match &mut self.playout {
+            Some(playout) => {
+                playout.put(tick, flow.tick, flow);
+            }
+            None => self.newest = Some(flow),
+        }
+    }
+
+    /// Forgets what was there: the other end has gone.
+    pub fn clear(&mut self) {
+        self.newest = None;
+        if let Some(playout) = &mut self.playout {
+            playout.clear();
+        }
+    }
+
+    /// Brings out what the next exchange takes, in its control period.
+    pub fn play(&mut self, tick: u32) {
+        if let Some(playout) = &mut self.playout {
+            self.newest = playout.take(tick);
+        }
+    }
+
+    /// What the next exchange takes.
+    pub fn newest(&self) -> Option<&Flow> {
+        self.newest.as_ref()
+    }
+
+    /// What an exchange takes in, and whether the other end has armed anew since the last that counted: then it counts from
+    /// zero, from another place, and nothing that came before goes with it.
+    pub fn take(&mut self) -> (Option<Flow>, bool) {
+        let newest = self.newest.take();
+        let anew = self.apart && newest.is_some_and(|flow| flow.engaged);
+        self.apart = newest.map_or(self.apart, |flow| !flow.engaged);
+        (newest.filter(|flow| flow.engaged), anew)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use haptic_core::settings::Allowed;
+
+    #[test]
+    fn a_packet_survives_the_way() {
+        let sent = Packet::<f32> {
+            motion: Motion { position: 0.25, velocity: -1.5 },
+            wave: 2.0,
+            energy_j: 1.0 / 3.0,
+            wave_integral: -1.0 / 7.0,
+        };
+        let flow = flow_of(sent, true, 9);
+        assert_eq!((packet_of(&flow), flow.engaged, flow.tick), (sent, true, 9));
+    }
+
+    #[test]
+    fn what_is_each_devices_own_may_differ_and_nothing_else() {
+        let settings = Settings::default();
+        for key in Settings::KEYS {
+            let now = settings.get(key.name).expect("a listed key has a value");
+            let other = |values: &[Value<'static>]| values.iter().copied().find(|value| *value != now);
+            let other = match key.allowed {
+                Allowed::Number { min, max } => other(&[min, max].map(Value::Number)),
+                Allowed::Whole { min, max } => other(&[min, max].map(|whole| Value::Number(whole.into()))),
+                Allowed::Flag => other(&[false, true].map(Value::Flag)),
+                Allowed::Names(names) => names.iter().map(|name| Value::Text(name)).find(|value| *value != now),
+                Allowed::Only(_) => None,
+            };
+            let other = other.expect("another value");
+            let mut changed = settings;
+            changed.set(key.name, other).expect("an allowed value");
+            let shared = ["timing.", "object.", "coordination."].iter().any(|table| key.name.starts_with(table));
+            assert_eq!(parameters_of(&changed) != parameters_of(&settings), shared, "{}", key.name);
+        }
+    }
+}
