@@ -164,6 +164,7 @@ impl<P> Playout<P> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
 
     use super::*;
     use std::vec::Vec;

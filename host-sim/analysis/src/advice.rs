@@ -9,10 +9,10 @@ use haptic_core::law::wave::Decode;
 use haptic_core::settings::{Allowed, Key};
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use super::verdict::{Verdict, verdict};
+use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
 
 /// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
@@ -39,9 +39,6 @@ pub struct Change {
 }
 
 /// One line of advice on a scene: that it is stable, or which gain to change and to what.
-///
-/// # Errors
-/// Settings that the peer refuses; eigenvalues that do not converge.
 pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
     let now = verdict(scene)?;
     if now.stable {
@@ -65,9 +62,6 @@ pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
 }
 
 /// The change of one gain that brings an unstable scene back, if there is one.
-///
-/// # Errors
-/// Settings that the peer refuses; eigenvalues that do not converge.
 pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
     for (name, key) in Scene::keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let now = gain(scene, &name);

@@ -9,10 +9,10 @@ use haptic_core::object::IntegratorName;
 use haptic_core::settings::Choice;
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::limit::Effort;
 use super::map::{Axis, Map, map};
 use super::sweep::Range;
+use crate::error::AnalysisError;
 use haptic_sim::report::ReportError;
 use haptic_sim::report::table::Table;
 use haptic_sim::scene::Scene;
@@ -54,9 +54,6 @@ pub struct Curve {
 }
 
 /// All twelve curves; `done` is called once for every point of a curve.
-///
-/// # Errors
-/// Eigenvalues that do not converge.
 pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError> {
     // Steps of 150 N/m find every pocket of this figure; 0.1 % is ten times finer than it is drawn.
     let effort = Effort { steps: 80, tolerance: 1e-3 };
@@ -72,9 +69,6 @@ pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError
 }
 
 /// One row for every crossing: comm (0, 1, 2 for panels a, b, c), n_t, K_LC, K_T, and whether it is stable just below.
-///
-/// # Errors
-/// None: the columns are named apart.
 pub fn table(curves: &[(Curve, Map)]) -> Result<Table, ReportError> {
     let names = ["panel", "one_way_delay_packets", "contact_n_per_m", "coordination_n_per_m", "stable_below"];
     let mut table = Table::with_names(&names)?;

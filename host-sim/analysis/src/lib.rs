@@ -1,97 +1,47 @@
 //! Stability, computed from the code that flies.
 //!
-//! | module | answers |
+//! | ask | to know |
 //! |---|---|
-//! | [`mod@verdict`] | is this scene stable, and by how much? |
-//! | [`lifted`] | the lifted, or monodromy, matrix of one packet period, built two independent ways |
-//! | [`mod@limit`] | at which values of one key does that change? |
-//! | [`mod@map`] | and of two keys? |
-//! | [`figure4`] | the cooperation paper's Figure 4 |
-//! | [`outline`], [`picture`] | regions as pictures |
-//! | [`mod@advice`] | what to change in a scene that is unstable |
-//! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
+//! | [`verdict`] | is this scene stable, and by how much? |
+//! | [`limit`] | at which values of one key does that change? |
+//! | [`map`] | and of two keys? |
+//! | [`advice`] | what to change in a scene that is unstable |
+//! | [`tune`] | the stiffest contact and coordination that leave a margin |
+//! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
+//! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
-//! | [`sweep`] | one key, its range and the scenes along it |
-//! | [`speed`] | how fast? |
-//! | [`spectrum`] | the largest eigenvalue of a matrix |
+//! | [`speed`] | how many verdicts a second? |
 //!
 //! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact,
-//! exact sensors and motors, nobody pushing. Gaps, friction, encoder steps and force limits are not part of it.
+//! exact sensors and motors, nobody pushing. Gaps, friction, encoder steps and force limits are not part of it. Any law is,
+//! also one from outside, as long as it is linear; only [`agreement`] knows no others than the paper's.
 
-use haptic_core::settings::{Allowed, Refused};
-
-pub mod advice;
+mod advice;
+mod agreement;
+mod error;
 pub mod figure4;
-pub mod lifted;
-pub mod limit;
-pub mod map;
-pub mod matrix;
-pub mod outline;
+mod lifted;
+mod limit;
+mod map;
+mod matrix;
+mod outline;
 pub mod picture;
 pub mod rendering;
-pub mod spectrum;
+mod spectrum;
 pub mod speed;
-pub mod sweep;
+mod sweep;
 pub mod tune;
-pub mod verdict;
+mod verdict;
 
-pub use advice::advice;
+pub use advice::{Change, MARGIN, advice, change};
+pub use agreement::{Agreement, agreement};
+pub use error::AnalysisError;
+pub use lifted::constructed::hold::exponential;
+pub use lifted::driven::Response;
+pub use lifted::pair::{delays_packets, is_symmetric, pair_matrix};
+pub use lifted::{Lifted, Matrix, apply};
 pub use limit::{Effort, Limit, limit};
+pub use map::{Axis, Column, Map, map};
 pub use sweep::Range;
-pub use verdict::{Analyser, Verdict, verdict};
-
-use haptic_sim::scene::SceneError;
-
-/// Why an analysis could not be made, in one line.
-#[derive(Debug, thiserror::Error)]
-pub enum AnalysisError {
-    /// The peer does not accept the settings.
-    #[error(transparent)]
-    Refused(#[from] Refused<'static>),
-    /// The scene does not accept a value of a sweep.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The key of a sweep is a name or a flag.
-    #[error("{key} is no number that could be swept: it is {allowed}")]
-    NoNumber {
-        /// The key.
-        key: String,
-        /// What it takes.
-        allowed: Allowed,
-    },
-    /// A range that does not ascend.
-    #[error("{key}: a range must be two finite numbers that ascend, not from {from} to {to}")]
-    Range {
-        /// The key.
-        key: String,
-        /// First value.
-        from: f64,
-        /// Last value.
-        to: f64,
-    },
-    /// A number outside what an analysis can take.
-    #[error("{key} = {value} is not allowed: it must be a number from {min} to {max} {unit}")]
-    OutOfRange {
-        /// What it is called.
-        key: String,
-        /// What was offered.
-        value: f64,
-        /// Smallest.
-        min: f64,
-        /// Largest.
-        max: f64,
-        /// Unit of all three.
-        unit: &'static str,
-    },
-    /// The eigenvalue iteration gave up.
-    #[error("the eigenvalues of this scene's lifted matrix did not converge")]
-    NoConvergence,
-}
-
-impl AnalysisError {
-    /// Refuses a number that does not lie within `[min, max]`.
-    fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &'static str) -> Result<(), Self> {
-        let inside = value >= min && value <= max;
-        if inside { Ok(()) } else { Err(Self::OutOfRange { key: key.to_owned(), value, min, max, unit }) }
-    }
-}
+pub use tune::tune;
+pub use verdict::{Analyser, ROUNDING, Verdict, verdict};

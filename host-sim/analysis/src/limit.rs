@@ -8,9 +8,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
+use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
 
 /// How hard to look.
@@ -52,9 +52,6 @@ impl Limit {
 }
 
 /// Finds all crossings of the scene along a range.
-///
-/// # Errors
-/// A key or value that the scene refuses; eigenvalues that do not converge.
 pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
     along(&Sweep::new(scene, range)?, effort)
 }
@@ -63,10 +60,7 @@ pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, Analy
 type Point = (f64, f64);
 
 /// Finds all crossings along a sweep.
-///
-/// # Errors
-/// A value that the scene refuses; eigenvalues that do not converge.
-pub fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
+pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
     let radius = |analyser: &mut Analyser, value: f64| Ok(sweep.verdict(analyser, value)?.spectral_radius);
     crossings(&sweep.points(effort.steps), sweep.is_whole(), effort.tolerance, Analyser::default, radius)
 }
@@ -74,10 +68,7 @@ pub fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
 /// Finds all crossings of any spectral radius, given as a function of one number: scanned at `points` (ascending), found to
 /// `tolerance` (relative). `memory` makes what the function may keep from one call to the next; `whole` where only whole
 /// numbers may be asked for.
-///
-/// # Errors
-/// Those of the function.
-pub fn crossings<A>(
+pub(crate) fn crossings<A>(
     points: &[f64],
     whole: bool,
     tolerance: f64,

@@ -6,9 +6,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
+use crate::error::AnalysisError;
 use haptic_sim::report::ReportError;
 use haptic_sim::report::table::Table;
 use haptic_sim::scene::Scene;
@@ -70,9 +70,6 @@ pub struct Map {
 }
 
 /// Maps the scene. `done` is called once for every column, in any order, from any thread.
-///
-/// # Errors
-/// A key or value that the scene refuses; eigenvalues that do not converge.
 pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
     let [x, y] = &axes;
     let across = Sweep::new(scene, x.range.clone())?;
@@ -90,9 +87,6 @@ pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Syn
 impl Map {
     /// One row for every crossing: x, y, and whether the scene is stable just below and just above it. A column without
     /// crossings is one row with NaN for y.
-    ///
-    /// # Errors
-    /// Two keys of the same name.
     pub fn table(&self) -> Result<Table, ReportError> {
         let [x, y] = self.axes.each_ref().map(|axis| axis.range.key.as_str());
         let mut table = Table::with_names(&[x, y, "stable_below", "stable_above"])?;

@@ -44,7 +44,7 @@ enum Step {
 type Plan = (f64, Vec<(Step, usize, usize)>);
 
 /// Paths along the outline of a map's region, as (x, y).
-pub fn outline(map: &Map) -> Vec<Vec<(f64, f64)>> {
+pub(crate) fn outline(map: &Map) -> Vec<Vec<(f64, f64)>> {
     let (low, high) = (map.axes[1].range.from, map.axes[1].range.to);
     let mut nodes: Vec<Node> = Vec::new();
     let mut columns: Vec<std::ops::Range<usize>> = Vec::new();
@@ -180,10 +180,10 @@ fn paths(nodes: &[Node]) -> Vec<Vec<(f64, f64)>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::limit::Limit;
-    use super::super::map::{Axis, Column};
-    use super::super::sweep::Range;
     use super::*;
+    use crate::limit::Limit;
+    use crate::map::{Axis, Column};
+    use crate::sweep::Range;
 
     fn map(columns: &[(bool, &[f64])]) -> Map {
         let axis = |to: f64, count: usize| Axis { range: Range { key: "k".to_owned(), from: 0.0, to }, count };

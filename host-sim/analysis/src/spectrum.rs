@@ -15,7 +15,7 @@ use faer::{MatRef, Par, Spec};
 use super::matrix::Matrix;
 
 /// Workspace for matrices of any size; the last size is kept.
-pub struct Spectrum {
+pub(crate) struct Spectrum {
     size: usize,
     real: Diag<f64>,
     imaginary: Diag<f64>,
@@ -42,8 +42,8 @@ impl Default for Spectrum {
 impl Spectrum {
     /// Largest |eigenvalue|; infinite where an entry is not finite, `None` where the iteration did not converge.
     /// The matrix is balanced in place.
-    pub fn radius(&mut self, matrix: &mut Matrix) -> Option<f64> {
-        if !matrix.is_finite() {
+    pub(crate) fn radius(&mut self, matrix: &mut Matrix) -> Option<f64> {
+        if !matrix.is_all_finite() {
             return Some(f64::INFINITY);
         }
         balance(matrix, |_, _| {});
@@ -51,8 +51,8 @@ impl Spectrum {
     }
 
     /// All eigenvalues as (real, imaginary), in no order; `None` where the iteration did not converge.
-    pub fn eigenvalues(&mut self, matrix: &Matrix) -> Option<impl Iterator<Item = (f64, f64)>> {
-        let size = matrix.rows();
+    pub(crate) fn eigenvalues(&mut self, matrix: &Matrix) -> Option<impl Iterator<Item = (f64, f64)>> {
+        let size = matrix.nrows();
         if size != self.size {
             let none = ComputeEigenvectors::No;
             // faer asks for the size of the matrix without its first row: nothing smaller than 2.
@@ -63,8 +63,7 @@ impl Spectrum {
         if size == 1 {
             (self.real[0], self.imaginary[0]) = (matrix[(0, 0)], 0.0);
         } else if size > 1 {
-            let plain = MatRef::from_column_major_slice(matrix.entries(), size, size);
-            if !self.iterate(plain) && !self.iterate(plain.transpose()) {
+            if !self.iterate(matrix.as_ref()) && !self.iterate(matrix.transpose()) {
                 return None;
             }
         }
@@ -83,8 +82,8 @@ impl Spectrum {
 
 /// Scales rows and columns by powers of two until their sums are alike; eigenvalues stay as they are. `scaled` is told every
 /// state and the factor by which its unit grew.
-pub fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
-    let size = matrix.rows();
+pub(crate) fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
+    let size = matrix.nrows();
     // Each sweep that changes anything lowers the norm by a fifth somewhere: a dozen are plenty.
     for _ in 0..12 {
         let mut settled = true;
@@ -101,7 +100,7 @@ pub fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
             if column * factor + row / factor < 0.8 * (column + row) {
                 settled = false;
                 scaled(at, factor);
-                for entry in matrix.column_mut(at) {
+                for entry in matrix.col_as_slice_mut(at) {
                     *entry *= factor;
                 }
                 for other in 0..size {
@@ -124,19 +123,21 @@ fn root_power(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use faer::mat;
+
     use super::*;
 
     /// A companion matrix has the roots of its polynomial: (x − 2)(x² + 9).
     #[test]
     fn roots_of_a_known_polynomial() {
-        let mut matrix = Matrix::from_rows(&[[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let mut matrix = mat![[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         assert!((Spectrum::default().radius(&mut matrix).unwrap() - 3.0).abs() < 1e-14);
     }
 
     /// The same eigenvalues in newtons and micrometres.
     #[test]
     fn units_do_not_matter() {
-        let mut matrix = Matrix::from_rows(&[[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let mut matrix = mat![[2.0, -9.0, 18.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         for (at, unit) in [1e9, 1.0, 1e-7].into_iter().enumerate() {
             for other in 0..3 {
                 matrix[(at, other)] *= unit;
@@ -150,10 +151,10 @@ mod tests {
     fn small_and_broken_matrices() {
         let mut spectrum = Spectrum::default();
         assert_eq!(spectrum.radius(&mut Matrix::zeros(0, 0)), Some(0.0));
-        assert_eq!(spectrum.radius(&mut Matrix::from_rows(&[[-3.0]])), Some(3.0));
-        let rotation = spectrum.radius(&mut Matrix::from_rows(&[[0.0, -2.0], [2.0, 0.0]])).unwrap();
+        assert_eq!(spectrum.radius(&mut mat![[-3.0]]), Some(3.0));
+        let rotation = spectrum.radius(&mut mat![[0.0, -2.0], [2.0, 0.0]]).unwrap();
         assert!((rotation - 2.0).abs() < 1e-15);
-        assert_eq!(spectrum.radius(&mut Matrix::from_rows(&[[f64::NAN]])), Some(f64::INFINITY));
-        assert_eq!(spectrum.radius(&mut Matrix::identity(300)), Some(1.0));
+        assert_eq!(spectrum.radius(&mut mat![[f64::NAN]]), Some(f64::INFINITY));
+        assert_eq!(spectrum.radius(&mut Matrix::identity(300, 300)), Some(1.0));
     }
 }

@@ -9,9 +9,10 @@ use std::time::Instant;
 use haptic_core::law::LawName;
 use serde::Serialize;
 
+use super::error::AnalysisError;
+use super::figure4;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
-use super::{AnalysisError, figure4};
 
 /// What was measured.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -33,9 +34,6 @@ pub struct Speed {
 }
 
 /// Computes `radii` radii on each of `threads` threads.
-///
-/// # Errors
-/// Eigenvalues that do not converge.
 pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 12_000.0 };
     let mut scene = figure4::scene(LawName::PassiveWave, 3);

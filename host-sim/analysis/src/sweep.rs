@@ -5,8 +5,8 @@
 
 use haptic_core::settings::{Allowed, Value};
 
-use super::AnalysisError;
 use super::verdict::{Analyser, Verdict};
+use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
 
 /// A key and the values it runs through.
@@ -22,7 +22,7 @@ pub struct Range {
 
 /// A scene in which one key changes.
 #[derive(Clone, Debug)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     /// As the user wrote it, but for recordings.
     scene: Scene,
     range: Range,
@@ -31,10 +31,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Checks that the key is a number and that the scene accepts both ends of the range.
-    ///
-    /// # Errors
-    /// Which of the two it is not, and what would be.
-    pub fn new(scene: &Scene, range: Range) -> Result<Self, AnalysisError> {
+    pub(crate) fn new(scene: &Scene, range: Range) -> Result<Self, AnalysisError> {
         let mut scene = scene.clone();
         // Recordings are no part of the linear scene, and long.
         scene.network_trace = None;
@@ -57,36 +54,30 @@ impl Sweep {
     }
 
     /// The range.
-    pub fn range(&self) -> &Range {
+    pub(crate) fn range(&self) -> &Range {
         &self.range
     }
 
     /// The key takes whole numbers only.
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.whole
     }
 
     /// The linear scene with this value of the key (the nearest whole one, for a key that takes no others).
-    ///
-    /// # Errors
-    /// A value that the scene refuses.
-    pub fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
+    pub(crate) fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
         let mut scene = self.scene.clone();
         scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
         Ok(scene.linear())
     }
 
     /// The verdict at this value.
-    ///
-    /// # Errors
-    /// A value that the scene refuses; eigenvalues that do not converge.
-    pub fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, AnalysisError> {
+    pub(crate) fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, AnalysisError> {
         analyser.verdict(&self.at(value)?)
     }
 
     /// Values to look at first, ascending, both ends included: half of them equally spaced, half by equal ratios (down to
     /// a millionth of the far end, where the near end is 0), or every whole number where there are few enough.
-    pub fn points(&self, count: usize) -> Vec<f64> {
+    pub(crate) fn points(&self, count: usize) -> Vec<f64> {
         let Range { from, to, .. } = self.range;
         let share = |at: usize, of: usize| at as f64 / of as f64;
         let mut points: Vec<f64> = if self.whole {

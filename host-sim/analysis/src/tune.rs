@@ -19,10 +19,10 @@ use haptic_sim::peers::Number;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::limit::{Effort, along};
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, verdict};
+use crate::error::AnalysisError;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
@@ -78,9 +78,6 @@ impl Proposal {
     }
 
     /// The scene with the proposal, both gains times `factor`.
-    ///
-    /// # Errors
-    /// Gains that the scene refuses.
     pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, AnalysisError> {
         with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
     }
@@ -96,11 +93,8 @@ fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, Analysi
 
 /// Proposes gains; `None` where not even the softest contact is stable. `done` is called once for every contact stiffness
 /// tried, of which there are at most [`steps`].
-///
-/// # Errors
-/// A margin out of range; settings that the peer refuses; eigenvalues that do not converge.
 pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
-    AnalysisError::within("--margin", margin, MARGINS, "")?;
+    AnalysisError::within("margin", margin, MARGINS, "")?;
     let linear = scene.linear();
     let raised = 1.0 + margin;
     let stiffest = first(&with(&linear, 0.0, 0.0)?, CONTACT, largest(CONTACT))?.unwrap_or(largest(CONTACT));
@@ -213,9 +207,6 @@ fn rounded_down(value: f64) -> f64 {
 
 /// Runs the scene with the proposal, as it is, gaps, encoders and all; users who do nothing get the pushes and pulses of
 /// the cooperation paper's §5.1, 1 N and 1 N on top for 25 ms.
-///
-/// # Errors
-/// Settings that the peer refuses.
 pub fn try_out<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
     let mut scene = proposal.applied(scene, 1.0)?;
     let idle = |user: &User| {

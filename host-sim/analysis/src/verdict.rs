@@ -2,12 +2,11 @@
 //!
 //! [`Analyser`] keeps its memory from one scene to the next, which is what a sweep needs; [`verdict`] is for one scene.
 
-use haptic_core::settings::Refused;
 use serde::Serialize;
 
-use super::AnalysisError;
-use super::lifted::closing::{End, close};
+use super::error::AnalysisError;
 use super::lifted::driven::Response;
+use super::lifted::pair::{Wholes, is_symmetric};
 use super::lifted::{Lifted, prune, rest};
 use super::spectrum::Spectrum;
 use haptic_sim::scene::Scene;
@@ -44,9 +43,6 @@ impl Verdict {
 }
 
 /// The verdict on the linear scene behind this one ([`Scene::linear`]).
-///
-/// # Errors
-/// Settings that the peer refuses.
 pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
     Analyser::default().verdict(&scene.linear())
 }
@@ -63,9 +59,6 @@ pub struct Analyser {
 
 impl Analyser {
     /// The verdict on a scene that is linear already.
-    ///
-    /// # Errors
-    /// Settings that the peer refuses; eigenvalues that do not converge.
     pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
         let symmetric = is_symmetric(linear);
         let (mut radius, mut states, mut rest_modes) = (0.0_f64, 0, 0);
@@ -82,9 +75,6 @@ impl Analyser {
     }
 
     /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `devices` is one state of each device.
-    ///
-    /// # Errors
-    /// Eigenvalues that do not converge.
     pub fn judge(&mut self, lifted: Lifted, devices: &[usize]) -> Result<Verdict, AnalysisError> {
         self.whole = lifted;
         let (radius, states, rest_modes) = self.part(devices)?;
@@ -101,70 +91,4 @@ impl Analyser {
         let radius = self.spectrum.radius(&mut self.kept.matrix).ok_or(AnalysisError::NoConvergence)?;
         Ok((radius, states, rest_modes))
     }
-}
-
-/// Whether the two peers, their devices and both directions of the network are the same.
-pub fn is_symmetric(linear: &Scene) -> bool {
-    let arm = |user: usize| {
-        let user = &linear.users[user].settings.user;
-        (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg)
-    };
-    let [to_first, to_second] = delays_packets(linear);
-    arm(0) == arm(1) && to_first == to_second
-}
-
-/// Packet periods that a packet is on its way to peer 1 and to peer 2: peers look once a period, so that time on top of
-/// whole periods counts as one more.
-pub fn delays_packets(linear: &Scene) -> [usize; 2] {
-    let (network, timing) = (&linear.world.network, &linear.peer.timing);
-    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
-    // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
-    let periods = |added_s: f64| (added_s / packet_s - 1e-9).ceil().max(0.0) as usize;
-    let to = |added_s: f64| network.one_way_delay_packets as usize + periods(added_s);
-    [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
-}
-
-/// The lifted matrices a scene falls apart into: sum and difference, or the pair as it is.
-struct Wholes {
-    delays: [usize; 2],
-    signs: std::slice::Iter<'static, f64>,
-    symmetric: bool,
-}
-
-impl Wholes {
-    fn new(linear: &Scene, symmetric: bool, responses: &mut [Response; 2]) -> Result<Self, Refused<'static>> {
-        responses[0].measure(linear, 0)?;
-        if !symmetric {
-            responses[1].measure(linear, 1)?;
-        }
-        let signs: &'static [f64] = if symmetric { &[1.0, -1.0] } else { &[1.0] };
-        Ok(Self { delays: delays_packets(linear), signs: signs.iter(), symmetric })
-    }
-
-    /// Writes the next one into `whole`; false when there is none.
-    fn next(&mut self, [first, second]: &[Response; 2], whole: &mut Lifted) -> bool {
-        let Some(&sign) = self.signs.next() else { return false };
-        let end = |response, hears, at: usize| End { response, hears, sign, delay_packets: self.delays[at] };
-        if self.symmetric {
-            close(&[end(first, 0, 0)], whole);
-        } else {
-            close(&[end(first, 1, 0), end(second, 0, 1)], whole);
-        }
-        true
-    }
-}
-
-/// The lifted matrix of the whole pair, nothing left out and not taken apart, in the order peer 1, peer 2, packets on
-/// their way to peer 1, to peer 2; local order as in [`super::lifted::driven`].
-///
-/// # Errors
-/// Settings that the peer refuses.
-pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
-    let mut responses = <[Response; 2]>::default();
-    let mut whole = Lifted::default();
-    Wholes::new(linear, true, &mut responses)?;
-    responses[1].measure(linear, 1)?;
-    let mut pair = Wholes { delays: delays_packets(linear), signs: [1.0].iter(), symmetric: false };
-    pair.next(&responses, &mut whole);
-    Ok(whole)
 }

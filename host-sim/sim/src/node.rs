@@ -79,7 +79,7 @@ impl Node {
         entropy: [u8; Key::LEN],
         plant: Plant,
     ) -> Result<Self, String> {
-        let peer = scene.peer_on(usize::from(number == 2), &plant).map_err(|refused| refused.to_string())?;
+        let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
         let link = open_link(scene, ends, key, entropy)?;
         Ok(Self {

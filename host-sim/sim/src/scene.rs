@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use haptic_core::contact::{RenderingName, Side};
+use haptic_core::device::AXES;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
@@ -16,7 +17,6 @@ use haptic_core::settings::{Allowed, Choice, Key, Refused, SetError, Settings, V
 
 use crate::network::rule::{Jitter, NetworkTrace};
 use crate::peers::{self, DynPeer, Number};
-use crate::plant::Plant;
 use crate::user::{Trace, User, UserSettings};
 
 haptic_core::settings! {
@@ -119,7 +119,7 @@ pub enum SceneError {
     /// There is no such key.
     #[error("{place}: there is no key {key}{hint}")]
     Unknown {
-        /// File, or `--set`.
+        /// File and line, or `override`.
         place: String,
         /// The key as written.
         key: String,
@@ -129,7 +129,7 @@ pub enum SceneError {
     /// The key does not accept the value.
     #[error("{place}: {refused}")]
     Refused {
-        /// File, or `--set`.
+        /// File and line, or `override`.
         place: String,
         /// Key, value and what is allowed.
         refused: String,
@@ -143,7 +143,7 @@ pub enum SceneError {
         message: String,
     },
     /// An override is not of the form key=value.
-    #[error("--set {text}: write it as table.key=value")]
+    #[error("{text}: write it as table.key=value")]
     Override {
         /// The override as written.
         text: String,
@@ -223,7 +223,7 @@ impl Scene {
         let (key, value) = text.split_once('=').ok_or_else(|| SceneError::Override { text: text.to_owned() })?;
         let (key, value) = (key.trim(), value.trim());
         let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
-        self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "--set", None)
+        self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
     }
 
     /// Sets one key to a number, such as a sweep does.
@@ -371,15 +371,26 @@ impl Scene {
     /// # Errors
     /// The first key whose value is out of range, or impossible beside the others.
     pub fn peer<S: Number>(&self, at: usize) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-        self.peer_on(at, &Plant::new(self, at))
+        self.peer_from(at, self.start(at))
     }
 
-    /// The same with its device where `plant` is.
-    ///
-    /// # Errors
-    /// As [`Scene::peer`].
-    pub fn peer_on<S: Number>(&self, at: usize, plant: &Plant) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-        peers::build(&self.peers()[at], plant.motions().map(|motion| Motion::at(S::from_f64(motion.position))))
+    /// The same with its device somewhere else, at rest.
+    pub fn peer_from<S: Number>(
+        &self,
+        at: usize,
+        device: [Motion<f64>; AXES],
+    ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        peers::build(&self.peers()[at], device.map(|axis| Motion::at(S::from_f64(axis.position))))
+    }
+
+    /// Where the device of peer 1 or 2 (`at` 0 or 1) is at first: at rest, just clear of the object.
+    pub fn start(&self, at: usize) -> [Motion<f64>; AXES] {
+        let contact = &self.peer.contact;
+        let mut axes = [Motion::REST; AXES];
+        if contact.one_sided {
+            axes[0].position = if at == 0 { -contact.gap_m } else { contact.gap_m };
+        }
+        axes
     }
 
     /// What each of the two peers is told.

@@ -212,11 +212,11 @@ fn stability_of_one_device() {
     let rendering = |arguments: &[&str], names: &[&str]| {
         refused(&[&["stability", "rendering", "--json"], arguments].concat(), names);
     };
-    rendering(&["--device-mass-kg", "-1"], &["device-mass-kg = -1 is not allowed"]);
+    rendering(&["--device-mass-kg", "-1"], &["device_mass_kg = -1 is not allowed"]);
     rendering(&["--object-mass-kg", "nan"], &["object-mass-kg = NaN"]);
     rendering(&["--device-damping-n-s-per-m", "0"], &["damping"]);
-    rendering(&["--sampling-period-s", "0.0001"], &["delay-s", "0.02 s"]);
-    refused(&["stability", "tune", "--json", "--margin", "-0.1"], &["--margin = -0.1", "0 to 10"]);
+    rendering(&["--sampling-period-s", "0.0001"], &["delay_s", "0.02 s"]);
+    refused(&["stability", "tune", "--json", "--margin", "-0.1"], &["margin = -0.1", "0 to 10"]);
 }
 
 #[test]

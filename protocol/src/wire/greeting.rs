@@ -89,3 +89,51 @@ impl Greeting {
         writer.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Greeting {
+        let mut tables = [0; TABLES];
+        tables[0] = 0x0102_0304_0506_0708;
+        tables[1] = u64::MAX;
+        Greeting {
+            kind: GreetingKind::Welcome,
+            from: PeerId(1),
+            to: PeerId(2),
+            line: 0x0403_0201,
+            challenge: [0xaa; 16],
+            echo: [0xbb; 16],
+            incarnation: 0x1122_3344_5566_7788,
+            count: 2,
+            tables,
+        }
+    }
+
+    #[test]
+    fn literal_bytes() {
+        let mut bytes = [0; Greeting::TAGGED];
+        bytes[..8].copy_from_slice(&[1, 2, 1, 2, 1, 2, 3, 4]);
+        bytes[8..24].fill(0xaa);
+        bytes[24..40].fill(0xbb);
+        bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);
+        bytes[48] = 2;
+        bytes[56..64].copy_from_slice(&[8, 7, 6, 5, 4, 3, 2, 1]);
+        bytes[64..72].fill(0xff);
+        let mut out = [0; Greeting::TAGGED];
+        assert_eq!(sample().emit(&mut out), Ok(Greeting::LEN));
+        assert_eq!(out, bytes);
+        bytes[184..].fill(0x77);
+        assert_eq!(Greeting::parse(&bytes), Ok((sample(), &bytes[..184], &[0x77; 16])));
+    }
+
+    #[test]
+    fn refuses_more_tables_than_there_is_room_for() {
+        let mut out = [0; Greeting::TAGGED];
+        Greeting { count: 17, ..sample() }.emit(&mut out).unwrap();
+        assert_eq!(Greeting::parse(&out), Err(Error::OutOfRange { message: "greeting", field: "count" }));
+        Greeting { count: 1, ..sample() }.emit(&mut out).unwrap();
+        assert_eq!(Greeting::parse(&out), Err(Error::Reserved { message: "greeting" }));
+    }
+}

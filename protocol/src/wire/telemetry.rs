@@ -52,3 +52,48 @@ layout! {
         88 => longest_tick_ns: u32,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn literal_bytes() {
+        let telemetry = Telemetry {
+            mode: 1,
+            fault: 2,
+            stage: 3,
+            tick: 4,
+            device_position: 1.0,
+            object_position: 2.0,
+            desired_position: 3.0,
+            contact_force: 4.0,
+            coordination_force: 5.0,
+            engagement: 0.5,
+            energy_received: 6.0,
+            energy_sent: 7.0,
+            round_trip_us: 0x10,
+            jitter_us: 0x11,
+            clock_offset_us: -2,
+            clock_drift_ppm: -1.0,
+            packets_taken: 0x12,
+            packets_missing: 0x13,
+            flow_late: 0x14,
+            refused: 0x15,
+            overruns: 0x16,
+            longest_tick_ns: 0x17,
+        };
+        #[rustfmt::skip]
+        let bytes: [u8; Telemetry::LEN] = [
+            2, 1, 2, 3, 4, 0, 0, 0,
+            0, 0, 0x80, 0x3f, 0, 0, 0x00, 0x40, 0, 0, 0x40, 0x40, 0, 0, 0x80, 0x40, 0, 0, 0xa0, 0x40, 0, 0, 0x00, 0x3f,
+            0, 0, 0, 0, 0, 0, 0x18, 0x40, 0, 0, 0, 0, 0, 0, 0x1c, 0x40,
+            0x10, 0, 0, 0, 0x11, 0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0x80, 0xbf,
+            0x12, 0, 0, 0, 0x13, 0, 0, 0, 0x14, 0, 0, 0, 0x15, 0, 0, 0, 0x16, 0, 0, 0, 0x17, 0, 0, 0,
+        ];
+        let mut out = [0; Telemetry::LEN];
+        assert_eq!(telemetry.emit(&mut out), Ok(Telemetry::LEN));
+        assert_eq!(out, bytes);
+        assert_eq!(Telemetry::parse(&bytes), Ok(telemetry));
+    }
+}

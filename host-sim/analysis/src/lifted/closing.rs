@@ -7,10 +7,11 @@
 
 use super::Lifted;
 use super::driven::Response;
+use crate::matrix::{add_block, apply, reset};
 
 /// A peer, and whose packets it hears.
 #[derive(Clone, Copy, Debug)]
-pub struct End<'a> {
+pub(crate) struct End<'a> {
     /// The peer's answer.
     pub response: &'a Response,
     /// Place of the sender in the list of ends.
@@ -42,22 +43,22 @@ impl Layout {
 }
 
 /// Writes the lifted matrix of the ends, and its rest modes, into `lifted`.
-pub fn close(ends: &[End<'_>], lifted: &mut Lifted) {
+pub(crate) fn close(ends: &[End<'_>], lifted: &mut Lifted) {
     let layout = Layout::of(ends);
     let matrix = &mut lifted.matrix;
-    matrix.reset(layout.size, layout.size);
+    reset(matrix, layout.size, layout.size);
     for (at, end) in ends.iter().enumerate() {
         let (own, packet) = (end.response, end.response.packet());
         let sender = ends[end.hears].response;
         let (to, from, queue) = (layout.local[at], layout.local[end.hears], layout.queue[at]);
-        matrix.add_block(to, to, &own.own, 1.0);
+        add_block(matrix, to, to, &own.own, 1.0);
         if end.delay_packets == 0 {
-            matrix.add_block(to, from, &own.heard.times(&sender.sent), end.sign);
+            add_block(matrix, to, from, &(&own.heard * &sender.sent), end.sign);
             continue;
         }
         let oldest = queue + (end.delay_packets - 1) * packet;
-        matrix.add_block(to, oldest, &own.heard, 1.0);
-        matrix.add_block(queue, from, &sender.sent, end.sign);
+        add_block(matrix, to, oldest, &own.heard, 1.0);
+        add_block(matrix, queue, from, &sender.sent, end.sign);
         for moved in queue..oldest {
             matrix[(moved + packet, moved)] = 1.0;
         }
@@ -77,7 +78,7 @@ fn rest_modes(ends: &[End<'_>], layout: &Layout, lifted: &mut Lifted) {
             (true, false) => ends[at].response.stays[2],
         };
         let unheard = ends.iter().enumerate().filter(|(other, end)| *other != at && end.hears == at).all(|(_, end)| {
-            let heard = end.response.heard.apply(&ends[at].response.translation_sent);
+            let heard = apply(&end.response.heard, &ends[at].response.translation_sent);
             heard.iter().all(|number| *number == 0.0)
         });
         if stays && unheard {

@@ -17,7 +17,7 @@ use haptic_core::num::{Motion, StateVector};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::Refused;
 
-use super::super::matrix::Matrix;
+use crate::matrix::{Matrix, reset};
 use haptic_sim::peers::{self, DynPeer};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
@@ -26,7 +26,7 @@ use haptic_sim::scene::Scene;
 const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// 2²⁵⁰: an answer above it may have met a limit on its way.
-pub const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
+pub(crate) const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
 
 /// How exactly a translation must come back to be a rest mode, m.
 const UNMOVED_M: f64 = 1e-12;
@@ -35,7 +35,7 @@ const UNMOVED_M: f64 = 1e-12;
 const DEVICE_STATES: usize = 3;
 
 /// The answer of one peer to one packet period.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Response {
     /// Local state after the period for each local state before, when the packet that arrives is all zeros.
     pub own: Matrix,
@@ -51,32 +51,36 @@ pub struct Response {
     pub stays: [bool; 3],
 }
 
+impl Default for Response {
+    fn default() -> Self {
+        let [own, heard, sent] = [(); 3].map(|()| Matrix::new());
+        Self { own, heard, sent, translation: Vec::new(), translation_sent: Vec::new(), stays: [false; 3] }
+    }
+}
+
 impl Response {
     /// Local states.
     pub fn states(&self) -> usize {
-        self.own.rows()
+        self.own.nrows()
     }
 
     /// Numbers in a packet.
     pub fn packet(&self) -> usize {
-        self.sent.rows()
+        self.sent.nrows()
     }
 
     /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]).
-    ///
-    /// # Errors
-    /// What the peer's `build()` refuses.
     pub fn measure(&mut self, linear: &Scene, index: usize) -> Result<(), Refused<'static>> {
         let mut seat = Seat::new(linear, index)?;
         let (states, packet) = (seat.local.len(), seat.packet.len());
-        self.own.reset(states, states);
-        self.heard.reset(states, packet);
-        self.sent.reset(packet, states);
+        reset(&mut self.own, states, states);
+        reset(&mut self.heard, states, packet);
+        reset(&mut self.sent, packet, states);
         for at in 0..states {
             seat.rest();
             seat.local[at] = 1.0;
-            seat.send(self.sent.column_mut(at));
-            seat.period(self.own.column_mut(at));
+            seat.send(self.sent.col_as_slice_mut(at));
+            seat.period(self.own.col_as_slice_mut(at));
         }
         for at in 0..packet {
             // What is never sent need not be heard.
@@ -85,7 +89,7 @@ impl Response {
             }
             seat.rest();
             seat.packet[at] = 1.0;
-            seat.period(self.heard.column_mut(at));
+            seat.period(self.heard.col_as_slice_mut(at));
         }
         self.translate(&mut seat);
         Ok(())
@@ -113,9 +117,6 @@ impl Response {
     }
 
     /// The local state after a period from `local`, hearing `packet`; a check of superposition needs no more.
-    ///
-    /// # Errors
-    /// What the peer's `build()` refuses.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
         let mut seat = Seat::new(linear, index)?;
         seat.local.copy_from_slice(local);

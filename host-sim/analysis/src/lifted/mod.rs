@@ -9,27 +9,33 @@
 //! | [`constructed`] | the paper's algebra: lifted open loop, augmentation, feedback matrix |
 //! | [`closing`] | joining what peers answer through the network's queues, for the former |
 //! | [`prune`] | leaving out states that nothing depends on, or that are always zero |
+//! | [`pair`] | which of these a scene falls apart into |
 //! | [`rest`] | dividing rest modes out by their eigenvectors |
-//! | [`agreement`] | how far the two are apart |
 //!
 //! **Symmetry.** Two peers that are told the same, on a network that is the same both ways, fall apart into their sum and
 //! their difference: each is *one* peer that hears its own packets, as they are or with the sign turned. Two eigenproblems
 //! of half the size cost a quarter of one.
 
-pub mod agreement;
-pub mod closing;
-pub mod constructed;
-pub mod driven;
-pub mod prune;
-pub mod rest;
+pub(crate) mod closing;
+pub(crate) mod constructed;
+pub(crate) mod driven;
+pub(crate) mod pair;
+pub(crate) mod prune;
+pub(crate) mod rest;
 
-use super::matrix::Matrix;
+pub use crate::matrix::{Matrix, apply};
 
 /// A lifted matrix with the rest modes it must have.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Lifted {
     /// State before an exchange → state before the next one.
     pub matrix: Matrix,
     /// Directions that stay as they are: eigenvectors with eigenvalue 1, linearly independent.
     pub rest_modes: Vec<Vec<f64>>,
+}
+
+impl Default for Lifted {
+    fn default() -> Self {
+        Self { matrix: Matrix::new(), rest_modes: Vec::new() }
+    }
 }

@@ -7,12 +7,12 @@
 //!
 //! Zeros are exact zeros: a product with 0, not a small number.
 
-use super::super::matrix::Matrix;
 use super::Lifted;
+use crate::matrix::{Matrix, reset};
 
 /// Remembers what was worth keeping: along a sweep the zeros stay where they are.
 #[derive(Clone, Debug, Default)]
-pub struct Pruner {
+pub(crate) struct Pruner {
     filled: Vec<bool>,
     devices: Vec<usize>,
     kept: Vec<usize>,
@@ -20,8 +20,8 @@ pub struct Pruner {
 
 impl Pruner {
     /// What [`kept`] says, found again only where an entry became or ceased to be zero.
-    pub fn kept(&mut self, matrix: &Matrix, devices: &[usize]) -> &[usize] {
-        let filled = || matrix.entries().iter().map(|entry| *entry != 0.0);
+    pub(crate) fn kept(&mut self, matrix: &Matrix, devices: &[usize]) -> &[usize] {
+        let filled = || (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j)).map(|entry| *entry != 0.0);
         if self.devices != devices || !filled().eq(self.filled.iter().copied()) {
             self.filled.clear();
             self.filled.extend(filled());
@@ -33,11 +33,11 @@ impl Pruner {
 }
 
 /// The states worth keeping, ascending. `devices` are states known to matter, one for each device.
-pub fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
-    let size = matrix.rows();
+pub(crate) fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
+    let size = matrix.nrows();
     let (mut in_row, mut in_column) = (vec![0_usize; size], vec![0_usize; size]);
     for (j, filled) in in_column.iter_mut().enumerate() {
-        for (i, _) in matrix.column(j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        for (i, _) in matrix.col_as_slice(j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
             in_row[i] += 1;
             *filled += 1;
         }
@@ -73,11 +73,11 @@ pub fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
 }
 
 /// Copies what is kept of `from` into `to`.
-pub fn copy(from: &Lifted, kept: &[usize], to: &mut Lifted) {
-    to.matrix.reset(kept.len(), kept.len());
+pub(crate) fn copy(from: &Lifted, kept: &[usize], to: &mut Lifted) {
+    reset(&mut to.matrix, kept.len(), kept.len());
     for (column, j) in kept.iter().enumerate() {
-        let source = from.matrix.column(*j);
-        for (out, i) in to.matrix.column_mut(column).iter_mut().zip(kept) {
+        let source = from.matrix.col_as_slice(*j);
+        for (out, i) in to.matrix.col_as_slice_mut(column).iter_mut().zip(kept) {
             *out = source[*i];
         }
     }
@@ -108,7 +108,7 @@ mod tests {
         let from = Lifted { matrix, rest_modes: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]] };
         let mut to = Lifted::default();
         copy(&from, &[0, 1], &mut to);
-        assert_eq!(to.matrix, Matrix::from_rows(&[[0.5, 0.5], [0.5, 0.0]]));
+        assert_eq!(to.matrix, faer::mat![[0.5, 0.5], [0.5, 0.0]]);
         assert_eq!(to.rest_modes, [[1.0, 2.0]]);
     }
 }

@@ -11,10 +11,10 @@ use super::Lifted;
 
 /// Adds to the rest modes every coordinate whose column is exactly its unit vector: where it stands is felt by nothing.
 /// A device in a scene without contact and arm is the example.
-pub fn idle(lifted: &mut Lifted) {
-    let size = lifted.matrix.rows();
+pub(crate) fn idle(lifted: &mut Lifted) {
+    let size = lifted.matrix.nrows();
     for at in 0..size {
-        let column = lifted.matrix.column(at);
+        let column = lifted.matrix.col_as_slice(at);
         let alone = column.iter().enumerate().all(|(i, entry)| *entry == f64::from(u8::from(i == at)));
         // A translation of only this coordinate is already known.
         let known = |mode: &Vec<f64>| mode.iter().enumerate().all(|(i, entry)| (*entry != 0.0) == (i == at));
@@ -28,19 +28,19 @@ pub fn idle(lifted: &mut Lifted) {
 
 /// Divides all rest modes out, one after the other, and gives how many there were. A mode that the others already contain
 /// is skipped.
-pub fn divide_out(lifted: &mut Lifted) -> usize {
+pub(crate) fn divide_out(lifted: &mut Lifted) -> usize {
     let mut count = 0;
     while let Some(mode) = lifted.rest_modes.pop() {
         let largest = mode.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((pivot, &head)) = largest.filter(|(_, head)| head.abs() > 1e-9) else { continue };
         count += 1;
-        let size = lifted.matrix.rows();
-        let mut quotient = super::super::matrix::Matrix::zeros(size - 1, size - 1);
+        let size = lifted.matrix.nrows();
+        let mut quotient = crate::matrix::Matrix::zeros(size - 1, size - 1);
         for (column, j) in (0..size).filter(|j| *j != pivot).enumerate() {
-            let source = lifted.matrix.column(j);
+            let source = lifted.matrix.col_as_slice(j);
             let share = source[pivot] / head;
             let rows = (0..size).filter(|i| *i != pivot);
-            for (out, i) in quotient.column_mut(column).iter_mut().zip(rows) {
+            for (out, i) in quotient.col_as_slice_mut(column).iter_mut().zip(rows) {
                 *out = source[i] - mode[i] * share;
             }
         }
@@ -58,39 +58,27 @@ pub fn divide_out(lifted: &mut Lifted) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::matrix::Matrix;
-    use super::super::super::spectrum::Spectrum;
+    use faer::linalg::solvers::DenseSolveCore;
+    use faer::mat;
+
     use super::*;
+    use crate::matrix::Matrix;
+    use crate::spectrum::Spectrum;
 
     /// S·diag·S⁻¹ for a basis S given by its columns.
     fn with_eigenvectors(basis: &Matrix, values: &[f64]) -> Matrix {
-        let mut scaled = basis.clone();
-        for (j, value) in values.iter().enumerate() {
-            scaled.column_mut(j).iter_mut().for_each(|entry| *entry *= value);
-        }
-        // M·S = scaled, so Sᵀ·Mᵀ = scaledᵀ.
-        let transpose = |matrix: &Matrix| {
-            let mut turned = Matrix::zeros(matrix.columns(), matrix.rows());
-            for j in 0..matrix.columns() {
-                for i in 0..matrix.rows() {
-                    turned[(j, i)] = matrix[(i, j)];
-                }
-            }
-            turned
-        };
-        let mut right = transpose(&scaled);
-        transpose(basis).solve_into(&mut right);
-        transpose(&right)
+        let scaled = Matrix::from_fn(basis.nrows(), values.len(), |i, j| basis[(i, j)] * values[j]);
+        scaled * basis.partial_piv_lu().inverse()
     }
 
     fn basis() -> Matrix {
-        Matrix::from_rows(&[
+        mat![
             [1.0, 0.0, 0.3, -0.2, 0.1],
             [1.0, 0.0, -0.5, 0.4, 0.0],
             [0.0, 2.0, 0.2, 0.1, -0.7],
             [0.0, 2.0, 0.0, -0.3, 0.6],
             [0.5, 0.0, 0.9, 0.8, 0.2],
-        ])
+        ]
     }
 
     #[test]
@@ -98,10 +86,10 @@ mod tests {
         // Three eigenvalues of 1 or nearly so; two of them are rest modes, the third is not.
         let values = [1.0, 1.0, 0.999_999_999, -0.4, 0.25];
         let matrix = with_eigenvectors(&basis(), &values);
-        let modes = vec![basis().column(0).to_vec(), basis().column(1).to_vec()];
+        let modes = vec![basis().col_as_slice(0).to_vec(), basis().col_as_slice(1).to_vec()];
         let mut lifted = Lifted { matrix, rest_modes: modes };
         assert_eq!(divide_out(&mut lifted), 2);
-        assert_eq!(lifted.matrix.rows(), 3);
+        assert_eq!(lifted.matrix.nrows(), 3);
         let mut left: Vec<f64> = Spectrum::default().eigenvalues(&lifted.matrix).unwrap().map(|(re, _)| re).collect();
         left.sort_by(f64::total_cmp);
         for (got, wanted) in left.iter().zip([-0.4, 0.25, 0.999_999_999]) {
@@ -112,7 +100,7 @@ mod tests {
     #[test]
     fn dependent_modes_count_once() {
         let matrix = with_eigenvectors(&basis(), &[1.0, 1.0, 0.5, 0.5, 0.5]);
-        let (first, second) = (basis().column(0).to_vec(), basis().column(1).to_vec());
+        let (first, second) = (basis().col_as_slice(0).to_vec(), basis().col_as_slice(1).to_vec());
         let sum = first.iter().zip(&second).map(|(a, b)| a - 3.0 * b).collect();
         let mut lifted = Lifted { matrix, rest_modes: vec![first, sum, second] };
         assert_eq!(divide_out(&mut lifted), 2);
@@ -122,7 +110,7 @@ mod tests {
     #[test]
     fn an_unstable_eigenvalue_survives() {
         let matrix = with_eigenvectors(&basis(), &[1.0, 1.5, 0.5, 0.5, 0.5]);
-        let mut lifted = Lifted { matrix, rest_modes: vec![basis().column(0).to_vec()] };
+        let mut lifted = Lifted { matrix, rest_modes: vec![basis().col_as_slice(0).to_vec()] };
         assert_eq!(divide_out(&mut lifted), 1);
         assert!((Spectrum::default().radius(&mut lifted.matrix).unwrap() - 1.5).abs() < 1e-13);
     }
@@ -130,12 +118,12 @@ mod tests {
     #[test]
     fn idle_coordinates_are_found_once() {
         let mut lifted = Lifted {
-            matrix: Matrix::from_rows(&[[1.0, 0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.1, 1.0]]),
+            matrix: mat![[1.0, 0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.1, 1.0]],
             rest_modes: vec![vec![2.0, 0.0, 0.0]],
         };
         idle(&mut lifted);
         assert_eq!(lifted.rest_modes.len(), 2);
         assert_eq!(divide_out(&mut lifted), 2);
-        assert_eq!(lifted.matrix, Matrix::from_rows(&[[0.5]]));
+        assert_eq!(lifted.matrix, mat![[0.5]]);
     }
 }

@@ -10,10 +10,10 @@
 
 use serde::Serialize;
 
-use super::super::AnalysisError;
-use super::super::limit::crossings;
 use super::maps::{Sweep, at, first, stiffness_limit};
 use super::{Body, Place, Renderer, Rendering};
+use crate::error::AnalysisError;
+use crate::limit::crossings;
 
 /// The paper's stiffness, N/m.
 pub const STIFFNESS_N_PER_M: f64 = 1000.0;
@@ -53,9 +53,6 @@ pub fn wall(mass_kg: f64, damping_n_s_per_m: f64, computing_ticks: f64) -> Rende
 }
 
 /// Finds damping and computing delay for a mass (kg).
-///
-/// # Errors
-/// A mass out of range; eigenvalues that do not converge.
 pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
     let largest = |rendering: &Rendering| -> Result<f64, AnalysisError> {
         Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
@@ -94,9 +91,6 @@ pub struct Needs {
 }
 
 /// Slowest sampling and longest delay at which 1000 N/m is stable, looked for from 10 µs to 1 s.
-///
-/// # Errors
-/// A number that [`Rendering::check`] refuses; eigenvalues that do not converge.
 pub fn needs(base: &Rendering) -> Result<Needs, AnalysisError> {
     let wall = Rendering { object: None, ..*base };
     wall.check()?;

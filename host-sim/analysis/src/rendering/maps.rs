@@ -11,10 +11,10 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::super::AnalysisError;
-use super::super::limit::{Limit, crossings};
 use super::closed::largest_stiffness;
 use super::{Place, Renderer, Rendering};
+use crate::error::AnalysisError;
+use crate::limit::{Limit, crossings};
 use haptic_sim::report::ReportError;
 use haptic_sim::report::table::Table;
 
@@ -81,9 +81,6 @@ fn scale(rendering: &Rendering) -> Result<f64, AnalysisError> {
 }
 
 /// Whether both maps of the scene can be made: better said before the work than in the middle of it.
-///
-/// # Errors
-/// The first number that is in the way.
 pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisError> {
     for (base, sweep) in sweeps(base) {
         for time_s in RANGE_S {
@@ -94,9 +91,6 @@ pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisEr
 }
 
 /// Every crossing of the contact stiffness, N/m.
-///
-/// # Errors
-/// A number that [`Rendering::check`] refuses; no damping anywhere; eigenvalues that do not converge.
 pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
     let near = scale(rendering)?;
     let fifths = |octaves: std::ops::RangeInclusive<i32>| {
@@ -138,9 +132,6 @@ pub fn at(base: &Rendering, sweep: Sweep, time_s: f64, sampling_s: Option<f64>) 
 }
 
 /// One curve; `done` is called once for every point, from any thread.
-///
-/// # Errors
-/// As [`stiffness_limit`].
 pub fn curve(
     base: &Rendering,
     sweep: Sweep,
@@ -180,9 +171,6 @@ pub fn sweeps(base: &Rendering) -> Vec<(Rendering, Sweep)> {
 
 /// One row for every crossing: place (1…4, 0 for the sampling period), wall, delay or period, stiffness, whether it is
 /// stable just below, and the closed form. Where even the softest contact is unstable, a first row says so with stiffness 0.
-///
-/// # Errors
-/// None: the columns are named apart.
 pub fn table(curves: &[Curve]) -> Result<Table, ReportError> {
     let names = ["place", "wall", "time_s", "stiffness_n_per_m", "stable_below", "closed_form_n_per_m"];
     let mut table = Table::with_names(&names)?;

@@ -32,9 +32,10 @@ mod tests;
 
 use serde::Serialize;
 
-use super::AnalysisError;
 use super::lifted::{Lifted, rest};
+use super::matrix::reset;
 use super::spectrum::Spectrum;
+use crate::error::AnalysisError;
 use haptic_sim::plant::Linear;
 
 /// Where a delay can sit, in the order of the paper's delay1 … delay4.
@@ -112,24 +113,21 @@ impl Rendering {
     }
 
     /// Every number finite and within what the map can hold.
-    ///
-    /// # Errors
-    /// The first that is not, with the range it must lie in.
     pub fn check(&self) -> Result<(), AnalysisError> {
         let positive = |key, value, unit| AnalysisError::within(key, value, [1e-6, 1e6], unit);
         let any = |key, value, unit| AnalysisError::within(key, value, [0.0, 1e6], unit);
-        positive("device-mass-kg", self.device.mass_kg, "kg")?;
-        any("device-damping-n-s-per-m", self.device.damping_n_s_per_m, "N·s/m")?;
+        positive("device_mass_kg", self.device.mass_kg, "kg")?;
+        any("device_damping_n_s_per_m", self.device.damping_n_s_per_m, "N·s/m")?;
         if let Some(object) = self.object {
-            positive("object-mass-kg", object.mass_kg, "kg")?;
-            any("object-damping-n-s-per-m", object.damping_n_s_per_m, "N·s/m")?;
+            positive("object_mass_kg", object.mass_kg, "kg")?;
+            any("object_damping_n_s_per_m", object.damping_n_s_per_m, "N·s/m")?;
         }
-        any("contact-damping-n-s-per-m", self.contact_damping_n_s_per_m, "N·s/m")?;
-        AnalysisError::within("sampling-period-s", self.period_s, [1e-6, 10.0], "s")?;
-        AnalysisError::within("computing-ticks", self.computing_ticks, [0.0, 10.0], "ticks")?;
+        any("contact_damping_n_s_per_m", self.contact_damping_n_s_per_m, "N·s/m")?;
+        AnalysisError::within("sampling_period_s", self.period_s, [1e-6, 10.0], "s")?;
+        AnalysisError::within("computing_ticks", self.computing_ticks, [0.0, 10.0], "ticks")?;
         for (place, delay_s) in Place::ALL.into_iter().zip(self.delays_s) {
             let most_s = MOST_TICKS * self.period_s;
-            AnalysisError::within(&format!("delay-s ({})", place.name()), delay_s, [0.0, most_s], "s")?;
+            AnalysisError::within(&format!("delay_s ({})", place.name()), delay_s, [0.0, most_s], "s")?;
         }
         Ok(())
     }
@@ -158,9 +156,6 @@ impl Sampled {
 
 impl Renderer {
     /// Largest |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
-    ///
-    /// # Errors
-    /// Eigenvalues that do not converge.
     pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
         self.build(rendering, stiffness_n_per_m);
         rest::divide_out(&mut self.lifted);
@@ -177,7 +172,7 @@ impl Renderer {
         let queue = 2 * bodies.len();
         let remembered = bodies.iter().map(|(body, _)| body.whole + 1).max().unwrap_or(1);
         let matrix = &mut self.lifted.matrix;
-        matrix.reset(queue + remembered, queue + remembered);
+        reset(matrix, queue + remembered, queue + remembered);
         // F[k] = K·(x − x_o) + B·(ẋ − ẋ_o): what it is made of.
         let made_of: Vec<(usize, f64)> = bodies
             .iter()

@@ -176,7 +176,7 @@ fn what_cannot_be_is_named() {
     let says = |rendering: Rendering| stiffness_limit(&rendering).unwrap_err().to_string();
     let good = scene(None, 0.0, 0.5, [0.0; 4]);
     let device = |mass_kg, damping_n_s_per_m| Body { mass_kg, damping_n_s_per_m };
-    assert!(says(Rendering { device: device(-1.0, 5.0), ..good }).starts_with("device-mass-kg = -1 is not allowed"));
+    assert!(says(Rendering { device: device(-1.0, 5.0), ..good }).starts_with("device_mass_kg = -1 is not allowed"));
     assert!(says(Rendering { device: device(f64::NAN, 5.0), ..good }).contains("NaN"));
     assert!(says(good.delayed(Place::CollisionToDevice, 1.0)).contains("from 0 to 0.2 s"));
     assert!(says(Rendering { device: device(1.0, 0.0), ..good }).contains("damping"));

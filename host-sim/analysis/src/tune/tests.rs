@@ -82,7 +82,7 @@ fn nothing_is_proposed_where_nothing_is_stable() {
     scene.peer.contact.damping_n_s_per_m = 500.0;
     assert_eq!(tune(&scene, 0.2, || {}).unwrap(), None);
     let refused = tune(&scene, -0.1, || {}).unwrap_err().to_string();
-    assert!(refused.starts_with("--margin = -0.1 is not allowed"), "{refused}");
+    assert!(refused.starts_with("margin = -0.1 is not allowed"), "{refused}");
 }
 
 #[test]

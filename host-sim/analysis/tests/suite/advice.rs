@@ -1,7 +1,7 @@
 //! Advice names one gain, and following it mends the scene with the margin that is promised.
 
-use haptic_analysis::advice::{MARGIN, advice, change};
 use haptic_analysis::verdict;
+use haptic_analysis::{MARGIN, advice, change};
 use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;

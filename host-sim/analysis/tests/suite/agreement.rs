@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use haptic_analysis::lifted::agreement::agreement;
-use haptic_analysis::verdict::{is_symmetric, pair_matrix};
-use haptic_analysis::{lifted, verdict};
+use haptic_analysis::agreement;
+use haptic_analysis::apply;
+use haptic_analysis::{Response, verdict};
+use haptic_analysis::{is_symmetric, pair_matrix};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::Choice;
 use haptic_sim::scene::Scene;
@@ -77,14 +78,14 @@ fn the_peer_is_linear_where_it_is_analysed() {
             linear.peer.axis.velocity = VelocityName::Adaptive;
         }
         let whole = pair_matrix(&linear).unwrap().matrix;
-        let mut response = lifted::driven::Response::default();
+        let mut response = Response::default();
         response.measure(&linear, 0).unwrap();
         let mut dice = random::Dice::new(seed);
         let local: Vec<f64> = (0..response.states()).map(|_| dice.unit() - 0.5).collect();
         let packet: Vec<f64> = (0..response.packet()).map(|_| dice.unit() - 0.5).collect();
-        let driven = lifted::driven::Response::drive(&linear, 0, &local, &packet).unwrap();
-        let (own, heard) = (response.own.apply(&local), response.heard.apply(&packet));
-        let scale = whole.entries().iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
+        let driven = Response::drive(&linear, 0, &local, &packet).unwrap();
+        let (own, heard) = (apply(&response.own, &local), apply(&response.heard, &packet));
+        let scale = whole.norm_max().max(1.0);
         for ((driven, own), heard) in driven.iter().zip(&own).zip(&heard) {
             let sum = own + heard;
             assert!((driven - sum).abs() <= 1e-12 * scale || driven == &sum, "scene {seed}: {driven} {sum}");

@@ -46,9 +46,6 @@ impl Plant {
         let (device, profile, world) = (&scene.world.device, &user.settings.user, &scene.world);
         let toward = if index == 0 { 1.0 } else { -1.0 };
         let moving_mass_kg = device.mass_kg + profile.arm_mass_kg;
-        let start = if scene.peer.contact.one_sided { -toward * scene.peer.contact.gap_m } else { 0.0 };
-        let [mut free, held @ ..] = [Motion::REST; AXES];
-        free.position = start;
         Self {
             toward,
             period_s: scene.peer.timing.control_period_s,
@@ -66,7 +63,7 @@ impl Plant {
                 .then(|| Joints::new(&scene.peers()[index], &world.plant)),
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
-            motions: [free, held[0]],
+            motions: scene.start(index),
             motor_before: [0.0; AXES],
             user,
         }

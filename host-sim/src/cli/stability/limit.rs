@@ -6,8 +6,8 @@ use clap::Args;
 use serde::Serialize;
 
 use super::super::{Failure, SceneArgs, Ui};
-use haptic_analysis::limit::{Effort, Limit as Crossings, limit};
-use haptic_analysis::sweep::Range;
+use haptic_analysis::Range;
+use haptic_analysis::{Effort, Limit as Crossings, limit};
 use haptic_sim::report::text::TextTable;
 
 /// Arguments of `stability limit`.

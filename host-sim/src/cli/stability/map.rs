@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::super::ui::save;
 use super::super::{Failure, SceneArgs, Ui};
 
-use haptic_analysis::limit::Effort;
-use haptic_analysis::map::{Axis, Column, map};
+use haptic_analysis::Effort;
 use haptic_analysis::picture;
+use haptic_analysis::{Axis, Column, map};
 use haptic_plot::draw;
 use haptic_sim::report::text::TextTable;
 

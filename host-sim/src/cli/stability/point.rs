@@ -4,7 +4,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::super::{Failure, SceneArgs, Ui};
-use haptic_analysis::lifted::agreement::{Agreement, agreement};
+use haptic_analysis::{Agreement, agreement};
 use haptic_analysis::{Verdict, advice, verdict};
 use haptic_sim::report::text::TextTable;
 

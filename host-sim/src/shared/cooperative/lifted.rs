@@ -16,9 +16,9 @@ use haptic_core::peer::Actuators;
 
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;
-use haptic_analysis::lifted::Lifted;
-use haptic_analysis::matrix::Matrix;
-use haptic_analysis::verdict::delays_packets;
+use haptic_analysis::Lifted;
+use haptic_analysis::Matrix;
+use haptic_analysis::delays_packets;
 use haptic_analysis::{Analyser, AnalysisError, Verdict};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
@@ -63,7 +63,7 @@ pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> 
         period.state.fill(0.0);
         period.state[at] = 1.0;
         period.pass();
-        matrix.column_mut(at).copy_from_slice(&period.state);
+        matrix.col_as_slice_mut(at).copy_from_slice(&period.state);
     }
     // Without a spring to any arm everything together can stand anywhere.
     let free = scene.users.iter().all(|user| user.settings.user.arm_stiffness_n_per_m == 0.0);

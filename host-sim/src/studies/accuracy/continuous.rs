@@ -12,8 +12,8 @@
 
 use std::collections::VecDeque;
 
-use haptic_analysis::lifted::constructed::hold::exponential;
-use haptic_analysis::matrix::Matrix;
+use haptic_analysis::Matrix;
+use haptic_analysis::exponential;
 use haptic_sim::scene::Scene;
 
 /// Time from one sample to the next, s.
@@ -83,7 +83,7 @@ impl Peer {
             [0.0; SIZE],
         ];
         let over_a_sample = change.map(|row| row.map(|gain| gain * SAMPLE_S));
-        Self { transition: exponential(&Matrix::from_rows(&over_a_sample)), force }
+        Self { transition: exponential(&Matrix::from_fn(SIZE, SIZE, |i, j| over_a_sample[i][j])), force }
     }
 }
 
@@ -113,7 +113,7 @@ pub fn run(scene: &Scene, duration_s: f64) -> Vec<Sample> {
         let force = |state: &[f64]| peer.force.iter().zip(state).map(|(gain, value)| gain * value).sum();
         samples.push(Sample { objects_m: [first[2], second[2]], forces_n: [force(first), force(second)] });
         for state in &mut states {
-            *state = peer.transition.apply(state);
+            *state = haptic_analysis::apply(&peer.transition, state);
         }
     }
     samples

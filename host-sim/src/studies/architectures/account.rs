@@ -3,7 +3,7 @@
 use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
 
 use super::{Architecture, Row, TASK};
-use haptic_analysis::verdict::ROUNDING;
+use haptic_analysis::ROUNDING;
 use haptic_sim::run::Growth;
 
 /// Bytes of a sealed event of this length and of its acknowledgement.

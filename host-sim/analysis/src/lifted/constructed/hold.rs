@@ -3,35 +3,37 @@
 //! e^X ≈ q(X/2ˢ)⁻¹·p(X/2ˢ), squared s times, of order (6, 6) with ‖X‖ ≤ ½ after scaling: relative error below 1e-16
 //! (Golub & Van Loan, §9.3).
 
-use super::super::super::matrix::Matrix;
+use faer::linalg::solvers::Solve;
+use faer::{Scale, mat};
+
+use crate::matrix::Matrix;
 
 /// e^matrix.
 pub fn exponential(matrix: &Matrix) -> Matrix {
-    let size = matrix.rows();
-    let norm = (0..size).map(|j| matrix.column(j).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let size = matrix.nrows();
+    let norm = (0..size).map(|j| matrix.col_as_slice(j).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
     let halvings = if norm > 0.5 { norm.log2().ceil() as i32 + 1 } else { 0 };
-    let mut scaled = Matrix::zeros(size, size);
-    scaled.add_block(0, 0, matrix, 0.5_f64.powi(halvings));
-    let (mut above, mut below) = (Matrix::identity(size), Matrix::identity(size));
-    let mut power = Matrix::identity(size);
+    let scaled = matrix * Scale(0.5_f64.powi(halvings));
+    let (mut above, mut below) = (Matrix::identity(size, size), Matrix::identity(size, size));
+    let mut power = Matrix::identity(size, size);
     let mut weight = 1.0;
     for k in 1..=6 {
         let order = f64::from(k);
         weight *= (7.0 - order) / (order * (13.0 - order));
-        power = scaled.times(&power);
-        above.add_block(0, 0, &power, weight);
-        below.add_block(0, 0, &power, if k % 2 == 0 { weight } else { -weight });
+        power = &scaled * &power;
+        above += &power * Scale(weight);
+        below += &power * Scale(if k % 2 == 0 { weight } else { -weight });
     }
-    below.solve_into(&mut above);
+    below.partial_piv_lu().solve_in_place(&mut above);
     for _ in 0..halvings {
-        above = above.times(&above);
+        above = &above * &above;
     }
     above
 }
 
 /// A mass, damper and spring over one tick, with a force that may act late.
 #[derive(Clone, Copy, Debug)]
-pub struct Held {
+pub(crate) struct Held {
     /// Position and velocity after, for position and velocity before.
     pub motion: [[f64; 2]; 2],
     /// Position and velocity after, for the force of the tick before, per N.
@@ -42,16 +44,16 @@ pub struct Held {
 
 impl Held {
     /// Exact: the old force for `late` of the period, then the new one. Mass kg, damping N·s/m, stiffness N/m, period s.
-    pub fn exact(mass: f64, damping: f64, stiffness: f64, late: f64, period: f64) -> Self {
+    pub(crate) fn exact(mass: f64, damping: f64, stiffness: f64, late: f64, period: f64) -> Self {
         let over = |time: f64| {
-            exponential(&Matrix::from_rows(&[
+            exponential(&mat![
                 [0.0, time, 0.0],
                 [-stiffness / mass * time, -damping / mass * time, time / mass],
                 [0.0, 0.0, 0.0],
-            ]))
+            ])
         };
         let (first, second) = (over(late * period), over((1.0 - late) * period));
-        let both = second.times(&first);
+        let both = &second * &first;
         let carried = |i: usize| second[(i, 0)] * first[(0, 2)] + second[(i, 1)] * first[(1, 2)];
         Self {
             motion: [[both[(0, 0)], both[(0, 1)]], [both[(1, 0)], both[(1, 1)]]],
@@ -61,7 +63,7 @@ impl Held {
     }
 
     /// Forward Euler: v⁺ = v + (T/m)·(F − b·v), x⁺ = x + T·v, with F = late·F_before + (1 − late)·F_now.
-    pub fn forward_euler(mass: f64, damping: f64, late: f64, period: f64) -> Self {
+    pub(crate) fn forward_euler(mass: f64, damping: f64, late: f64, period: f64) -> Self {
         let gain = period / mass;
         Self {
             motion: [[1.0, period], [0.0, 1.0 - gain * damping]],
@@ -71,7 +73,7 @@ impl Held {
     }
 
     /// Semi-implicit Euler: the same velocity, and x⁺ = x + T·v⁺.
-    pub fn semi_implicit(mass: f64, damping: f64, late: f64, period: f64) -> Self {
+    pub(crate) fn semi_implicit(mass: f64, damping: f64, late: f64, period: f64) -> Self {
         let mut held = Self::forward_euler(mass, damping, late, period);
         held.motion[0][1] = period * held.motion[1][1];
         held.before[0] = period * held.before[1];
@@ -87,7 +89,7 @@ mod tests {
     #[test]
     fn a_rotation_is_a_rotation() {
         for angle in [1e-9_f64, 0.3, 2.0, 40.0] {
-            let turned = exponential(&Matrix::from_rows(&[[0.0, -angle], [angle, 0.0]]));
+            let turned = exponential(&mat![[0.0, -angle], [angle, 0.0]]);
             assert!((turned[(0, 0)] - angle.cos()).abs() < 1e-14 * (1.0 + angle));
             assert!((turned[(1, 0)] - angle.sin()).abs() < 1e-14 * (1.0 + angle));
         }

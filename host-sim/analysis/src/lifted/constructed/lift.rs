@@ -9,12 +9,14 @@
 //! Limit: what the open loop grows by within a packet is lost in digits, however stable the closed loop is. It grows where
 //! forward Euler overshoots its own damping, b_O·T_c > 2·m_O; the driven matrix does not mind.
 
-use super::super::super::matrix::Matrix;
+use faer::linalg::solvers::Solve;
+
 use super::peer::Peer;
+use crate::matrix::{Matrix, add_block};
 
 /// One packet period of one peer.
 #[derive(Clone, Debug)]
-pub struct Period {
+pub(super) struct Period {
     /// State before → state after.
     pub state: Matrix,
     /// Held input → state after.
@@ -22,44 +24,39 @@ pub struct Period {
 }
 
 /// Closes the loop over `ticks` ticks.
-pub fn close(peer: &Peer, ticks: usize) -> Period {
-    let (z, u, s) = (peer.a.rows(), peer.b.columns(), peer.h.columns());
+pub(super) fn close(peer: &Peer, ticks: usize) -> Period {
+    let (z, u, s) = (peer.a.nrows(), peer.b.ncols(), peer.h.ncols());
     // Aᵏ for k = 0…M, and AᵏB, F·AᵏB for k = 0…M−1.
-    let mut powers = vec![Matrix::identity(z)];
+    let mut powers = vec![Matrix::identity(z, z)];
     for k in 0..ticks {
-        powers.push(peer.a.times(&powers[k]));
+        powers.push(&peer.a * &powers[k]);
     }
-    let steered: Vec<Matrix> = powers[..ticks].iter().map(|power| power.times(&peer.b)).collect();
-    let looped: Vec<Matrix> = steered.iter().map(|steered| peer.f.times(steered)).collect();
+    let steered: Vec<Matrix> = powers[..ticks].iter().map(|power| power * &peer.b).collect();
+    let looped: Vec<Matrix> = steered.iter().map(|steered| &peer.f * steered).collect();
 
-    let mut algebraic = Matrix::identity(u);
-    algebraic.add_block(0, 0, &peer.g, -1.0);
+    let mut algebraic = Matrix::identity(u, u);
+    add_block(&mut algebraic, 0, 0, &peer.g, -1.0);
+    let algebraic = algebraic.partial_piv_lu();
     let mut inputs: Vec<Matrix> = Vec::with_capacity(ticks);
     for k in 0..ticks {
         let mut right = Matrix::zeros(u, z + s);
-        right.add_block(0, 0, &peer.f.times(&powers[k]), 1.0);
-        right.add_block(0, z, &peer.h, 1.0);
+        add_block(&mut right, 0, 0, &(&peer.f * &powers[k]), 1.0);
+        add_block(&mut right, 0, z, &peer.h, 1.0);
         for (l, earlier) in inputs.iter().enumerate() {
-            right.add_block(0, 0, &looped[k - 1 - l].times(earlier), 1.0);
+            add_block(&mut right, 0, 0, &(&looped[k - 1 - l] * earlier), 1.0);
         }
-        algebraic.clone().solve_into(&mut right);
+        algebraic.solve_in_place(&mut right);
         inputs.push(right);
     }
 
     let mut after = Matrix::zeros(z, z + s);
-    after.add_block(0, 0, &powers[ticks], 1.0);
+    add_block(&mut after, 0, 0, &powers[ticks], 1.0);
     for (k, inputs) in inputs.iter().enumerate() {
-        after.add_block(0, 0, &steered[ticks - 1 - k].times(inputs), 1.0);
+        add_block(&mut after, 0, 0, &(&steered[ticks - 1 - k] * inputs), 1.0);
     }
-    let mut period = Period { state: Matrix::zeros(z, z), held: Matrix::zeros(z, s) };
-    for j in 0..z {
-        period.state.column_mut(j).copy_from_slice(after.column(j));
-    }
-    for j in 0..s {
-        period.held.column_mut(j).copy_from_slice(after.column(z + j));
-    }
+    let mut period = Period { state: after.get(.., ..z).to_owned(), held: after.get(.., z..).to_owned() };
     if let Some(state) = peer.restarts {
-        period.state.column_mut(peer.at(state)).fill(0.0);
+        period.state.col_as_slice_mut(peer.at(state)).fill(0.0);
     }
     period
 }

@@ -11,28 +11,20 @@
 //! Only the parameters are shared with [`super::driven`]. A law, integrator or estimator whose equations are not written
 //! here gives `None`: core's lists may grow, this file need not.
 
-pub mod hold;
+pub(crate) mod hold;
 mod law;
-pub mod lift;
-pub mod network;
-pub mod peer;
+mod lift;
+mod network;
+mod peer;
 
-use super::Lifted;
 use haptic_sim::scene::Scene;
-use network::Place;
 
-/// The pair's lifted matrix, with the place of each of its states.
-#[derive(Clone, Debug)]
-pub struct Constructed {
-    /// Matrix and rest modes.
-    pub lifted: Lifted,
-    /// What each row and column stands for.
-    pub places: Vec<Place>,
-}
+pub(crate) use network::{Constructed, Place};
+pub(crate) use peer::State;
 
 /// Builds the pair of a linear scene ([`Scene::linear`]), without using symmetry; `None` where the scene names a
 /// model that this construction has no equations for.
-pub fn construct(linear: &Scene) -> Option<Constructed> {
+pub(crate) fn construct(linear: &Scene) -> Option<Constructed> {
     let peers = [peer::Peer::new(linear, 0)?, peer::Peer::new(linear, 1)?];
     let periods = peers.each_ref().map(|peer| lift::close(peer, linear.peer.timing.ticks_per_packet as usize));
     Some(network::join(linear, &peers, &periods))

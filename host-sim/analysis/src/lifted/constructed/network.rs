@@ -6,17 +6,16 @@
 
 use haptic_core::law::LawName;
 
-use super::super::super::matrix::Matrix;
-use super::super::super::verdict::delays_packets;
-use super::super::Lifted;
-use super::Constructed;
 use super::lift::Period;
 use super::peer::{Peer, State};
+use crate::lifted::Lifted;
+use crate::lifted::pair::delays_packets;
+use crate::matrix::{Matrix, add_block};
 use haptic_sim::scene::Scene;
 
 /// What a state of the pair is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub(crate) enum Place {
     /// A state of a peer (0 or 1).
     Local {
         /// Which peer.
@@ -35,8 +34,17 @@ pub enum Place {
     },
 }
 
+/// The pair's lifted matrix, with the place of each of its states.
+#[derive(Clone, Debug)]
+pub(crate) struct Constructed {
+    /// Matrix and rest modes.
+    pub lifted: Lifted,
+    /// What each row and column stands for.
+    pub places: Vec<Place>,
+}
+
 /// Joins the two peers.
-pub fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2]) -> Constructed {
+pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2]) -> Constructed {
     let delays = delays_packets(scene);
     let mut places = Vec::new();
     for (peer, open) in peers.iter().enumerate() {
@@ -51,14 +59,14 @@ pub fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2]) -> Construc
     let mut matrix = Matrix::zeros(places.len(), places.len());
     for (to, period) in periods.iter().enumerate() {
         let (from, start) = (1 - to, to * peers[0].states.len());
-        matrix.add_block(start, start, &period.state, 1.0);
+        add_block(&mut matrix, start, start, &period.state, 1.0);
         for (held, &state) in peers[from].sends.iter().enumerate() {
             let source = find(Place::Local { peer: from, state });
             let heard = match delays[to].checked_sub(1) {
                 None => source,
                 Some(slot) => find(Place::InFlight { to, slot, state }),
             };
-            for (i, entry) in period.held.column(held).iter().enumerate() {
+            for (i, entry) in period.held.col_as_slice(held).iter().enumerate() {
                 matrix[(start + i, heard)] += entry;
             }
             for slot in 0..delays[to] {

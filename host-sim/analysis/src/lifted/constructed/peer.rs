@@ -9,14 +9,14 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 
-use super::super::super::matrix::Matrix;
 use super::hold::{Held, exponential};
+use crate::matrix::Matrix;
 use haptic_sim::scene::Scene;
 
 /// What a state of one peer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
-pub enum State {
+pub(crate) enum State {
     DevicePosition,
     DeviceVelocity,
     /// Motor force of the tick before.
@@ -47,7 +47,7 @@ pub(super) enum Input {
 
 /// Open loop and feedback of one peer.
 #[derive(Clone, Debug)]
-pub struct Peer {
+pub(super) struct Peer {
     /// What the states are, in order.
     pub states: Vec<State>,
     /// Which states are sent; as many as there are held inputs s.
@@ -76,7 +76,7 @@ use State::{
 
 impl Peer {
     /// Peer `index` of the scene, or `None` where its models are not known here.
-    pub fn new(scene: &Scene, index: usize) -> Option<Self> {
+    pub(super) fn new(scene: &Scene, index: usize) -> Option<Self> {
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
             LawName::Power => (false, vec![ObjectPosition, ObjectVelocity]),
@@ -120,7 +120,7 @@ impl Peer {
     }
 
     /// Where a state stands; states that are asked for are there.
-    pub fn at(&self, state: State) -> usize {
+    pub(super) fn at(&self, state: State) -> usize {
         self.states.iter().position(|known| *known == state).unwrap_or(usize::MAX)
     }
 
@@ -199,5 +199,5 @@ impl Peer {
 
 /// What is left after one period (s) of a first-order lag with this cutoff (Hz).
 pub(super) fn decay(cutoff_hz: f64, period: f64) -> f64 {
-    exponential(&Matrix::from_rows(&[[-std::f64::consts::TAU * cutoff_hz * period]]))[(0, 0)]
+    exponential(&faer::mat![[-std::f64::consts::TAU * cutoff_hz * period]])[(0, 0)]
 }

@@ -1,7 +1,8 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
+use heapless::Deque;
+
 use super::{Copy, Lease, Message, Value};
-use crate::notices::Notices;
 use crate::roles::collaborative::NotOwner;
 use crate::roles::collaborative::lease::Requests;
 use crate::roles::{Out, Role};
@@ -68,7 +69,7 @@ pub struct Client {
     /// The highest fence that is over. A release that is still on its way may not meet an owner of the same fence.
     spent: u32,
     next_us: u64,
-    notices: Notices<Notice, 8>,
+    notices: Deque<Notice, 8>,
 }
 
 impl Client {
@@ -84,7 +85,7 @@ impl Client {
             first: 1,
             spent: 0,
             next_us: 0,
-            notices: Notices::default(),
+            notices: Deque::new(),
         }
     }
 
@@ -148,7 +149,7 @@ impl Client {
             (Phase::Asking, Some(until_us)) if now < until_us => {
                 self.learn(copy);
                 self.phase = Phase::Owner { fence, until_us };
-                self.notices.put(Notice::Granted);
+                self.notify(Notice::Granted);
             }
             (Phase::Owner { fence: held, until_us: before }, Some(until_us)) if fence == held => {
                 self.phase = Phase::Owner { fence, until_us: before.max(until_us) };
@@ -168,9 +169,9 @@ impl Client {
                 if fence > self.copy.version {
                     self.copy = Copy { version: fence, value };
                 }
-                self.notices.put(Notice::Published { version: fence });
+                self.notify(Notice::Published { version: fence });
             }
-            Some(_) => self.notices.put(Notice::TooLate { fence }),
+            Some(_) => self.notify(Notice::TooLate { fence }),
             None => {}
         }
     }
@@ -178,7 +179,7 @@ impl Client {
     fn learn(&mut self, copy: Copy) {
         if copy.version > self.copy.version {
             self.copy = copy;
-            self.notices.put(Notice::Changed { version: copy.version });
+            self.notify(Notice::Changed { version: copy.version });
         }
     }
 
@@ -188,8 +189,16 @@ impl Client {
         {
             self.phase = Phase::Idle;
             self.spent = self.spent.max(fence);
-            self.notices.put(Notice::Expired);
+            self.notify(Notice::Expired);
         }
+    }
+
+    fn notify(&mut self, notice: Notice) {
+        if self.notices.is_full() {
+            self.notices.pop_front();
+        }
+        // There is room now.
+        let _ = self.notices.push_back(notice);
     }
 }
 
@@ -233,6 +242,6 @@ impl Role for Client {
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.take()
+        self.notices.pop_front()
     }
 }

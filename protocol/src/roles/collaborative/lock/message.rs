@@ -2,8 +2,10 @@
 
 use super::Copy;
 use crate::bytes::messages;
+use crate::error::Error;
 use crate::roles::collaborative::Value;
-use crate::roles::{carried_by_events, code};
+use crate::roles::{Carried, code};
+use crate::wire;
 
 messages! {
     /// A message about one object.
@@ -58,4 +60,13 @@ messages! {
     }
 }
 
-carried_by_events!(Message);
+impl Carried for Message {
+    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
+        self.event(object).map(wire::Message::Event)
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let wire::Message::Event(event) = message else { return None };
+        Self::parse(event).ok()
+    }
+}

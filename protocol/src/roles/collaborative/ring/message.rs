@@ -2,7 +2,9 @@
 
 use super::{Ballot, State};
 use crate::bytes::messages;
-use crate::roles::{carried_by_events, code};
+use crate::error::Error;
+use crate::roles::{Carried, code};
+use crate::wire;
 
 messages! {
     /// A message about one object.
@@ -64,4 +66,13 @@ messages! {
     }
 }
 
-carried_by_events!(Message);
+impl Carried for Message {
+    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
+        self.event(object).map(wire::Message::Event)
+    }
+
+    fn read(message: &wire::Message) -> Option<(u16, Self)> {
+        let wire::Message::Event(event) = message else { return None };
+        Self::parse(event).ok()
+    }
+}

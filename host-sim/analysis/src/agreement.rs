@@ -1,21 +1,20 @@
 //! How far apart the two constructions of the lifted matrix are, entry by entry.
 //!
-//! Both are brought to the states that matter ([`super::prune`]; which these are must agree too) and to common units: the
-//! powers of two that balance the constructed matrix ([`super::super::spectrum::balance`]). The difference is the largest
+//! Both are brought to the states that matter ([`prune`]; which these are must agree too) and to common units: the
+//! powers of two that balance the constructed matrix ([`balance`]). The difference is the largest
 //! |entry of one − entry of the other| in these units over the largest |entry|, or over 1 where all are smaller.
 
 use haptic_core::law::{LawName, Packet};
 use haptic_core::num::StateVector;
 
-use super::super::AnalysisError;
-use super::super::matrix::Matrix;
-use super::super::spectrum::balance;
-use super::super::verdict::{Analyser, delays_packets, pair_matrix};
-use super::constructed::network::Place;
-use super::constructed::peer::State;
-use super::constructed::{Constructed, construct};
-use super::driven::TOO_LARGE;
-use super::{Lifted, prune};
+use super::lifted::constructed::{Constructed, Place, State, construct};
+use super::lifted::driven::TOO_LARGE;
+use super::lifted::pair::{delays_packets, pair_matrix};
+use super::lifted::{Lifted, prune};
+use super::verdict::Analyser;
+use crate::error::AnalysisError;
+use crate::matrix::Matrix;
+use crate::spectrum::balance;
 use haptic_sim::scene::Scene;
 
 /// Rounding may put one on this side of the limit and the other on that.
@@ -31,15 +30,16 @@ pub struct Agreement {
 }
 
 /// Compares the two constructions on a linear scene; `None` where the scene has a model without a second construction.
-///
-/// # Errors
-/// Settings that the peer refuses; eigenvalues that do not converge.
 pub fn agreement(linear: &Scene) -> Result<Option<Agreement>, AnalysisError> {
     let Some(constructed) = construct(linear) else { return Ok(None) };
     let driven = pair_matrix(linear)?;
-    if !driven.matrix.is_finite() {
+    if !driven.matrix.is_all_finite() {
         // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
-        let grown = !constructed.lifted.matrix.entries().iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST);
+        let grown = !constructed
+            .lifted
+            .matrix
+            .col_iter()
+            .all(|column| column.iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST));
         let apart = if grown { 0.0 } else { f64::INFINITY };
         return Ok(Some(Agreement { matrix: apart, spectral_radius: apart }));
     }
@@ -60,7 +60,7 @@ fn devices(places: &[Place]) -> Vec<usize> {
 
 fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let locals = driven_order(linear);
-    let second = (driven.matrix.rows() - packets(linear)) / 2;
+    let second = (driven.matrix.nrows() - packets(linear)) / 2;
     let kept = prune::kept(&constructed.lifted.matrix, &devices(&constructed.places));
     let same: Vec<Option<usize>> =
         kept.iter().map(|at| driven_place(linear, constructed.places[*at], &locals, second)).collect();
@@ -80,7 +80,7 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     balance(&mut other, |at, factor| units[at] *= factor);
     let (mut largest, mut apart) = (1.0_f64, 0.0_f64);
     for (j, unit) in units.iter().enumerate() {
-        for (i, entry) in first.column_mut(j).iter_mut().enumerate() {
+        for (i, entry) in first.col_as_slice_mut(j).iter_mut().enumerate() {
             *entry *= unit / units[i];
             largest = largest.max(other[(i, j)].abs());
             apart = apart.max((*entry - other[(i, j)]).abs());

@@ -1,0 +1,58 @@
+//! Why an analysis could not be made.
+
+use haptic_core::settings::{Allowed, Refused};
+use haptic_sim::scene::SceneError;
+
+/// Why an analysis could not be made, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum AnalysisError {
+    /// The peer does not accept the settings.
+    #[error(transparent)]
+    Refused(#[from] Refused<'static>),
+    /// The scene does not accept a value of a sweep.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The key of a sweep is a name or a flag.
+    #[error("{key} is no number that could be swept: it is {allowed}")]
+    NoNumber {
+        /// The key.
+        key: String,
+        /// What it takes.
+        allowed: Allowed,
+    },
+    /// A range that does not ascend.
+    #[error("{key}: a range must be two finite numbers that ascend, not from {from} to {to}")]
+    Range {
+        /// The key.
+        key: String,
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+    },
+    /// A number outside what an analysis can take.
+    #[error("{key} = {value} is not allowed: it must be a number from {min} to {max} {unit}")]
+    OutOfRange {
+        /// What it is called.
+        key: String,
+        /// What was offered.
+        value: f64,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
+    /// The eigenvalue iteration gave up.
+    #[error("the eigenvalues of this scene's lifted matrix did not converge")]
+    NoConvergence,
+}
+
+impl AnalysisError {
+    /// Refuses a number that does not lie within `[min, max]`.
+    pub(crate) fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &'static str) -> Result<(), Self> {
+        let inside = value >= min && value <= max;
+        if inside { Ok(()) } else { Err(Self::OutOfRange { key: key.to_owned(), value, min, max, unit }) }
+    }
+}
