@@ -20,7 +20,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command, Mode};
 use haptic_core::scene::Scene;
-use haptic_core::settings::{Refused, SetError, Settings};
+use haptic_core::settings::{Allowed, Refused, SetError, Settings};
 use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
@@ -61,57 +61,41 @@ pub(crate) struct Console {
 
 /// Most ticks between two packets: orders are carried out at packets, and answered within 50 ms.
 const MAX_TICKS_PER_PACKET: u32 = 40;
-
-/// Why a board does not run settings that a scene may have.
-pub(crate) enum Unfit {
-    /// Another control period than the timer's.
-    Period,
-    /// Packet boundaries so far apart that the operator would wait longer than an answer may take.
-    PacketPeriod,
-    /// A velocity that encoders do not measure.
-    Velocity,
-    /// Settings that nobody runs.
-    Refused(Refused<'static>),
-}
-
-impl fmt::Display for Unfit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Period => {
-                write!(f, "timing.control_period_s must be {}: the board's tick is fixed", pace::PERIOD_S)
-            }
-            Self::PacketPeriod => {
-                write!(f, "timing.ticks_per_packet must be at most {MAX_TICKS_PER_PACKET}: orders wait for a packet")
-            }
-            Self::Velocity => {
-                f.write_str("axis.velocity must be difference, filtered or adaptive: encoders measure no velocity")
-            }
-            Self::Refused(refused) => refused.fmt(f),
-        }
-    }
-}
+const _: () = assert!(pace::PERIOD_S == 0.001 && MAX_TICKS_PER_PACKET == 40, "as refusals in `plan` say");
 
 /// The settings as this board runs them, turned into what the tick takes.
 ///
 /// # Errors
-/// Why this board does not run them.
-pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Unfit> {
+/// Why this board does not run them, although a scene may have them.
+pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<'static>> {
     let mut settings = *settings;
     settings.contact.side = match number {
         Number::One => Side::Left,
         Number::Two => Side::Right,
     };
-    if settings.timing.control_period_s != pace::PERIOD_S {
-        return Err(Unfit::Period);
+    for (key, fits, allowed) in [
+        (
+            "timing.control_period_s",
+            settings.timing.control_period_s == pace::PERIOD_S,
+            "0.001, the period of the board's tick",
+        ),
+        (
+            "timing.ticks_per_packet",
+            settings.timing.ticks_per_packet <= MAX_TICKS_PER_PACKET,
+            "at most 40, because orders wait for a packet",
+        ),
+        (
+            "axis.velocity",
+            settings.axis.velocity != VelocityName::Measured,
+            "difference, filtered or adaptive, because encoders measure no velocity",
+        ),
+    ] {
+        if let (false, Some(value)) = (fits, settings.get(key)) {
+            return Err(Refused { key, value, allowed: Allowed::Only(allowed), unit: "" });
+        }
     }
-    if settings.timing.ticks_per_packet > MAX_TICKS_PER_PACKET {
-        return Err(Unfit::PacketPeriod);
-    }
-    if settings.axis.velocity == VelocityName::Measured {
-        return Err(Unfit::Velocity);
-    }
-    haptic_core::device::encoder::check(&settings).map_err(Unfit::Refused)?;
-    let scene = Scene::build(&settings).map_err(Unfit::Refused)?;
+    haptic_core::device::encoder::check(&settings)?;
+    let scene = Scene::build(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
     Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
@@ -123,10 +107,8 @@ enum No<'a> {
     Misread(Misread),
     /// A key that does not exist.
     Key(&'a str),
-    /// A value that is not allowed.
+    /// A value that is not allowed, or that this board does not run.
     Refused(Refused<'a>),
-    /// Settings that this board does not run.
-    Unfit(Unfit),
     /// Not in this mode.
     Mode(Mode),
     /// `clear` has to come first.
@@ -143,7 +125,6 @@ impl fmt::Display for No<'_> {
             Self::Misread(misread) => f.write_str(misread.explain()),
             Self::Key(key) => write!(f, "there is no key {key}"),
             Self::Refused(refused) => refused.fmt(f),
-            Self::Unfit(unfit) => unfit.fmt(f),
             Self::Mode(mode) => write!(f, "{}, fault {}", status::name(*mode), status::fault(*mode)),
             Self::Clear(why) => write!(f, "clear first: {why}"),
             Self::Because(why) => f.write_str(why),
@@ -336,7 +317,7 @@ impl Console {
 
     fn apply(&mut self) -> Result<(), No<'static>> {
         self.disarmed()?;
-        let plan = plan(&self.draft.settings, self.number).map_err(No::Unfit)?;
+        let plan = plan(&self.draft.settings, self.number).map_err(No::Refused)?;
         let (before, now) = (&self.applied.settings, &self.draft.settings);
         let same = (before.axis.count == now.axis.count)
             && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);

@@ -23,9 +23,10 @@
 
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
+use haptic_core::device::motor::Duty;
 use haptic_core::law::Packet;
 use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Actuators, State};
+use haptic_core::peer::{Actuators, Observed, State};
 use haptic_core::safety::Mode;
 use haptic_core::scene::Models;
 
@@ -120,12 +121,12 @@ impl Record {
         self.0[0]
     }
     /// Encoder counts.
-    pub fn counts(&self) -> [u16; AXES] {
-        [self.0[1] as u16, (self.0[1] >> 16) as u16]
+    pub fn counts(&self) -> [Counts; AXES] {
+        [self.0[1], self.0[1] >> 16].map(|half| Counts(half as u16))
     }
     /// Motor duties.
-    pub fn duties(&self) -> [i16; AXES] {
-        [(self.0[2] as u16).cast_signed(), ((self.0[2] >> 16) as u16).cast_signed()]
+    pub fn duties(&self) -> [Duty; AXES] {
+        [self.0[2], self.0[2] >> 16].map(|half| Duty((half as u16).cast_signed()))
     }
     /// Mode, and the fault in it.
     pub fn mode(&self) -> Mode {
@@ -146,29 +147,17 @@ impl Record {
             wave_integral: double(20),
         })
     }
-    /// Device position, m.
-    pub fn device_m(&self) -> f32 {
-        f32::from_bits(self.0[7])
-    }
-    /// Object position, m.
-    pub fn object_m(&self) -> f32 {
-        f32::from_bits(self.0[9])
-    }
-    /// Object velocity, m/s.
-    pub fn object_m_per_s(&self) -> f32 {
-        f32::from_bits(self.0[10])
-    }
-    /// Decoded remote position, m.
-    pub fn desired_m(&self) -> f32 {
-        f32::from_bits(self.0[11])
-    }
-    /// Contact force on the object, N.
-    pub fn contact_n(&self) -> f32 {
-        f32::from_bits(self.0[13])
-    }
-    /// Coordination force on the object, N.
-    pub fn coordination_n(&self) -> f32 {
-        f32::from_bits(self.0[14])
+    /// What the tick saw and did.
+    pub fn observed(&self) -> Observed<f32> {
+        let number = |word: usize| f32::from_bits(self.0[word]);
+        let motion = |word: usize| Motion { position: number(word), velocity: number(word + 1) };
+        Observed {
+            device: motion(7),
+            object: motion(9),
+            desired: motion(11),
+            contact_force: number(13),
+            coordination_force: number(14),
+        }
     }
     /// Energy from and to the network, J.
     pub fn energy_j(&self) -> [f32; 2] {
@@ -209,7 +198,7 @@ mod tests {
             (back.tick(), back.counts(), back.mode(), back.flags()),
             (7, [0x1234, 0xABCD], Mode::Disarmed, ENABLED | SENT)
         );
-        assert_eq!(back.digest(), digest(&mut state));
+        assert_eq!((back.digest(), back.observed()), (digest(&mut state), *state.observed()));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use firmware_parts::record::{RECEIVED, Record, SENT};
+use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::report::table::{Column, Table};
@@ -148,17 +149,9 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
 /// The columns that host-sim records for a peer, in its order.
 fn columns(record: &Record) -> [f64; 8] {
     let [received, sent] = record.energy_j();
-    [
-        record.device_m(),
-        record.object_m(),
-        record.desired_m(),
-        record.object_m_per_s(),
-        record.contact_n(),
-        record.coordination_n(),
-        received,
-        sent,
-    ]
-    .map(f64::from)
+    let Observed { device, object, desired, contact_force, coordination_force } = record.observed();
+    let [x, o, d] = [device, object, desired].map(|motion| motion.position);
+    [x, o, d, object.velocity, contact_force, coordination_force, received, sent].map(f64::from)
 }
 
 /// Figures of merit as host-sim forms them (host-sim/src/experiment/run.rs), from what the boards recorded. Names of the
@@ -167,14 +160,19 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
     let ticks = first.len().min(second.len());
     let pairs = || first.iter().zip(second);
     let discrepancies = |one: &Record, two: &Record| {
-        let [x1, x2] = [one, two].map(|record| f64::from(record.object_m()));
-        [(x1 - x2).abs(), (x2 - f64::from(two.desired_m())).abs()]
+        let [seen_1, seen_2] = [one.observed(), two.observed()];
+        let [x1, x2] = [seen_1, seen_2].map(|seen| f64::from(seen.object.position));
+        [(x1 - x2).abs(), (x2 - f64::from(seen_2.desired.position)).abs()]
     };
     let mean = |of: &dyn Fn(&Record, &Record) -> f64| {
         pairs().skip(ticks / 2).map(|(one, two)| of(one, two)).sum::<f64>() / (ticks - ticks / 2).max(1) as f64
     };
-    let force = mean(&|_, two| f64::from(two.coordination_n()));
-    let variance = mean(&|_, two| (f64::from(two.coordination_n()) - force).powi(2));
+    let forces = |record: &Record| {
+        let Observed { contact_force, coordination_force, .. } = record.observed();
+        [contact_force, coordination_force].map(f64::from)
+    };
+    let force = mean(&|_, two| forces(two)[1]);
+    let variance = mean(&|_, two| (forces(two)[1] - force).powi(2));
     let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
         (1..).zip([one, two]).find_map(|(peer, record)| match record.mode() {
             Mode::Faulted(fault) => Some((tick, peer, fault)),
@@ -198,10 +196,10 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
         true_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[0]),
         decoded_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[1]),
         coordination_force_n: Spread { mean: force, sd: variance.sqrt() },
-        contact_force_n: mean(&|one, two| 0.5 * f64::from(one.contact_n().abs() + two.contact_n().abs())),
+        contact_force_n: mean(&|one, two| 0.5 * (forces(one)[0].abs() + forces(two)[0].abs())),
         peak_coordination_force_n: pairs()
-            .flat_map(|(one, two)| [one.coordination_n(), two.coordination_n()])
-            .fold(0.0, |peak, force| f64::from(force.abs()).max(peak)),
+            .flat_map(|(one, two)| [forces(one)[1], forces(two)[1]])
+            .fold(0.0, |peak, force| force.abs().max(peak)),
         energy: [first, second].map(|records| {
             let [received, sent] = records.last().map_or([0.0; 2], Record::energy_j);
             PortEnergy { received_j: received.into(), sent_j: sent.into() }

@@ -9,10 +9,9 @@
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::contact::Contact;
 use haptic_core::device::Reading;
-use haptic_core::device::encoder::Counts;
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, Sensors, State};
+use haptic_core::peer::{self, Observed, Sensors, State};
 use haptic_core::safety::Command;
 use haptic_core::scene::{Any, Scene as Built};
 use haptic_core::settings::Settings;
@@ -40,6 +39,7 @@ fn compare(mut same: impl FnMut(u64) -> bool, ticks: u64) -> Equal {
 pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
+    let bits = |seen: Observed<f32>| [seen.object.position, seen.desired.position].map(f32::to_bits);
     compare(
         |tick| {
             let counts = pair.sides.each_ref().map(|side| side.plant.sensors::<f32>().reading);
@@ -47,10 +47,9 @@ pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
             pair.sides.iter_mut().zip(boards).zip(counts).all(|((side, records), reading)| {
                 let board = &records[tick as usize];
                 let seen = *side.peer.observed();
-                reading == Reading::Counts(board.counts().map(Counts))
+                reading == Reading::Counts(board.counts())
                     && digest(&mut *side.peer) == board.digest()
-                    && seen.object.position.to_bits() == board.object_m().to_bits()
-                    && seen.desired.position.to_bits() == board.desired_m().to_bits()
+                    && bits(seen) == bits(board.observed())
             })
         },
         ticks,
@@ -88,9 +87,9 @@ pub fn closed_loop_given(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
                 let sensors = side.plant.sensors::<f32>();
                 let actuators = side.peer.tick(&sensors);
                 side.plant.step(tick as f64 * scene.peer.timing.control_period_s, &actuators);
-                same &= sensors.reading == Reading::Counts(board.counts().map(Counts))
+                same &= sensors.reading == Reading::Counts(board.counts())
                     && digest(&mut *side.peer) == board.digest()
-                    && actuators.duties.map(|duty| duty.0) == board.duties();
+                    && actuators.duties == board.duties();
             }
             same
         },
@@ -130,7 +129,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Stat
             if board.flags() & record::SENT != 0 {
                 peer::exchange(&scene, &mut state, incoming);
             }
-            let counts = board.counts().map(Counts);
+            let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;
             let actuators = peer::tick(&scene, &mut state, &Sensors { reading: Reading::Counts(counts), overrun });
             Record::new(board.tick(), counts, incoming, board.flags(), &mut state, &actuators) == *board

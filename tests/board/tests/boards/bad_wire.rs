@@ -20,7 +20,10 @@ fn run(set: &[&str]) -> Trial {
 /// The largest change from one tick to the next of the force that a hand feels, N.
 fn jerk(trial: &Trial) -> f32 {
     let largest = |records: &[Record]| {
-        records.windows(2).map(|two| (two[1].contact_n() - two[0].contact_n()).abs()).fold(0.0, f32::max)
+        records
+            .windows(2)
+            .map(|two| (two[1].observed().contact_force - two[0].observed().contact_force).abs())
+            .fold(0.0, f32::max)
     };
     largest(&trial.records[0]).max(largest(&trial.records[1]))
 }

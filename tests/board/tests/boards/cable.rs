@@ -68,27 +68,30 @@ fn pulled_and_put_back() {
         assert_eq!(named("tick"), f64::from(record.tick()));
         assert_eq!([named("mode"), named("fault")], [1.0, 0.0]);
         assert_eq!(named("flags"), f64::from(record.flags()));
-        assert_eq!([named("encoder_1_counts"), 32767.0 * named("duty_1")], [f64::from(counts), f64::from(duty)]);
+        assert_eq!([named("encoder_1_counts"), 32767.0 * named("duty_1")], [f64::from(counts.0), f64::from(duty.0)]);
         let [received, sent] = record.energy_j().map(f64::from);
         assert_eq!([named("energy_received_j"), named("energy_sent_j")], [received, sent]);
-        assert_eq!(named("device_m"), f64::from(record.device_m()));
-        assert_eq!(named("object_m"), f64::from(record.object_m()));
-        assert_eq!(named("object_m_per_s"), f64::from(record.object_m_per_s()));
-        assert_eq!(named("decoded_m"), f64::from(record.desired_m()));
-        assert_eq!(named("contact_n"), f64::from(record.contact_n()));
-        assert_eq!(named("coordination_n"), f64::from(record.coordination_n()));
+        let seen = record.observed();
+        for (name, motion) in [("device", seen.device), ("object", seen.object), ("decoded", seen.desired)] {
+            let row = [named(&format!("{name}_m")), named(&format!("{name}_m_per_s"))];
+            assert_eq!(row, [motion.position, motion.velocity].map(f64::from), "{name}");
+        }
+        let forces = [seen.contact_force, seen.coordination_force];
+        assert_eq!([named("contact_n"), named("coordination_n")], forces.map(f64::from));
     }
+    let coordination_n = |record: &Record| record.observed().coordination_force;
     let engaged = |record: &Record| record.flags() & ENGAGED != 0;
-    let held = records[pulled].coordination_n();
+    let held = coordination_n(&records[pulled]);
     let gone = pulled + records[pulled..].iter().position(|record| !engaged(record)).expect("it lets go");
     let back = put_back + records[put_back..].iter().position(engaged).expect("it engages again");
 
     // 12 packets of 8 ms after the last one, which was under way for up to 12 ms when the cable went.
     assert!((88..=116).contains(&(gone - pulled)), "it let go after {} ms", gone - pulled);
     let away = &records[gone..back];
-    assert!(away.iter().all(|record| record.coordination_n() == 0.0), "no coordination while alone");
+    assert!(away.iter().all(|record| coordination_n(record) == 0.0), "no coordination while alone");
     let (before, fading, rising) = (&records[1000..pulled], &records[pulled..gone], &records[back..]);
-    let steps = [before, fading, away, rising].map(|records| largest_step(records, Record::contact_n));
+    let steps =
+        [before, fading, away, rising].map(|records| largest_step(records, |record| record.observed().contact_force));
     let (first, gains) = (&records[back], &scene.peer.coordination);
     let newton = |step: f32| format!("{step:.3} N");
     let rows = [
@@ -112,8 +115,8 @@ fn pulled_and_put_back() {
             "coordinated anew, from where the object is".to_owned(),
             format!(
                 "begins with {:.3} N, damping at {:.3} m/s",
-                first.coordination_n().abs(),
-                first.object_m_per_s().abs()
+                coordination_n(first).abs(),
+                first.observed().object.velocity.abs()
             ),
             "`peer: joined`, `peer: engaged`".to_owned(),
             newton(steps[3]),
@@ -126,8 +129,9 @@ fn pulled_and_put_back() {
     let allowed = (0.001 * scene.peer.safety.max_slew_n_per_s) as f32;
     assert!(steps.iter().all(|step| *step < 0.02 * allowed), "{steps:?} N a tick");
     // It starts anew where the copy is, at rest: all that acts at first is the damping of a copy that moves.
-    let damping = (gains.damping_n_s_per_m + gains.wave_impedance_n_s_per_m) as f32 * first.object_m_per_s().abs();
-    assert!(first.coordination_n().abs() <= damping, "{} N", first.coordination_n());
+    let damping =
+        (gains.damping_n_s_per_m + gains.wave_impedance_n_s_per_m) as f32 * first.observed().object.velocity.abs();
+    assert!(coordination_n(first).abs() <= damping, "{} N", coordination_n(first));
 
     for number in 1..=2 {
         let records = bench.armed_ticks(number);

@@ -32,13 +32,14 @@ fn hold_one_object(set: &[&str]) {
     assert_eq!((node.mode(), node.is_engaged()), (Mode::Armed, true));
 
     let engaged = records.iter().position(|record| record.flags() & ENGAGED != 0).expect("the board engages");
-    assert_eq!(records[..engaged].iter().map(|record| record.coordination_n()).fold(0.0, f32::max), 0.0);
+    assert_eq!(records[..engaged].iter().map(|record| record.observed().coordination_force).fold(0.0, f32::max), 0.0);
     let last = records.last().expect("ticks were recorded");
-    let (force, counts) = (last.coordination_n(), node.link().counts());
+    let (last, counts) = (last.observed(), node.link().counts());
+    let force = last.coordination_force;
     println!(
         "engaged after {engaged} ticks; coordination {force:.3} N on the board, {:.3} N in host-sim; decoded {:.3} mm; {counts:?}",
         node.observed().coordination_force,
-        1e3 * (last.object_m() - last.desired_m()),
+        1e3 * (last.object.position - last.desired.position),
     );
     // What one pulls the other is pulled by: the forces of a line that is at rest are equal and opposite.
     let sum = force + node.observed().coordination_force;
