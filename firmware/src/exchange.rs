@@ -228,53 +228,6 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     }
 }
 
-#[cfg(all(test, not(loom)))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_queue_keeps_order_and_says_when_it_is_full() {
-        let mut queue = Queue::<u32, 4>::default();
-        let (mut producer, mut consumer) = queue.split();
-        for round in 0..5 {
-            for value in 0..4 {
-                assert!(producer.put(10 * round + value));
-            }
-            assert!(!producer.put(99));
-            for value in 0..4 {
-                assert_eq!(consumer.take(), Some(10 * round + value));
-            }
-            assert_eq!(consumer.take(), None);
-        }
-    }
-
-    #[test]
-    fn the_newest_value_is_taken_once() {
-        let mut cell = Latest::new(0);
-        let (mut writer, mut reader) = cell.split();
-        assert_eq!((reader.take(), *reader.get()), (None, 0));
-        writer.write(1);
-        writer.write(2);
-        assert_eq!(reader.take(), Some(2));
-        assert_eq!((reader.take(), *reader.get()), (None, 2));
-        writer.write(3);
-        assert_eq!(reader.take(), Some(3));
-    }
-
-    #[test]
-    fn what_the_reader_holds_stands_while_the_writer_goes_on() {
-        let mut cell = Latest::new([0; 2]);
-        let (mut writer, mut reader) = cell.split();
-        writer.write([1; 2]);
-        reader.fetch();
-        let held = *reader.get();
-        for value in 2..9 {
-            writer.write([value; 2]);
-            assert_eq!(*reader.get(), held);
-        }
-    }
-}
-
 #[cfg(all(test, loom))]
 mod tests {
     extern crate std;

@@ -2,20 +2,6 @@
 //!
 //! Boot: motors off → why did we start → settings → tick → watchdog and supervisor → network. The tick runs, disarmed,
 //! from the third step on; a network that never comes up stops nothing but itself.
-//!
-//! | file | holds |
-//! |---|---|
-//! | `board/` | the only folder that knows the chip |
-//! | `tick.rs` | the 1 kHz interrupt |
-//! | `net.rs` | brings up the network and starts everything that talks |
-//! | `flow.rs` | the 8 ms exchange with the other peer, sealed |
-//! | `sockets.rs` | sockets that never wait |
-//! | `port.rs` | the operator's port, sealed |
-//! | `console.rs` | what the operator's lines do: arm, stop, settings |
-//! | `telemetry.rs` | what the ticks did, for the operator |
-//! | `storage.rs` | saves settings to flash |
-//! | `supervisor.rs` | feeds the watchdog while everything makes progress |
-//! | `fault.rs` | when the program cannot go on |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

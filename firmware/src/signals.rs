@@ -20,17 +20,6 @@ pub trait Coded: Copy {
     fn decode(code: u32) -> Self;
 }
 
-impl Coded for u32 {
-    #[inline]
-    fn code(self) -> u32 {
-        self
-    }
-    #[inline]
-    fn decode(code: u32) -> Self {
-        code
-    }
-}
-
 /// Mode in bits 0–7, fault number in bits 8–15, as in a record.
 impl Coded for Mode {
     #[inline]
@@ -67,25 +56,15 @@ impl Order {
     }
 }
 
-/// Command in bits 0–7, number in bits 8–31. A word that nobody ordered anything by could only disarm.
+/// Command in bits 0–7, number in bits 8–31.
 impl Coded for Order {
     #[inline]
     fn code(self) -> u32 {
-        let command = match self.command {
-            Command::Disarm => 0,
-            Command::Arm => 1,
-            Command::Clear => 2,
-        };
-        self.number << 8 | command
+        self.number << 8 | self.command.code()
     }
     #[inline]
     fn decode(code: u32) -> Self {
-        let command = match code & 0xFF {
-            1 => Command::Arm,
-            2 => Command::Clear,
-            _ => Command::Disarm,
-        };
-        Self { number: code >> 8, command }
+        Self { number: code >> 8, command: Command::decode(code & 0xFF) }
     }
 }
 
@@ -100,27 +79,45 @@ pub enum Saving {
     Failed,
 }
 
-/// What is one of a few, the first of them by default.
-macro_rules! listed {
-    ($($type:ty: $first:expr $(, $other:expr)*;)*) => {$(
-        impl Coded for $type {
+/// Numbers as they are, then enums by the numbers of their variants; any other number means the first.
+macro_rules! coded {
+    ($($number:ty: $decode:expr;)* $(enum $type:ty: $first:ident 0 $(, $other:ident $code:literal)*;)*) => {
+        $(impl Coded for $number {
             #[inline]
             fn code(self) -> u32 {
-                self as u32
+                self.into()
             }
             #[inline]
             fn decode(code: u32) -> Self {
-                $(if code == $other as u32 { return $other })*
-                $first
+                $decode(code)
             }
-        }
-    )*};
+        })*
+        $(impl Coded for $type {
+            #[inline]
+            fn code(self) -> u32 {
+                match self {
+                    Self::$first => 0,
+                    $(Self::$other => $code,)*
+                }
+            }
+            #[inline]
+            fn decode(code: u32) -> Self {
+                match code {
+                    $($code => Self::$other,)*
+                    _ => Self::$first,
+                }
+            }
+        })*
+    };
 }
 
-listed! {
-    bool: false, true;
-    Saving: Saving::Done, Saving::Busy, Saving::Failed;
-    Stage: Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused;
+coded! {
+    u32: |code| code;
+    bool: |code| code != 0;
+    // A word that nobody ordered anything by could only disarm.
+    enum Command: Disarm 0, Arm 1, Clear 2;
+    enum Saving: Done 0, Busy 1, Failed 2;
+    enum Stage: Calling 0, Joining 1, Idle 2, Running 3, Fading 4, Refused 5;
 }
 
 /// A word that holds a `T`.
@@ -227,52 +224,4 @@ signals! {
     received: u32,
     /// Datagrams refused: not authentic, or of no use; on the operator's port too. By the network.
     refused: u32,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Code and value lead to each other, and no two values share a code.
-    fn told_apart<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {
-        let signals = all.iter().map(|value| (value, value.code()));
-        for (value, code) in signals.clone() {
-            assert_eq!(T::decode(code), *value);
-            assert_eq!(signals.clone().filter(|(_, other)| *other == code).count(), 1, "{value:?}");
-        }
-    }
-
-    #[test]
-    fn words_carry_what_was_put_in() {
-        let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter();
-        let modes = modes.chain(Fault::ALL.into_iter().map(Mode::Faulted));
-        told_apart(&modes.collect::<heapless::Vec<_, 16>>());
-        told_apart(&[Saving::Done, Saving::Busy, Saving::Failed]);
-        told_apart(&[Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused]);
-        told_apart(&[false, true]);
-        assert_eq!(Mode::Faulted(Fault::PeerLost).code(), 0x0502, "as records have it");
-
-        let signals = Signals::at_power_on();
-        assert_eq!(
-            (signals.mode.get(), signals.saving.get(), signals.stage.get()),
-            (Mode::Disarmed, Saving::Done, Stage::Calling)
-        );
-        assert_eq!((signals.order.get().command, signals.order.get()), (Command::Disarm, signals.done.get()));
-    }
-
-    #[test]
-    fn the_same_command_given_again_is_another_order() {
-        let signals = Signals::at_power_on();
-        for command in [Command::Arm, Command::Arm, Command::Disarm, Command::Clear, Command::Clear] {
-            let order = signals.order.get().next(command);
-            signals.order.release(order);
-            assert!(signals.order.is(order) && !signals.done.is(order));
-            assert_eq!(signals.order.acquire().command, command);
-            signals.done.release(signals.order.acquire());
-            assert!(signals.done.is(order));
-        }
-        // Numbers come round.
-        let last = Order { number: 0xFF_FFFF, command: Command::Arm };
-        told_apart(&[last, last.next(Command::Arm), last.next(Command::Arm).next(Command::Arm)]);
-    }
 }

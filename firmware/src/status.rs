@@ -76,18 +76,3 @@ pub fn stage(stage: Stage) -> &'static str {
         Stage::Refused => "refused: other settings",
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_lead_back_to_causes_and_are_not_the_peers() {
-        for number in 0..=255 {
-            if let Some(stop) = Stop::from_number(number) {
-                assert!(stop as u8 == number && number >= 32);
-            }
-        }
-        assert_eq!(Stop::from_number(35), Some(Stop::Watchdog));
-    }
-}

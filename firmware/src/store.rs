@@ -272,6 +272,3 @@ impl Store {
         Err(Broken)
     }
 }
-
-#[cfg(test)]
-mod tests;

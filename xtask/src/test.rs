@@ -72,7 +72,7 @@ pub(crate) fn test() -> Result<(), Failure> {
 
 /// What of the image needs no chip.
 fn parts_of_the_image() -> Result<(), Failure> {
-    run(&mut cargo(&["test", "--locked", "--package", "firmware", "--lib"]))
+    run(&mut cargo(&["test", "--locked", "--package", "firmware", "--test", "parts"]))
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.

@@ -1,18 +1,5 @@
 //! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges. The only folder that knows the chip.
 //!
-//! | module | holds |
-//! |---|---|
-//! | [`clocks`] | 480 MHz from the ST-LINK's 8 MHz |
-//! | [`memory`] | ITCM, caches, protection |
-//! | [`flash`] | settings and key, in the bank beside the program |
-//! | [`encoders`] | two quadrature counters |
-//! | [`bridges`] | two PWM bridges, their enable line, the emergency stop |
-//! | [`pace`] | the 1 kHz timer and the bell by which its interrupt wakes a task |
-//! | [`ethernet`] | RMII, descriptors in AXI SRAM |
-//! | [`sections`] | critical sections that the tick preempts |
-//! | [`random`] | the chip's noise source |
-//! | [`reset`] | why the processor started |
-//!
 //! Pins (docs/hardware.md has the wiring): encoder 1 PC6/PC7 (TIM3), encoder 2 PD12/PD13 (TIM4), bridge 1 PE9/PE8, bridge
 //! 2 PE11/PE10 (TIM1), enable PF3, emergency stop PE15 (TIM1 break), board number PG12 (to ground: board 2), LEDs PB0
 //! (alive), PB14 (armed). Ethernet is the Nucleo's own.

@@ -1,0 +1,9 @@
+//! The parts of the image that need no chip, from outside.
+
+mod exchange;
+mod kept;
+mod operator;
+mod record;
+mod signals;
+mod status;
+mod store;

@@ -1,0 +1,44 @@
+//! The operator's lines: what is read, and what is none.
+
+use firmware_parts::operator::{Misread, Request, parse};
+use haptic_core::device::probe::{self, Shape};
+use haptic_core::safety::Command;
+use haptic_core::settings::Value;
+
+#[test]
+fn lines_are_read_as_written() {
+    assert_eq!(parse("arm\n"), Ok(Request::Command(Command::Arm)));
+    assert_eq!(parse(" status "), Ok(Request::Status));
+    assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
+    assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
+    assert_eq!(parse("set contact.one_sided true"), Ok(Request::Set("contact.one_sided", Value::Flag(true))));
+    assert_eq!(parse("stream off"), Ok(Request::Stream(0)));
+    assert_eq!(parse("capture 500"), Ok(Request::Capture(500)));
+    assert_eq!(parse("check 2"), Ok(Request::Check(2)));
+    let sine = probe::Request { joint: 1, shape: Shape::Sine, duty: -0.05, duration_s: 2.0, frequency_hz: 7.5 };
+    assert_eq!(parse("probe 1 sine -0.05 2 7.5"), Ok(Request::Probe(sine)));
+    let pulse = probe::Request { shape: Shape::Pulse, frequency_hz: 0.0, ..sine };
+    assert_eq!(parse("probe 1 pulse -0.05 2"), Ok(Request::Probe(pulse)));
+}
+
+#[test]
+fn what_is_no_line_says_why() {
+    assert_eq!(parse(""), Err(Misread::Empty));
+    assert_eq!(parse("launch"), Err(Misread::Word));
+    assert_eq!(parse("set a"), Err(Misread::Arguments));
+    assert_eq!(parse("stream x"), Err(Misread::Arguments));
+    for line in ["probe", "probe 1 push 0.1 1", "probe 1 sine 0.1", "probe 1 sine 0.1 1 5 9", "check", "check one"] {
+        assert_eq!(parse(line), Err(Misread::Arguments), "{line}");
+    }
+}
+
+#[test]
+fn stopping_is_never_misread_for_what_follows_it() {
+    assert_eq!(parse("disarm!"), Err(Misread::Word));
+    assert_eq!(parse("disarm now please"), Ok(Request::Command(Command::Disarm)));
+}
+
+#[test]
+fn arming_takes_no_arguments() {
+    assert_eq!(parse("arm everything"), Err(Misread::Arguments));
+}
