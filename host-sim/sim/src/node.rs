@@ -173,6 +173,14 @@ impl Node {
         actuators
     }
 
+    /// Tells the other one that this one ends.
+    pub fn goodbye(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) {
+        let mut out = [0; MAX_DATAGRAM];
+        if let Some(len) = self.link.goodbye(now_us, &mut out) {
+            send(&out[..len]);
+        }
+    }
+
     /// How this one is doing, for the other end's people and logs.
     fn telemetry(&self, now_us: u64) -> Telemetry {
         let (seen, ledger) = (self.peer.observed(), self.peer.ledger());

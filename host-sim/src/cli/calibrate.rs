@@ -11,12 +11,12 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, Ui, operator};
+use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::board::Board;
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
-use haptic_sim::board::operator::Operator;
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]

@@ -6,6 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Failure, Ui};
+use crate::live::endpoint::Stop;
 use crate::shared::visit::PACKET_US;
 use crate::shared::visit::host::MOST_LINES;
 use crate::shared::world;
@@ -89,10 +90,13 @@ impl Crowd {
         clients.dedup();
         let before = load();
         let progress = ui.progress(clients.len() as u64, "crowds");
-        let mut runs = Vec::new();
+        let (stop, mut runs) = (Stop::on_signals()?, Vec::new());
         for count in clients {
-            runs.push(crowd::run(&world, count, self.warm_up_s, self.seconds)?);
+            runs.push(crowd::run(&world, count, self.warm_up_s, self.seconds, &stop)?);
             progress.inc(1);
+            if stop.is_asked() {
+                break;
+            }
         }
         progress.finish_and_clear();
         let machine = Machine {

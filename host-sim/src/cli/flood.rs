@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::{Failure, SceneArgs, Ui};
+use crate::live::endpoint::Stop;
 use crate::trials::flood::{Options, run};
 use haptic_sim::report::text::TextTable;
 
@@ -32,7 +33,8 @@ impl Flood {
             return Err(format!("--rate {} is not allowed: it must be from 1 to {MOST_PER_S} per s", self.rate).into());
         }
         super::live::check_time("--seconds", self.seconds)?;
-        let report = run(&self.scene.load()?, &Options { rate_per_s: self.rate, seconds: self.seconds })?;
+        let options = Options { rate_per_s: self.rate, seconds: self.seconds };
+        let report = run(&self.scene.load()?, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(
             ui,

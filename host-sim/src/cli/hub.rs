@@ -7,7 +7,8 @@ use clap::Args;
 
 use super::live::check_time;
 use super::{Failure, SceneArgs, Ui, granted};
-use crate::live::meet;
+use crate::live::endpoint::Stop;
+use crate::live::hub;
 use crate::shared::cooperative::MOST_USERS;
 use haptic_sim::key_file;
 use haptic_sim::report::text::{TextTable, significant};
@@ -50,14 +51,14 @@ impl Hub {
         check_time("--patience-s", self.patience_s)?;
         let scene = self.scene.load_or(SCENE)?;
         let key = key_file::read(&self.key_file)?;
-        let options = meet::Options {
+        let options = hub::Options {
             users: self.users.into(),
             listen: self.listen,
             duration_s: self.duration_s,
             patience_s: self.patience_s,
         };
         ui.status(format_args!("hub for {} peers listens on {}", self.users, self.listen));
-        let report = meet::run(&scene, &key, &options)?;
+        let report = hub::run(&scene, &key, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         let mut table = TextTable::new([
             "line",
@@ -97,10 +98,10 @@ impl Hub {
         let kept = report.punctuality;
         writeln!(
             ui,
-            "{} datagrams refused; {} of {} beats began more than a period late; real-time priority: {}",
+            "{} datagrams refused; {} of {} ticks began more than a period late; real-time priority: {}",
             report.datagrams_refused,
             kept.missed,
-            kept.beats,
+            kept.ticks,
             granted(kept.realtime_priority)
         );
         Ok(())

@@ -7,10 +7,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, SceneArgs, Ui, granted};
+use crate::live::endpoint::Stop;
 use crate::live::{peer, relay};
 use crate::shared::visit::host::MOST_LINES;
 use haptic_sim::key_file;
-use haptic_sim::network::rule::NetworkTrace;
+use haptic_sim::network::link::Route;
+use haptic_sim::network::rule::{Direction, NetworkTrace};
 
 /// Arguments of `keygen`.
 #[derive(Debug, Args)]
@@ -102,12 +104,6 @@ pub(super) fn check_time(name: &str, value: f64) -> Result<(), Failure> {
     Err(format!("{name} {value} is not allowed: it must be above 0 and up to 86400 s").into())
 }
 
-/// What a command says that met none of those at `addresses`.
-pub(super) fn nobody<'a>(addresses: impl Iterator<Item = &'a SocketAddr>) -> String {
-    let addresses: Vec<String> = addresses.map(SocketAddr::to_string).collect();
-    format!("nobody answered from {}, or nobody who holds the key", addresses.join(", "))
-}
-
 impl Peer {
     /// Runs the peer and reports.
     ///
@@ -125,7 +121,7 @@ impl Peer {
             duration_s: self.duration_s,
             patience_s: self.patience_s,
         };
-        let report = peer::run(&scene, key, &options)?;
+        let report = peer::run(&scene, key, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(
             ui,
@@ -138,7 +134,7 @@ impl Peer {
         let kept = report.punctuality;
         writeln!(
             ui,
-            "{} ticks; {} beats began more than a period late, the latest by {} us, {:.0} us on average; real-time priority: {}",
+            "{} ticks armed; {} ticks began more than a period late, the latest by {} us, {:.0} us on average; real-time priority: {}",
             report.ticks,
             kept.missed,
             kept.worst_us,
@@ -193,7 +189,9 @@ impl Relay {
         if let Some(trace) = &self.trace {
             scene.network_trace = Some(NetworkTrace::read(trace)?.into());
         }
-        let relayed = relay::run(&scene, [self.listen_1, self.listen_2], self.duration_s)?;
+        let routes = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Route::of_scene(&scene, direction, 0));
+        let listen = [self.listen_1, self.listen_2];
+        let relayed = relay::run(routes, listen, self.duration_s, &Stop::on_signals()?)?;
         ui.document(&relayed)?;
         for (way, count) in ["1 to 2", "2 to 1"].iter().zip(relayed) {
             writeln!(

@@ -3,16 +3,22 @@
 use std::io::BufRead;
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::TryRecvError;
 use std::time::Duration;
 
 use clap::Args;
 
 use super::{Failure, Ui};
+use crate::live::endpoint::Stop;
+use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::board::say;
 use haptic_sim::board::calibrate::settings_file;
-use haptic_sim::board::operator::{Operator, PORT};
+use haptic_sim::board::operator::PORT;
 use haptic_sim::board::recording;
 use haptic_sim::report::files::write_csv;
+
+/// Between two looks at what was typed.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// Arguments of `operator`.
 #[derive(Debug, Args)]
@@ -58,7 +64,8 @@ impl Operate {
     /// # Errors
     /// Nobody there, a scene or a line that the board refuses, or a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let mut operator = Operator::connect(self.board, &self.key_file)?;
+        let stop = Stop::on_signals()?;
+        let mut operator = Operator::connect(self.board, &self.key_file)?.until(stop.clone());
         if let Some(scene) = &self.scene {
             let given = settings_file::give(&mut operator, scene)?;
             ui.status(format_args!("{given} settings of {} applied", scene.display()));
@@ -74,8 +81,15 @@ impl Operate {
             return self.record(ui, &mut operator, file);
         }
         if self.lines.is_empty() && self.scene.is_none() {
-            for line in std::io::stdin().lock().lines() {
-                writeln!(ui, "{}", operator.ask(line?.trim())?);
+            let (say, said) = std::sync::mpsc::channel();
+            // Whoever types takes their time: meanwhile the board is kept, and a signal heard.
+            std::thread::spawn(move || std::io::stdin().lock().lines().try_for_each(|line| say.send(line)));
+            while !stop.is_asked() {
+                match said.try_recv() {
+                    Ok(line) => writeln!(ui, "{}", operator.ask(line?.trim())?),
+                    Err(TryRecvError::Empty) => drop(operator.samples(LOOK)?),
+                    Err(TryRecvError::Disconnected) => break,
+                }
             }
         }
         Ok(())

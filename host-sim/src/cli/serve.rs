@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::live::check_time;
 use super::{Failure, Ui, granted};
+use crate::live::endpoint::{Endpoint, Stop};
 use crate::live::serve;
 use crate::shared::visit::host::{Host, MOST_LINES};
 use crate::shared::world;
@@ -61,16 +62,10 @@ impl Serve {
         let entropy = || key_file::entropy().unwrap_or_default();
         let objects = world.objects().len();
         let mut host = Host::new(key, number, self.lines, *world, region, entropy)?;
-        let socket = serve::listen(self.listen)?;
+        let endpoint = Endpoint::answering(self.listen)?;
         ui.status(format_args!("server {number} of {place}, {objects} objects, listens on {}", self.listen));
-        let report = serve::run(
-            &socket,
-            &mut host,
-            std::time::Instant::now(),
-            0.0,
-            |_| None,
-            |served_s| served_s >= self.duration_s,
-        )?;
+        let options = serve::Options { duration_s: self.duration_s, warm_up_s: 0.0, sent_ns: |_| None };
+        let report = serve::run(&endpoint, &mut host, options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         let counts = report.counts;
         writeln!(

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::live::{check_time, nobody};
+use super::live::check_time;
 use super::{Failure, Ui};
+use crate::live::endpoint::Stop;
 use crate::live::visit;
 use crate::shared::visit::host::MOST_LINES;
 use haptic_sim::key_file;
@@ -107,7 +108,7 @@ impl Visit {
             (Some((line, address)), Some(file)) => Some(visit::Friend { line, address, key: key_file::read(file)? }),
             _ => None,
         };
-        let report = visit::run(&visit::Options {
+        let options = visit::Options {
             key: key_file::read(&self.key_file)?,
             line: self.line,
             listen: self.listen,
@@ -119,11 +120,8 @@ impl Visit {
             stroke_s: self.stroke_s,
             duration_s: self.duration_s,
             friend,
-        })?;
-        let met = report.complete_after_s.is_some() || report.round_trip_us.is_some() || report.objects_taken > 0;
-        if !met && report.world.is_none() && report.others.is_empty() {
-            return Err(nobody(self.servers.iter().map(|(_, address)| address)).into());
-        }
+        };
+        let report = visit::run(&options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         match report.complete_after_s {
             Some(after_s) => writeln!(

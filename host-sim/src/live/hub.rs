@@ -1,267 +1,171 @@
-//! A hub: where 2 to 16 peers hold one object over a real network, whoever brings the time and the datagrams.
-//!
-//! To each of its peers the hub looks like the other one: a sealed link, and flow each packet period. Behind the links the
-//! wave lines meet ([`Junction`]). So peers, boards too, need nothing new for it. Each control period: [`Hub::receive`] for
-//! every datagram that came, then [`Hub::beat`]; [`super::meet`] does so in real time.
-//!
-//! **Lines.** Line n has its own key, made from the hub's (`host-sim keygen --line n --of`): a peer that is opened gives up
-//! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
-//! of lines: a greeting is for the line under whose key it is authentic, a sealed datagram for the one whose session it
-//! names. Addresses prove nothing; a peer is answered where it last proved itself from.
-//!
-//! **Who begins.** Wave lines know no positions, so all copies must begin at once from where they meet: until every line has
-//! a session the hub sends no flow; host-sim's peers then do not arm, and boards are to be armed when the hub says that all
-//! are there. Then it goes on whoever falls silent; one that comes back finds the object where its own device is.
-//!
-//! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most.
+//! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
+//! of each line.
 
-use haptic_protocol::ends::Ends;
+use std::net::SocketAddr;
+use std::time::Duration;
+
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, flow_of, packet_of};
-use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::link::Notice;
+use serde::Serialize;
 
-use crate::shared::cooperative::MOST_USERS;
-use crate::shared::cooperative::junction::{Junction, Port};
-use haptic_sim::node::{TELEMETRY_S, open_link};
+use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use super::peer::{Other, differs, told};
+use crate::shared::cooperative::hub::{Hub, Line, number_on};
+use crate::shared::cooperative::junction::{Energy, Port};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file::entropy;
 use haptic_sim::scene::Scene;
 
-/// The hub's end of one line.
-#[derive(Debug)]
-pub struct Line<A> {
-    link: Link,
-    /// Where its peer last proved itself from.
-    address: Option<A>,
-    inbox: Inbox,
-    heard: Option<Telemetry>,
-    notices: Vec<(u64, Notice)>,
+/// Where, for how many and how long.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// Peers.
+    pub(crate) users: usize,
+    pub(crate) listen: SocketAddr,
+    /// Time from when all are there, s.
+    pub(crate) duration_s: f64,
+    /// How long to wait for all of them, s.
+    pub(crate) patience_s: f64,
 }
 
-impl<A: Copy> Line<A> {
-    /// The link.
-    pub fn link(&self) -> &Link {
-        &self.link
-    }
+/// What the hub saw of one line.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct LineReport {
+    /// 1, 2, …
+    pub(crate) line: u32,
+    /// Which number of the scene its peer has.
+    pub(crate) number: u8,
+    /// Where the peer last proved itself from.
+    pub(crate) address: Option<String>,
+    /// How many lives of the peer there were.
+    pub(crate) lives: usize,
+    /// Wave energy at the hub's end.
+    #[serde(flatten)]
+    pub(crate) energy: Energy,
+    /// Where the peer last said that its copy is, mm.
+    pub(crate) copy_mm: Option<f64>,
+    /// What the peer last said about itself.
+    pub(crate) said: Option<Other>,
+    pub(crate) round_trip_us: Option<u32>,
+    pub(crate) datagrams_taken: u32,
+    /// Datagrams of the peer that never came.
+    pub(crate) datagrams_missing: u32,
+    /// What the link reported, in order, with the time in s since the start.
+    pub(crate) notices: Vec<(f64, String)>,
+}
 
-    /// Where its peer last proved itself from.
-    pub fn address(&self) -> Option<A> {
-        self.address
-    }
-
-    /// What its peer last said about itself.
-    pub fn heard(&self) -> Option<&Telemetry> {
-        self.heard.as_ref()
-    }
-
-    /// What the link has reported so far, in order, with the time of each in µs.
-    pub fn notices(&self) -> &[(u64, Notice)] {
-        &self.notices
-    }
-
-    /// Whether its peer is there.
-    pub fn is_joined(&self) -> bool {
-        matches!(self.link.stage(), Stage::Idle | Stage::Running | Stage::Fading)
+impl LineReport {
+    fn new((line, (end, port)): (u32, (&Line<SocketAddr>, &Port))) -> Self {
+        let counts = end.link().counts();
+        Self {
+            line,
+            number: number_on(line),
+            address: end.address().map(|address| address.to_string()),
+            lives: end.notices().iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count(),
+            energy: port.energy,
+            copy_mm: end.heard().map(|said| 1e3 * f64::from(said.object_position)),
+            said: end.heard().map(Other::new),
+            round_trip_us: end.link().clock().round_trip_us(),
+            datagrams_taken: counts.taken,
+            datagrams_missing: counts.missing,
+            notices: told(end.notices()),
+        }
     }
 }
 
-/// Which number of the scene the peer on a line has, lines counted from 1.
-pub fn number_on(line: u32) -> u8 {
-    if line % 2 == 1 { 1 } else { 2 }
+/// What the hub saw.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Report {
+    /// Packet periods since all were there.
+    pub(crate) packets: u64,
+    /// Wave energy sent over wave energy that the peers put in; never above 1.
+    pub(crate) energy_out_over_in: f64,
+    /// Where the lines meet, mm from where they met first.
+    pub(crate) object_mm: f64,
+    /// Largest distance between two copies as the peers last told, mm; they tell every half second, not at one instant.
+    pub(crate) apart_mm: f64,
+    /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
+    pub(crate) datagrams_refused: u64,
+    pub(crate) lines: Vec<LineReport>,
+    /// How well the tick was kept.
+    pub(crate) punctuality: Punctuality,
 }
 
-/// Lines that meet.
-#[derive(Debug)]
-pub struct Hub<A> {
-    lines: Vec<Line<A>>,
-    junction: Junction,
-    ticks_per_packet: u32,
-    telemetry_ticks: u32,
-    /// Control periods since the start.
-    tick: u32,
-    /// Packet periods since all were there; none before.
-    packets: Option<u64>,
-    /// Datagrams that no line took.
-    refused: u64,
-    out: Datagram,
+struct Meeting<'a> {
+    hub: Hub<SocketAddr>,
+    options: &'a Options,
+    /// Packet periods until it is over.
+    packets: u64,
 }
 
-impl<A: Copy> Hub<A> {
-    /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
-    ///
-    /// # Errors
-    /// A number of users out of range, or a scene that a hub cannot be made for: in one line.
-    pub fn new(
-        scene: &Scene,
-        users: usize,
-        key: &Key,
-        mut entropy: impl FnMut() -> Result<[u8; Key::LEN], String>,
-    ) -> Result<Self, String> {
-        if !(2..=MOST_USERS).contains(&users) {
-            return Err(format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}"));
+impl Actor<SocketAddr> for Meeting<'_> {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        self.hub.receive(now_ns / 1_000, from, datagram, out);
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let waited = self.hub.packets().is_none();
+        self.hub.tick(now_ns / 1_000, out);
+        if waited && self.hub.packets().is_some() {
+            eprintln!("all {} are there: arm the boards", self.options.users);
         }
-        scene.peer.check().map_err(|refused| refused.to_string())?;
-        let mut junction = Junction::new(&scene.peer, users).map_err(|error| error.to_string())?;
-        if !scene.peer.coordination.ledger {
-            return Err(
-                "coordination.ledger = false is not allowed: it must be true, for on a network that may lose a packet \
-                        only waves that are paid for keep a hub passive"
-                    .to_owned(),
-            );
-        }
-        let lines = (1..=users as u32).map(|line| {
-            let number = number_on(line);
-            let ends = Ends { local: PeerId(3 - number), remote: PeerId(number) };
-            let link = open_link(scene, ends, key.line(line), entropy()?)?;
-            Ok(Line {
-                link,
-                address: None,
-                inbox: Inbox::new(scene.world.network.playout_packets, scene.peer.timing.ticks_per_packet),
-                heard: None,
-                notices: Vec::new(),
-            })
-        });
-        let lines = lines.collect::<Result<Vec<_>, String>>()?;
-        (0..users).for_each(|line| junction.part(line));
-        let timing = &scene.peer.timing;
-        Ok(Self {
-            lines,
-            junction,
-            ticks_per_packet: timing.ticks_per_packet,
-            telemetry_ticks: (TELEMETRY_S / timing.control_period_s) as u32,
-            tick: 0,
-            packets: None,
-            refused: 0,
-            out: [0; MAX_DATAGRAM],
-        })
     }
+}
 
-    /// The lines, each with its port.
-    pub fn lines(&self) -> impl Iterator<Item = (&Line<A>, &Port)> {
-        self.lines.iter().zip(self.junction.ports())
-    }
-
-    /// Where the lines meet.
-    pub fn junction(&self) -> &Junction {
-        &self.junction
-    }
-
-    /// Packet periods since all were there; none before.
-    pub fn packets(&self) -> Option<u64> {
-        self.packets
-    }
-
-    /// Datagrams that no line took.
-    pub fn refused(&self) -> u64 {
-        self.refused
-    }
-
-    /// Takes a datagram that came from `from`, opened in place, and sends what the link answers at once.
-    pub fn receive(&mut self, now_us: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) {
-        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-        let session = Header::parse(datagram).ok().map(|(header, ..)| header.session);
-        for (line, at) in self.lines.iter_mut().zip(0..) {
-            if !greeting && (session.is_none() || line.link.session_number() != session) {
-                continue;
-            }
-            let taken = line.link.receive(now_us, datagram);
-            // Before the flow is kept: it may be the first of another life of the peer.
-            Self::heed(line, &mut self.junction, at, now_us);
-            let Ok(incoming) = taken else { continue };
-            match incoming {
-                Some(Message::Flow(flow)) => line.inbox.put(self.tick, flow),
-                Some(Message::Telemetry(telemetry)) => line.heard = Some(telemetry),
-                _ => {}
-            }
-            if !greeting {
-                line.address = Some(from);
-            }
-            while let Some(len) = line.link.poll(now_us, &mut self.out) {
-                let out = &self.out[..len];
-                // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
-                let answers = !greeting || out.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-                send(if answers { from } else { line.address.unwrap_or(from) }, out);
-            }
-            return;
-        }
-        self.refused += 1;
-    }
-
-    /// What a link has noticed.
-    fn heed(line: &mut Line<A>, junction: &mut Junction, at: usize, now_us: u64) {
-        while let Some(notice) = line.link.take_notice() {
-            if notice == Notice::Disengaged {
-                junction.part(at);
-                line.inbox.clear();
-            }
-            line.notices.push((now_us, notice));
+impl Live for Meeting<'_> {
+    fn end(&self) -> Option<Result<(), String>> {
+        match self.hub.packets() {
+            Some(packets) => (packets >= self.packets).then_some(Ok(())),
+            None => (1..)
+                .zip(self.hub.lines())
+                .find_map(|(line, (end, _))| differs(end.link(), &format!("the peer on line {line}")).map(Err)),
         }
     }
 
-    /// One control period: exchanges if that is due, says what is to be said.
-    pub fn beat(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
-        for (line, at) in self.lines.iter_mut().zip(0..) {
-            while let Some(len) = line.link.poll(now_us, &mut self.out) {
-                // A line that nobody has proved to be on is not called: its peer calls.
-                if let Some(address) = line.address.filter(|_| line.link.stage() != Stage::Calling) {
-                    send(address, &self.out[..len]);
-                }
-            }
-            Self::heed(line, &mut self.junction, at, now_us);
+    fn missing(&self) -> Option<String> {
+        if self.hub.packets().is_some() {
+            return None;
         }
-        if self.tick.is_multiple_of(self.ticks_per_packet) {
-            if self.packets.is_none() && self.lines.iter().all(Line::is_joined) {
-                self.packets = Some(0);
-            }
-            if self.packets.is_some() {
-                self.exchange(now_us, &mut send);
-            }
-        }
-        if self.tick.is_multiple_of(self.telemetry_ticks.max(1)) {
-            self.tell(now_us, &mut send);
-        }
-        self.tick = self.tick.wrapping_add(1);
+        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.link().is_up());
+        let absent: Vec<String> =
+            absent.map(|(line, _): (u32, _)| format!("{line} (peer number {})", number_on(line))).collect();
+        let Options { users, listen, patience_s, .. } = self.options;
+        Some(format!(
+            "only {} of {users} peers came within {patience_s} s; nobody on line {} at {listen}, or nobody who holds its key",
+            users - absent.len(),
+            absent.join(", "),
+        ))
     }
 
-    /// One packet period: what came of every line through the junction and back.
-    fn exchange(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
-        let mut came = [None; MOST_USERS];
-        for ((line, at), came) in self.lines.iter_mut().zip(0..).zip(&mut came) {
-            line.inbox.play(self.tick);
-            let (flow, anew) = line.inbox.take();
-            if anew {
-                self.junction.part(at);
-            }
-            *came = flow.as_ref().map(packet_of);
-        }
-        self.junction.exchange(came);
-        self.packets = self.packets.map(|packets| packets + 1);
-        for (line, port) in self.lines.iter_mut().zip(self.junction.ports()) {
-            let flow = flow_of(port.back, true, self.tick);
-            if let Some((address, len)) = line.address.zip(line.link.send(now_us, flow, &mut self.out)) {
-                send(address, &self.out[..len]);
-            }
-        }
+    fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        self.hub.goodbye(now_ns / 1_000, out);
     }
+}
 
-    /// How the hub is doing, for the peers' people and logs: its own end of each line.
-    fn tell(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
-        let at = self.junction.motion.position as f32;
-        for (line, port) in self.lines.iter_mut().zip(self.junction.ports()) {
-            let mut telemetry = Telemetry {
-                mode: u8::from(self.packets.is_some()),
-                tick: self.tick,
-                device_position: at,
-                object_position: at,
-                desired_position: at,
-                coordination_force: self.junction.force_n(port) as f32,
-                energy_received: port.energy.taken_j,
-                energy_sent: port.energy.sent_j,
-                ..Telemetry::default()
-            };
-            line.link.describe(now_us, &mut telemetry);
-            if let Some((address, len)) = line.address.zip(line.link.send(now_us, telemetry, &mut self.out)) {
-                send(address, &self.out[..len]);
-            }
-        }
-    }
+/// Runs the hub to the end, or until it is stopped.
+///
+/// # Errors
+/// A scene that is refused, a socket that cannot be opened, or peers that are not all there in time: in one line.
+pub(crate) fn run(scene: &Scene, key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
+    let timing = &scene.peer.timing;
+    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+    let packets = (options.duration_s / packet_s).round() as u64;
+    let mut meeting = Meeting { hub: Hub::new(scene, options.users, key, entropy)?, options, packets };
+    let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
+    let punctuality = Endpoint::polled(options.listen)?.run(ticker, options.patience_s, stop, &mut meeting)?;
+    let hub = meeting.hub;
+    let energy = hub.junction().energy();
+    let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
+    let copies = || lines.iter().filter_map(|line| line.copy_mm);
+    Ok(Report {
+        packets: hub.packets().unwrap_or(0),
+        energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
+        object_mm: 1e3 * hub.junction().motion.position,
+        apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
+        datagrams_refused: hub.refused(),
+        lines,
+        punctuality,
+    })
 }

@@ -3,8 +3,8 @@
 //! The hand goes to and fro between two points (a sine in time), as a person who strokes along something; what it feels is
 //! what the visitor renders. Datagrams are taken by the address they come from and believed by their seal only.
 
-use haptic_sim::key_file::entropy;
-use std::net::{SocketAddr, UdpSocket};
+use std::f64::consts::TAU;
+use std::net::SocketAddr;
 use std::time::Duration;
 
 use haptic_core::num::Motion;
@@ -15,105 +15,194 @@ use haptic_protocol::roles::static_scene::Download;
 use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
-use super::pace::{Pace, Punctuality};
+use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use crate::shared::visit::visitor::{Party, Setup, Visitor};
 use crate::shared::visit::{PACKET_US, TICKS_PER_PACKET, parameters};
 use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file::entropy;
 
 /// Another client that is told straight where this one is.
 #[derive(Clone, Debug)]
-pub struct Friend {
-    /// Its line.
-    pub line: u32,
-    /// Where it listens.
-    pub address: SocketAddr,
+pub(crate) struct Friend {
+    pub(crate) line: u32,
+    pub(crate) address: SocketAddr,
     /// The key of the two.
-    pub key: Key,
+    pub(crate) key: Key,
 }
 
 /// Where to, how, and how long.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub(crate) struct Options {
     /// The key of this client's line.
-    pub key: Key,
-    /// Its line.
-    pub line: u32,
+    pub(crate) key: Key,
+    pub(crate) line: u32,
     /// Where this client listens; port 0 is any.
-    pub listen: SocketAddr,
+    pub(crate) listen: SocketAddr,
     /// Servers by number.
-    pub servers: Vec<(u8, SocketAddr)>,
+    pub(crate) servers: Vec<(u8, SocketAddr)>,
     /// The server to begin at.
-    pub home: u8,
+    pub(crate) home: u8,
     /// How far around itself it wants to know, m; `None`: everything.
-    pub radius_m: Option<f32>,
+    pub(crate) radius_m: Option<f32>,
     /// The hand goes from here …
-    pub from_m: [f64; 2],
+    pub(crate) from_m: [f64; 2],
     /// … to here …
-    pub to_m: [f64; 2],
+    pub(crate) to_m: [f64; 2],
     /// … and back in this time, s.
-    pub stroke_s: f64,
+    pub(crate) stroke_s: f64,
     /// How long, s.
-    pub duration_s: f64,
+    pub(crate) duration_s: f64,
     /// A client to tell straight.
-    pub friend: Option<Friend>,
+    pub(crate) friend: Option<Friend>,
+}
+
+impl Options {
+    fn address(&self, party: Party) -> Option<SocketAddr> {
+        match party {
+            Party::Server(number) => self.servers.iter().find(|(known, _)| *known == number).map(|(_, at)| *at),
+            Party::Client(line) => {
+                self.friend.as_ref().filter(|friend| friend.line == line).map(|friend| friend.address)
+            }
+        }
+    }
+
+    fn party(&self, from: SocketAddr) -> Option<Party> {
+        let server = self.servers.iter().find(|(_, at)| *at == from).map(|(number, _)| Party::Server(*number));
+        let friend = self.friend.as_ref().filter(|friend| friend.address == from);
+        server.or_else(|| friend.map(|friend| Party::Client(friend.line)))
+    }
+
+    /// Where the hand is in this control period.
+    fn hand(&self, tick: u64) -> [Motion<f64>; 2] {
+        let rate = TAU / self.stroke_s;
+        let phase = rate * CONTROL_PERIOD_S * tick as f64;
+        [0, 1].map(|axis| {
+            let (from, half) = (self.from_m[axis], 0.5 * (self.to_m[axis] - self.from_m[axis]));
+            Motion { position: from + half * (1.0 - libm::cos(phase)), velocity: half * rate * libm::sin(phase) }
+        })
+    }
 }
 
 /// Someone who was seen.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Seen {
-    /// Line.
-    pub line: u32,
+pub(crate) struct Seen {
+    pub(crate) line: u32,
     /// Where, m.
-    pub position_m: [f32; 2],
+    pub(crate) position_m: [f32; 2],
 }
 
 /// What a client saw and felt.
-#[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// Its line.
-    pub line: u32,
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Report {
+    pub(crate) line: u32,
     /// Control periods.
-    pub ticks: u64,
+    pub(crate) ticks: u64,
     /// When everything in scope was held for the first time, s.
-    pub complete_after_s: Option<f64>,
+    pub(crate) complete_after_s: Option<f64>,
     /// Objects held from home.
-    pub objects: usize,
+    pub(crate) objects: usize,
     /// Objects that came, since the beginning, from the servers it has links to now.
-    pub objects_taken: u32,
+    pub(crate) objects_taken: u32,
     /// Version of the world.
-    pub world_version: Option<u32>,
+    pub(crate) world_version: Option<u32>,
     /// Checksum of the world.
-    pub world: Option<String>,
+    pub(crate) world: Option<String>,
     /// Parts that were not what their checksum said.
-    pub corrupt: u32,
+    pub(crate) corrupt: u32,
     /// Where it is at home.
-    pub home: u8,
+    pub(crate) home: u8,
     /// How often it moved.
-    pub moves: u32,
+    pub(crate) moves: u32,
     /// Largest force, N.
-    pub largest_force_n: f64,
+    pub(crate) largest_force_n: f64,
     /// Largest change of the force in one control period, N.
-    pub largest_step_n: f64,
+    pub(crate) largest_step_n: f64,
     /// Control periods with a force.
-    pub felt_ticks: u64,
+    pub(crate) felt_ticks: u64,
     /// Control periods with a force while no server was heard.
-    pub felt_alone_ticks: u64,
+    pub(crate) felt_alone_ticks: u64,
     /// Others that were seen in the last second.
-    pub others: Vec<Seen>,
+    pub(crate) others: Vec<Seen>,
     /// Round trip to home, µs.
-    pub round_trip_us: Option<u32>,
-    /// How well the 1 kHz beat was kept.
-    pub punctuality: Punctuality,
+    pub(crate) round_trip_us: Option<u32>,
+    /// How well the 1 kHz tick was kept.
+    pub(crate) punctuality: Punctuality,
 }
 
-/// Visits until the time is over.
+struct Visit<'a> {
+    visitor: Visitor,
+    options: &'a Options,
+    last: Option<[f64; 2]>,
+    seen: Report,
+}
+
+impl Visit<'_> {
+    fn downloads(&self) -> impl Iterator<Item = &Download<OBJECTS>> {
+        self.options.servers.iter().filter_map(|(number, _)| self.visitor.download(*number))
+    }
+
+    fn hears_a_server(&self) -> bool {
+        let mut links = self.options.servers.iter().filter_map(|(number, _)| self.visitor.link(*number));
+        links.any(|link| link.session_number().is_some())
+    }
+}
+
+impl Actor<SocketAddr> for Visit<'_> {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        if let Some(party) = self.options.party(from) {
+            self.visitor.receive(now_ns / 1_000, party, datagram, |_, bytes| out(from, bytes));
+        }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);
+        let (options, force) = (self.options, self.visitor.step(self.options.hand(self.seen.ticks)));
+        let alone = !self.hears_a_server();
+        let (seen, last) = (&mut self.seen, self.last.replace(force).unwrap_or(force));
+        seen.largest_force_n = seen.largest_force_n.max(size(force));
+        seen.largest_step_n = seen.largest_step_n.max(size([force[0] - last[0], force[1] - last[1]]));
+        seen.felt_ticks += u64::from(force != [0.0; 2]);
+        seen.felt_alone_ticks += u64::from(force != [0.0; 2] && alone);
+        if seen.ticks.is_multiple_of(u64::from(TICKS_PER_PACKET)) {
+            // A datagram that the socket does not take now is asked for again.
+            self.visitor.exchange(now_ns / 1_000, |to, bytes| _ = options.address(to).map(|to| out(to, bytes)));
+        }
+        if seen.complete_after_s.is_none() && self.visitor.is_complete() {
+            seen.complete_after_s = Some(1e-9 * now_ns as f64);
+        }
+        seen.ticks += 1;
+    }
+}
+
+impl Live for Visit<'_> {
+    fn end(&self) -> Option<Result<(), String>> {
+        (self.seen.ticks as f64 * CONTROL_PERIOD_S >= self.options.duration_s).then_some(Ok(()))
+    }
+
+    fn missing(&self) -> Option<String> {
+        let home = self.visitor.link(self.visitor.home());
+        let met = self.seen.complete_after_s.is_some()
+            || home.is_some_and(|link| link.clock().round_trip_us().is_some())
+            || self.downloads().any(|download| download.objects_taken() > 0 || download.world().is_some())
+            || self.visitor.others().next().is_some();
+        let addresses = || self.options.servers.iter().map(|(_, address)| address.to_string()).collect::<Vec<_>>();
+        (!met).then(|| format!("nobody answered from {}, or nobody who holds the key", addresses().join(", ")))
+    }
+
+    fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let options = self.options;
+        self.visitor.goodbye(now_ns / 1_000, |to, bytes| _ = options.address(to).map(|to| out(to, bytes)));
+    }
+}
+
+/// Visits until the time is over, or it is stopped.
 ///
 /// # Errors
-/// A socket that cannot be opened, or no randomness: in one line.
-pub fn run(options: &Options) -> Result<Report, String> {
-    let socket =
-        UdpSocket::bind(options.listen).map_err(|cause| format!("cannot listen on {}: {cause}", options.listen))?;
-    socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
+/// A socket that cannot be opened, no randomness, or nobody there: in one line.
+pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
     // Asked once before the clock starts; a generator that has worked once does not fail later.
     entropy()?;
     let reachable = options.servers.iter().map(|(number, _)| *number).collect();
@@ -131,84 +220,24 @@ pub fn run(options: &Options) -> Result<Report, String> {
         });
         visitor.befriend(friend.line, link.map_err(|error| error.to_string())?);
     }
-    let address = |party: Party| match party {
-        Party::Server(number) => options.servers.iter().find(|(known, _)| *known == number).map(|(_, at)| *at),
-        Party::Client(line) => {
-            options.friend.as_ref().filter(|friend| friend.line == line).map(|friend| friend.address)
-        }
-    };
-    let party = |from: SocketAddr| {
-        let server = options.servers.iter().find(|(_, at)| *at == from).map(|(number, _)| Party::Server(*number));
-        let friend = options.friend.as_ref().filter(|friend| friend.address == from);
-        server.or_else(|| friend.map(|friend| Party::Client(friend.line)))
-    };
-    // A datagram that the socket does not take now is asked for again.
-    let send = |to: Party, bytes: &[u8]| drop(address(to).map(|to| socket.send_to(bytes, to)));
-    let ticks = (options.duration_s / CONTROL_PERIOD_S).round() as u64;
-    let mut pace = Pace::new(Duration::from_secs_f64(CONTROL_PERIOD_S));
-    let mut came = [0; 2048];
-    let (mut complete_after_s, mut last) = (None, None::<[f64; 2]>);
-    let (mut largest_force_n, mut largest_step_n) = (0.0_f64, 0.0_f64);
-    let (mut felt_ticks, mut felt_alone_ticks) = (0, 0);
-    for tick in 0..ticks {
-        pace.wait();
-        let now = pace.now_us();
-        while let Ok((len, from)) = socket.recv_from(&mut came) {
-            if let Some(from) = party(from) {
-                visitor.receive(now, from, &mut came[..len], send);
-            }
-        }
-        let phase = std::f64::consts::TAU * CONTROL_PERIOD_S * tick as f64 / options.stroke_s;
-        let hand = [0, 1].map(|axis| {
-            let (from, to) = (options.from_m[axis], options.to_m[axis]);
-            let half = 0.5 * (to - from);
-            let rate = std::f64::consts::TAU / options.stroke_s;
-            Motion { position: from + half * (1.0 - libm::cos(phase)), velocity: half * rate * libm::sin(phase) }
-        });
-        let force = visitor.step(hand);
-        let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);
-        largest_force_n = largest_force_n.max(size(force));
-        largest_step_n = largest_step_n.max(last.map_or(0.0, |last| size([force[0] - last[0], force[1] - last[1]])));
-        last = Some(force);
-        if force != [0.0; 2] {
-            felt_ticks += 1;
-            let heard = options
-                .servers
-                .iter()
-                .any(|(number, _)| visitor.link(*number).is_some_and(|link| link.session_number().is_some()));
-            felt_alone_ticks += u64::from(!heard);
-        }
-        if tick % u64::from(TICKS_PER_PACKET) == 0 {
-            visitor.exchange(now, send);
-        }
-        if complete_after_s.is_none() && visitor.is_complete() {
-            complete_after_s = Some(1e-6 * now as f64);
-        }
-    }
+    let mut visit = Visit { visitor, options, last: None, seen: Report { line, ..Report::default() } };
+    let ticker = Ticker::realtime(Duration::from_secs_f64(CONTROL_PERIOD_S));
+    let punctuality = Endpoint::polled(options.listen)?.run(ticker, f64::MAX, stop, &mut visit)?;
+    let objects_taken = visit.downloads().map(Download::objects_taken).sum();
+    let visitor = &visit.visitor;
     let download = visitor.download(visitor.home());
-    let world = download.and_then(Download::<OBJECTS>::world);
+    let world = download.and_then(Download::world);
     Ok(Report {
-        line: options.line,
-        ticks,
-        complete_after_s,
         objects: download.map_or(0, |download| download.objects().count()),
-        objects_taken: options
-            .servers
-            .iter()
-            .filter_map(|(number, _)| visitor.download(*number))
-            .map(Download::<OBJECTS>::objects_taken)
-            .sum(),
+        objects_taken,
         world_version: world.map(|(_, manifest)| manifest.version),
         world: world.map(|(sum, _)| format!("{sum:016x}")),
         corrupt: visitor.corrupt(),
         home: visitor.home(),
         moves: visitor.moves(),
-        largest_force_n,
-        largest_step_n,
-        felt_ticks,
-        felt_alone_ticks,
         others: visitor.others().map(|other| Seen { line: other.who, position_m: other.position }).collect(),
         round_trip_us: visitor.link(visitor.home()).and_then(|link| link.clock().round_trip_us()),
-        punctuality: pace.punctuality(),
+        punctuality,
+        ..visit.seen
     })
 }

@@ -9,9 +9,8 @@
 //! names it, and how many were answered. A load that is late by more than a quarter of a packet period does not catch up in a
 //! burst that no independent clients would make; it goes on from there, and the packets per second that it managed are told.
 
-use haptic_sim::key_file::entropy;
-use std::net::{SocketAddr, UdpSocket};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use haptic_protocol::ends::Ends;
@@ -22,12 +21,13 @@ use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, PeerId, Pre
 use haptic_protocol::world::Scope;
 use serde::Serialize;
 
-use crate::live::histogram::{Histogram, Quantiles};
-use crate::live::pace::realtime;
-use crate::live::serve;
+use crate::live::endpoint::{Endpoint, Stop, realtime};
+use crate::live::quantiles::{Quantiles, Times};
+use crate::live::serve::{self, Computed};
 use crate::shared::visit::host::Host;
 use crate::shared::visit::{CLIENT, PACKET_US, parameters};
 use crate::shared::world::World;
+use haptic_sim::key_file::entropy;
 
 /// The server's number.
 const SERVER: u8 = 1;
@@ -40,6 +40,8 @@ const RADIUS_M: f32 = 0.1;
 
 /// How long the load rests every millisecond.
 const REST: Duration = Duration::from_micros(80);
+/// Long enough to take a few datagrams.
+const FEW: Duration = Duration::from_micros(50);
 /// A load that is later than this does not catch up, ns.
 const LATE_NS: u64 = 250 * PACKET_US;
 
@@ -55,61 +57,56 @@ struct Client {
 
 /// What became of a crowd.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// Clients.
-    pub clients: u32,
+pub(crate) struct Report {
+    pub(crate) clients: u32,
     /// Clients that had their neighbourhood before the measurement ended.
-    pub complete: u32,
+    pub(crate) complete: u32,
     /// Time of the measurement, s.
-    pub measured_s: f64,
+    pub(crate) measured_s: f64,
     /// Packets of clients.
-    pub packets: u64,
+    pub(crate) packets: u64,
     /// Packets a second of each client; 125 if the load was never late.
-    pub rate_hz: f64,
+    pub(crate) rate_hz: f64,
     /// Packets that were answered.
-    pub answered: u64,
+    pub(crate) answered: u64,
     /// Objects' places that the answers carried.
-    pub sightings: u64,
+    pub(crate) sightings: u64,
     /// From a client's packet to its answer, at the client.
-    pub round_trip: Quantiles,
+    pub(crate) round_trip: Quantiles,
     /// How late the load was with its packets.
-    pub load_late: Quantiles,
+    pub(crate) load_late: Quantiles,
     /// Share of one core that the load used.
-    pub load_cpu_share: Option<f64>,
+    pub(crate) load_cpu_share: Option<f64>,
     /// The load ran at a real-time priority.
-    pub load_realtime_priority: bool,
+    pub(crate) load_realtime_priority: bool,
     /// What the server saw.
-    pub server: serve::Report,
+    pub(crate) server: serve::Report,
 }
 
 impl Report {
     /// Share of the packets that were answered.
-    pub fn answered_share(&self) -> f64 {
+    pub(crate) fn answered_share(&self) -> f64 {
         self.answered as f64 / self.packets.max(1) as f64
     }
 }
 
-/// `clients` clients at one server of `world`, for `warm_up_s` and then, measured, for `seconds`.
+/// `clients` clients at one server of `world`, for `warm_up_s` and then, measured, for `seconds`, or until it is stopped.
 ///
 /// # Errors
 /// A socket that cannot be opened, or no randomness: in one line.
-pub fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64) -> Result<Report, String> {
-    let key = Key::new(entropy()?);
-    let server_socket = serve::listen(SocketAddr::from(([127, 0, 0, 1], 0)))?;
-    let address = server_socket.local_addr().map_err(|cause| format!("the socket has no address: {cause}"))?;
-    let socket = UdpSocket::bind("127.0.0.1:0").map_err(|cause| format!("cannot open a socket: {cause}"))?;
-    socket.connect(address).map_err(|cause| format!("cannot reach {address}: {cause}"))?;
-    socket.set_nonblocking(true).map_err(|cause| format!("cannot poll the socket: {cause}"))?;
+pub(crate) fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64, stop: &Stop) -> Result<Report, String> {
+    let (key, start) = (Key::new(entropy()?), Instant::now());
+    let loopback = SocketAddr::from(([127, 0, 0, 1], 0));
+    let (server, load) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));
     let mut host = Host::new(key.clone(), SERVER, clients, world.clone(), None, || entropy().unwrap_or([1; Key::LEN]))?;
-    let done = AtomicBool::new(false);
-    let (start, sent) = (Instant::now(), (0..clients).map(|_| AtomicU64::new(0)).collect::<Vec<_>>());
-    let last_sent = |line: u32| sent.get(line as usize - 1).map(|sent| sent.load(Ordering::Relaxed));
+    let sent = (0..clients).map(|_| AtomicU64::new(0)).collect::<Vec<_>>();
+    let sent_ns = |line: u32| sent.get(line as usize - 1).map(|sent| sent.load(Ordering::Relaxed));
+    let done = Stop::default();
     std::thread::scope(|scope| {
-        let serving = scope.spawn(|| {
-            serve::run(&server_socket, &mut host, start, warm_up_s, last_sent, |_| done.load(Ordering::Relaxed))
-        });
-        let load = Load::new(&socket, &key, start, &sent).map(|load| load.run(warm_up_s, seconds));
-        done.store(true, Ordering::Relaxed);
+        let options = serve::Options { duration_s: f64::MAX, warm_up_s, sent_ns };
+        let serving = scope.spawn(|| serve::run(&server, &mut host, options, &done));
+        let load = Load::new(&load, server.address(), &key, &sent).and_then(|load| load.run(warm_up_s, seconds, stop));
+        done.ask();
         let server = serving.join().map_err(|_| "the server's thread ended".to_owned())??;
         Ok(load?.report(server))
     })
@@ -117,18 +114,18 @@ pub fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64) -> Result<
 
 /// The crowd and what is measured of it.
 struct Load<'a> {
-    socket: &'a UdpSocket,
+    endpoint: &'a Endpoint,
+    server: SocketAddr,
     /// When each client last sent, ns.
     sent: &'a [AtomicU64],
     clients: Vec<Client>,
     sessions: std::collections::HashMap<u32, usize>,
-    start: Instant,
-    measured: Option<Instant>,
+    measured: Option<Computed>,
     packets: u64,
     answered: u64,
     sightings: u64,
-    round_trip: Histogram,
-    late: Histogram,
+    round_trip: Times,
+    late: Times,
     cpu_share: Option<f64>,
     realtime_priority: bool,
     rested_ns: u64,
@@ -136,7 +133,7 @@ struct Load<'a> {
 }
 
 impl<'a> Load<'a> {
-    fn new(socket: &'a UdpSocket, key: &Key, start: Instant, sent: &'a [AtomicU64]) -> Result<Self, String> {
+    fn new(endpoint: &'a Endpoint, server: SocketAddr, key: &Key, sent: &'a [AtomicU64]) -> Result<Self, String> {
         let count = sent.len();
         let clients: Result<_, String> = (1..=count as u32)
             .map(|line| {
@@ -161,17 +158,17 @@ impl<'a> Load<'a> {
             })
             .collect();
         Ok(Self {
-            socket,
+            endpoint,
+            server,
             sent,
             clients: clients?,
             sessions: std::collections::HashMap::new(),
-            start,
             measured: None,
             packets: 0,
             answered: 0,
             sightings: 0,
-            round_trip: Histogram::default(),
-            late: Histogram::default(),
+            round_trip: Times::new(),
+            late: Times::new(),
             cpu_share: None,
             realtime_priority: false,
             rested_ns: 0,
@@ -179,28 +176,22 @@ impl<'a> Load<'a> {
         })
     }
 
-    fn now_ns(&self) -> u64 {
-        self.start.elapsed().as_nanos() as u64
-    }
-
-    fn run(mut self, warm_up_s: f64, seconds: f64) -> Self {
+    fn run(mut self, warm_up_s: f64, seconds: f64, stop: &Stop) -> Result<Self, String> {
         self.realtime_priority = realtime();
-        let period_ns = 1_000 * PACKET_US;
-        let count = self.clients.len() as u64;
+        let (period_ns, count) = (1_000 * PACKET_US, self.clients.len() as u64);
         let (warm_ns, end_ns) = ((1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
-        let mut computed = None;
-        let (mut next, mut slipped_ns) = (0_u64, self.now_ns());
+        let (mut next, mut slipped_ns, mut measured_ns) = (0_u64, self.endpoint.now_ns(), 0);
         loop {
             // Packet number `next` of the crowd: the clients in turn, evenly over each packet period.
             let due_ns = slipped_ns + next / count * period_ns + next % count * period_ns / count;
-            self.wait(due_ns);
-            let now_ns = self.now_ns();
-            if now_ns >= end_ns {
+            self.wait(due_ns)?;
+            let now_ns = self.endpoint.now_ns();
+            if now_ns >= end_ns || stop.is_asked() {
                 break;
             }
             if self.measured.is_none() && now_ns >= warm_ns {
-                self.measured = Some(Instant::now());
-                computed = serve::computed_s();
+                self.measured = Some(Computed::now());
+                measured_ns = now_ns;
             }
             let late_ns = now_ns.saturating_sub(due_ns);
             slipped_ns += if late_ns > LATE_NS { late_ns } else { 0 };
@@ -210,48 +201,50 @@ impl<'a> Load<'a> {
             self.exchange((next % count) as usize);
             next += 1;
         }
-        self.measured_s = self.measured.map_or(0.0, |at| at.elapsed().as_secs_f64());
-        self.cpu_share = computed.and_then(|before| Some((serve::computed_s()? - before) / self.measured_s));
+        if let Some(measured) = &self.measured {
+            self.measured_s = 1e-9 * (self.endpoint.now_ns() - measured_ns) as f64;
+            self.cpu_share = measured.share();
+        }
         // What is under way still counts.
-        self.wait(self.now_ns() + 100_000_000);
-        self
+        self.wait(self.endpoint.now_ns() + 100_000_000)?;
+        Ok(self)
     }
 
-    /// Takes what comes until `due_ns`.
-    fn wait(&mut self, due_ns: u64) {
-        let mut bytes = [0; 2048];
+    /// Takes what comes until `due_ns`; if that is over, what comes in the time of a few, so that answers do not hold up the load.
+    fn wait(&mut self, due_ns: u64) -> Result<(), String> {
         loop {
-            // No more than a few at a time, so that answers do not hold up the load.
-            let came = (0..8).take_while(|_| match self.socket.recv(&mut bytes) {
-                Ok(len) => {
-                    self.receive(&mut bytes[..len]);
-                    true
-                }
-                Err(_) => false,
-            });
-            let came = came.count();
-            let left_ns = due_ns.saturating_sub(self.now_ns());
+            let mut came = 0;
+            let left_ns = due_ns.saturating_sub(self.endpoint.now_ns());
+            let until = Instant::now() + Duration::from_nanos(left_ns).max(FEW);
+            let endpoint = self.endpoint;
+            endpoint.drain(until, |_, datagram| {
+                came += 1;
+                self.receive(datagram);
+            })?;
+            let now_ns = endpoint.now_ns();
+            let left_ns = due_ns.saturating_sub(now_ns);
             if left_ns == 0 {
-                return;
+                return Ok(());
             }
             if came == 0 && left_ns > 200_000 {
                 std::thread::sleep(Duration::from_nanos(left_ns - 100_000));
             }
             // A thread of real-time priority that never rests is stopped by the system, and for longer.
-            if self.now_ns() > self.rested_ns + 1_000_000 {
+            if now_ns > self.rested_ns + 1_000_000 {
                 std::thread::sleep(REST);
-                self.rested_ns = self.now_ns();
+                self.rested_ns = endpoint.now_ns();
             }
         }
     }
 
     /// One client's packet period.
     fn exchange(&mut self, at: usize) {
-        let now_ns = self.now_ns();
+        let now_ns = self.endpoint.now_ns();
         let now = now_ns / 1_000;
         let Some(client) = self.clients.get_mut(at) else { return };
         let mut out = [0; MAX_DATAGRAM];
-        let send = |bytes: &[u8]| drop(self.socket.send(bytes));
+        let (endpoint, server) = (self.endpoint, self.server);
+        let send = |bytes: &[u8]| _ = endpoint.send(server, bytes);
         self.sent[at].store(now_ns, Ordering::Relaxed);
         client.tick = client.tick.wrapping_add(1);
         // Once around a circle of 5 cm in 10 s.
@@ -288,7 +281,7 @@ impl<'a> Load<'a> {
     }
 
     fn receive(&mut self, datagram: &mut [u8]) {
-        let now_ns = self.now_ns();
+        let now_ns = self.endpoint.now_ns();
         let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
         let at = if greeting {
             Greeting::parse(datagram).ok().and_then(|(greeting, ..)| (greeting.line as usize).checked_sub(1))
@@ -317,7 +310,7 @@ impl<'a> Load<'a> {
         let mut out = [0; MAX_DATAGRAM];
         while let Some(len) = client.link.poll(now_ns / 1_000, &mut out) {
             self.sent[at].store(now_ns, Ordering::Relaxed);
-            drop(self.socket.send(&out[..len]));
+            self.endpoint.send(self.server, &out[..len]);
         }
     }
 

@@ -17,10 +17,10 @@
 //! welcome once more, by an old hello (a limit that `haptic_protocol::handshake` states); those are counted apart.
 //!
 //! The system drops what does not fit into a socket's buffer, valid or forged; how much of the valid flow came through is
-//! measured. The two nodes take every beat together, and their links' time is counted in beats: on a machine that is slow,
+//! measured. The two nodes take every tick together, and their links' time is counted in ticks: on a machine that is slow,
 //! time is slow, and what is found is found there too. The flood does not wait for them.
 
-use std::net::{SocketAddr, UdpSocket};
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Barrier, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -31,18 +31,18 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 
-use crate::live::pace::{Pace, Punctuality};
-use crate::live::socket::{drain, open};
+use crate::live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
-pub const COMPARE_EVERY: u64 = 64;
-/// Beats for the two peers to engage before the flood.
-const CALM_BEATS: u64 = 400;
-/// Beats after the flood in which the flow must become whole.
-const AFTER_BEATS: u64 = 400;
+const COMPARE_EVERY: u64 = 64;
+/// Ticks for the two peers to engage before the flood.
+const CALM_TICKS: u64 = 400;
+/// Ticks after the flood in which the flow must become whole.
+const AFTER_TICKS: u64 = 400;
 /// What a stranger remembers of each peer.
 const REMEMBERED: usize = 256;
 /// Longest datagram that a stranger makes up.
@@ -55,119 +55,121 @@ const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
 
 /// How hard and how long.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub(crate) struct Options {
     /// Forged datagrams per second, both peers together.
-    pub rate_per_s: f64,
+    pub(crate) rate_per_s: f64,
     /// Length of the flood, s.
-    pub seconds: f64,
+    pub(crate) seconds: f64,
 }
 
 /// What one peer went through.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Besieged {
+pub(crate) struct Attacked {
     /// Forged datagrams that reached the peer.
-    pub forged_arrived: u64,
-    /// Of those, refused.
-    pub forged_refused: u64,
+    pub(crate) forged_arrived: u64,
+    pub(crate) forged_refused: u64,
     /// Of those, old hellos that were answered with a welcome.
-    pub hellos_answered: u64,
+    pub(crate) hellos_answered: u64,
     /// Of those, taken as anything else: must be 0.
-    pub forged_taken: u64,
+    pub(crate) forged_taken: u64,
     /// Comparisons of the whole state before and after a forged datagram.
-    pub states_compared: u64,
+    pub(crate) states_compared: u64,
     /// States that a forged datagram changed: must be 0.
-    pub states_changed: u64,
+    pub(crate) states_changed: u64,
     /// Whether the session lasted from before the flood to the end.
-    pub session_stayed: bool,
+    pub(crate) session_stayed: bool,
     /// Whether coordination acted at the end.
-    pub engaged: bool,
+    pub(crate) engaged: bool,
     /// Share of the other peer's flow that came through during the flood.
-    pub flow_through: f64,
+    pub(crate) flow_through: f64,
     /// Longest time without flow during the flood, ms.
-    pub longest_silence_ms: u64,
+    pub(crate) longest_silence_ms: u64,
     /// From the end of the flood until nothing was missing any more, ms.
-    pub whole_after_ms: u64,
+    pub(crate) whole_after_ms: u64,
 }
 
 /// What came of a flood.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Forged datagrams per second that were asked for.
-    pub rate_asked_per_s: f64,
+    pub(crate) rate_asked_per_s: f64,
     /// Forged datagrams per second that were sent.
-    pub rate_sent_per_s: f64,
+    pub(crate) rate_sent_per_s: f64,
     /// Forged datagrams sent, by kind.
-    pub sent: Vec<(&'static str, u64)>,
+    pub(crate) sent: Vec<(&'static str, u64)>,
     /// Share of them that the system dropped, because a socket's buffer was full.
-    pub dropped_by_system: f64,
+    pub(crate) dropped_by_system: f64,
     /// Time the flood took, s.
-    pub flood_s: f64,
+    pub(crate) flood_s: f64,
     /// The same on the peers' clocks, ms: less, where the machine did not keep up with them.
-    pub flood_ms_of_peers: u64,
+    pub(crate) flood_ms_of_peers: u64,
     /// The two peers.
-    pub peers: [Besieged; 2],
-    /// How well the beat was kept.
-    pub punctuality: Punctuality,
+    pub(crate) peers: Vec<Attacked>,
+    /// How well the tick was kept.
+    pub(crate) punctuality: Punctuality,
 }
 
-/// What a peer notes for the evaluation, in beats.
+/// What a peer notes for the evaluation, in ticks.
 #[derive(Default)]
 struct Log {
-    besieged: Besieged,
+    under_attack: Attacked,
     /// When each flow that came was sent.
     flows: Vec<u64>,
     /// When each flow came.
     came: Vec<u64>,
-    /// Notices and when.
-    notices: Vec<(u64, Notice)>,
 }
 
 /// What the threads share.
 struct Field {
     /// What each peer took, for a stranger to see.
     seen: [Mutex<Vec<Vec<u8>>>; 2],
-    beat: Barrier,
-    /// The beat that is on.
+    tick: Barrier,
+    /// The tick that is on.
     now: AtomicU64,
-    /// First and last beat of the flood; 0 before it is known.
+    /// First and last tick of the flood; 0 before it is known.
     flood: [AtomicU64; 2],
 }
 
-/// Holds the scene's object through a flood.
+/// Holds the scene's object through a flood, which is over early if it is stopped.
 ///
 /// # Errors
 /// A scene that is refused, or sockets that cannot be had: in one line.
-pub fn run(scene: &Scene, options: &Options) -> Result<Report, String> {
-    let loopback = || SocketAddr::from(([127, 0, 0, 1], 0));
-    let address = |socket: &UdpSocket| socket.local_addr().map_err(|cause| format!("no address: {cause}"));
-    let sockets = [open(loopback())?, open(loopback())?];
-    let addresses = [address(&sockets[0])?, address(&sockets[1])?];
-    let stranger = open(loopback())?;
+pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Report, String> {
+    let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
+    let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
+    let addresses = endpoints.each_ref().map(Endpoint::address);
     let key = Key::new(entropy()?);
     let nodes = [Node::new(scene, 1, key.clone(), entropy()?)?, Node::new(scene, 2, key, entropy()?)?];
     let period = Duration::from_secs_f64(scene.peer.timing.control_period_s);
     let field =
-        Field { seen: Default::default(), beat: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
+        Field { seen: Default::default(), tick: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
 
-    let ((sent, flood_s), logs, punctuality) = std::thread::scope(|scope| {
-        let flood = scope.spawn(|| besiege(&field, &stranger, addresses, options, period));
-        let mut peers = nodes.into_iter().zip(&sockets).enumerate().map(|(index, (node, socket))| {
-            let field = &field;
-            scope.spawn(move || hold(field, index, node, socket, addresses[1 - index], period))
-        });
-        let (first, second) = (peers.next(), peers.next());
-        let join = |thread: Option<std::thread::ScopedJoinHandle<'_, (Log, Option<Punctuality>)>>| {
-            thread.and_then(|thread| thread.join().ok()).unwrap_or_default()
-        };
-        let (first, second) = (join(first), join(second));
-        (flood.join().unwrap_or_default(), [first.0, second.0], first.1.unwrap_or_default())
+    let (flooded, held) = std::thread::scope(|scope| {
+        let flood = scope.spawn(|| flood(&field, &stranger, addresses, options, period, stop));
+        let peers: Vec<_> = (nodes.into_iter().zip(&endpoints).enumerate())
+            .map(|(index, (node, endpoint))| {
+                let (log, period_us, other) = (Log::default(), period.as_micros() as u64, addresses[1 - index]);
+                let mut held = Held { field: &field, index, node, other, now: 0, period_us, log, over: false };
+                scope.spawn(move || {
+                    let kept = endpoint.run(Ticker::realtime(period), f64::MAX, &Stop::default(), &mut held);
+                    kept.map(|kept| (held, kept))
+                })
+            })
+            .collect();
+        let held: Vec<_> = peers.into_iter().map(std::thread::ScopedJoinHandle::join).collect();
+        (flood.join(), held)
     });
+    let ended = "one of its threads ended";
+    let (sent, flood_s) = flooded.map_err(|_| ended)?;
+    let held: Vec<_> =
+        held.into_iter().map(|held| held.map_err(|_| ended.to_owned())?).collect::<Result<_, String>>()?;
+    let punctuality = held.first().map_or_else(Punctuality::default, |(_, kept)| *kept);
 
     let packet = u64::from(scene.peer.timing.ticks_per_packet);
-    let beats = field.now.load(Ordering::Relaxed);
+    let ticks = field.now.load(Ordering::Relaxed);
     let [from, to] = [0, 1].map(|end: usize| field.flood[end].load(Ordering::Relaxed));
-    let beat_ms = |beats: u64| (beats as f64 * 1e3 * period.as_secs_f64()).round() as u64;
-    let arrived: u64 = logs.iter().map(|log| log.besieged.forged_arrived).sum();
+    let ms = |ticks: u64| (ticks as f64 * 1e3 * period.as_secs_f64()).round() as u64;
+    let arrived: u64 = held.iter().map(|(held, _)| held.log.under_attack.forged_arrived).sum();
     let total: u64 = sent.iter().sum();
     Ok(Report {
         rate_asked_per_s: options.rate_per_s,
@@ -175,99 +177,102 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Report, String> {
         sent: KINDS.into_iter().zip(sent).collect(),
         dropped_by_system: 1.0 - arrived as f64 / total.max(1) as f64,
         flood_s,
-        flood_ms_of_peers: beat_ms(to - from),
-        peers: logs.map(|log| evaluate(log, from..to, beats, packet, &beat_ms)),
+        flood_ms_of_peers: ms(to - from),
+        peers: held.into_iter().map(|(held, _)| evaluate(held, from..to, ticks, packet, &ms)).collect(),
         punctuality,
     })
 }
 
-/// One peer, from its first beat to the end.
-fn hold(
-    field: &Field,
+/// One peer, from its first tick to the end.
+struct Held<'a> {
+    field: &'a Field,
     index: usize,
-    mut node: Node,
-    socket: &UdpSocket,
+    node: Node,
     other: SocketAddr,
-    period: Duration,
-) -> (Log, Option<Punctuality>) {
-    let mut log = Log::default();
-    let mut pace = (index == 0).then(|| Pace::new(period));
-    let period_us = period.as_micros() as u64;
-    loop {
-        if let Some(pace) = &mut pace {
-            pace.wait();
-            field.now.fetch_add(1, Ordering::Relaxed);
+    /// The tick that is on.
+    now: u64,
+    period_us: u64,
+    log: Log,
+    over: bool,
+}
+
+impl Actor<SocketAddr> for Held<'_> {
+    type Packet = [u8];
+
+    fn hear(&mut self, _: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
+        let now_us = self.now * self.period_us;
+        if from != self.other {
+            return forged(&mut self.node, &mut self.log.under_attack, now_us, datagram);
         }
-        field.beat.wait();
-        let now = field.now.load(Ordering::Relaxed);
-        let over = field.flood[1].load(Ordering::Relaxed);
-        // Both peers have read the same before either begins the next beat.
-        field.beat.wait();
-        if over > 0 && now > over + AFTER_BEATS {
-            break;
-        }
-        let now_us = now * period_us;
-        // Nothing at all, which is refused: brings the link's time to now, so that only what a datagram does is compared.
-        let _ = node.receive(now_us, &mut []);
-        drain(socket, Instant::now() + period / 2, |from, datagram| {
-            if from == other {
-                let copy = datagram.to_vec();
-                if let Ok(flow) = node.receive(now_us, datagram) {
-                    let mut seen = field.seen[index].lock().unwrap_or_else(PoisonError::into_inner);
-                    if seen.len() >= REMEMBERED {
-                        seen.remove(0);
-                    }
-                    seen.push(copy);
-                    if let Some(flow) = flow {
-                        // The first beat is 1, the first tick 0.
-                        log.flows.push(u64::from(flow.tick) + 1);
-                        log.came.push(now);
-                    }
-                }
-            } else {
-                forged(&mut node, &mut log.besieged, now_us, datagram);
+        let copy = datagram.to_vec();
+        if let Ok(flow) = self.node.receive(now_us, datagram) {
+            let mut seen = self.field.seen[self.index].lock().unwrap_or_else(PoisonError::into_inner);
+            if seen.len() >= REMEMBERED {
+                seen.remove(0);
             }
-        });
-        node.beat(now_us, |bytes| {
-            let _ = socket.send_to(bytes, other);
-        });
+            seen.push(copy);
+            if let Some(flow) = flow {
+                // The first tick is 0.
+                self.log.flows.push(u64::from(flow.tick));
+                self.log.came.push(self.now);
+            }
+        }
     }
-    log.notices = node.notices().iter().map(|(at_us, notice)| (at_us / period_us, *notice)).collect();
-    log.besieged.engaged = node.is_engaged();
-    (log, pace.map(|pace| pace.punctuality()))
+
+    fn act(&mut self, _: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let Self { field, node, now, period_us, .. } = self;
+        node.beat(*now * *period_us, |bytes| out(self.other, bytes));
+        *now += 1;
+        // Both peers end a tick before either begins the next, and have read the same of the flood.
+        if field.tick.wait().is_leader() {
+            field.now.store(*now, Ordering::Relaxed);
+        }
+        let over = field.flood[1].load(Ordering::Relaxed);
+        field.tick.wait();
+        self.over = over > 0 && *now > over + AFTER_TICKS;
+        // Nothing at all, which is refused: brings the link's time to now, so that only what a datagram does is compared.
+        let _ = node.receive(*now * *period_us, &mut []);
+    }
+}
+
+impl Live for Held<'_> {
+    fn end(&self) -> Option<Result<(), String>> {
+        self.over.then_some(Ok(()))
+    }
 }
 
 /// What a peer does with a datagram of the stranger's.
-fn forged(node: &mut Node, besieged: &mut Besieged, now_us: u64, datagram: &mut [u8]) {
-    besieged.forged_arrived += 1;
-    let whole = besieged.forged_arrived.is_multiple_of(COMPARE_EVERY);
+fn forged(node: &mut Node, seen: &mut Attacked, now_us: u64, datagram: &mut [u8]) {
+    seen.forged_arrived += 1;
+    let whole = seen.forged_arrived.is_multiple_of(COMPARE_EVERY);
     let (before, text) = (node.standing(), whole.then(|| node.fingerprint()));
     let verdict = node.receive(now_us, datagram);
-    besieged.states_changed += u64::from(before != node.standing());
+    seen.states_changed += u64::from(before != node.standing());
     match verdict {
         Err(_) => {
-            besieged.forged_refused += 1;
+            seen.forged_refused += 1;
             if let Some(text) = text {
-                besieged.states_compared += 1;
-                besieged.states_changed += u64::from(text != node.fingerprint());
+                seen.states_compared += 1;
+                seen.states_changed += u64::from(text != node.fingerprint());
             }
         }
         Ok(None) if datagram.get(1).is_some_and(|kind| haptic_protocol::wire::Greeting::is_kind(*kind)) => {
-            besieged.hellos_answered += 1;
+            seen.hellos_answered += 1;
         }
-        Ok(_) => besieged.forged_taken += 1,
+        Ok(_) => seen.forged_taken += 1,
     }
 }
 
 /// The stranger: waits for calm, floods, says when it was; gives how many of each kind it sent, and the time that took, s.
-fn besiege(
+fn flood(
     field: &Field,
-    socket: &UdpSocket,
+    endpoint: &Endpoint,
     addresses: [SocketAddr; 2],
     options: &Options,
     period: Duration,
+    stop: &Stop,
 ) -> ([u64; KINDS.len()], f64) {
-    while field.now.load(Ordering::Relaxed) < CALM_BEATS {
+    while field.now.load(Ordering::Relaxed) < CALM_TICKS {
         std::thread::sleep(period);
     }
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
@@ -286,10 +291,10 @@ fn besiege(
             let kind = (random.next_u64() % KINDS.len() as u64) as usize;
             let to = (random.next_u64() % 2) as usize;
             let (to, datagram) = forge(kind, to, &seen, &mut random);
-            sent[kind] += u64::from(socket.send_to(&datagram, addresses[to]).is_ok());
+            sent[kind] += u64::from(endpoint.send(addresses[to], &datagram));
         }
         total = due;
-        if spent_s >= options.seconds {
+        if spent_s >= options.seconds || stop.is_asked() {
             break;
         }
         std::thread::sleep(BURST);
@@ -326,23 +331,31 @@ fn forge(kind: usize, to: usize, seen: &[Vec<Vec<u8>>; 2], random: &mut Xoshiro2
     (to, bytes)
 }
 
-/// What a peer's notes say about a flood in the beats `flood`.
-fn evaluate(log: Log, flood: std::ops::Range<u64>, beats: u64, packet: u64, ms: &impl Fn(u64) -> u64) -> Besieged {
+/// What a peer's notes say about a flood in the ticks `flood`.
+fn evaluate(
+    held: Held<'_>,
+    flood: std::ops::Range<u64>,
+    ticks: u64,
+    packet: u64,
+    ms: &impl Fn(u64) -> u64,
+) -> Attacked {
+    let Held { log, node, period_us, .. } = held;
+    let lost = |&(at_us, notice): &(u64, Notice)| notice == Notice::Lost && at_us >= flood.start * period_us;
     // Flow is sent every packet period.
     let phase = log.flows.last().map_or(0, |sent| sent % packet);
-    let sent = |beats: std::ops::Range<u64>| beats.filter(move |beat| beat % packet == phase);
-    let came = |beat: &u64| log.flows.binary_search(beat).is_ok();
+    let sent = |ticks: std::ops::Range<u64>| ticks.filter(move |tick| tick % packet == phase);
+    let came = |tick: &u64| log.flows.binary_search(tick).is_ok();
     let marks = [flood.start].into_iter().chain(log.came.iter().copied().filter(|came| flood.contains(came)));
     let marks: Vec<u64> = marks.chain([flood.end]).collect();
     let silence = marks.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
     // Up to the last that may still be on its way.
-    let missing = sent(flood.end..beats.saturating_sub(2 * packet)).filter(|beat| !came(beat)).max();
-    Besieged {
-        session_stayed: log.came.first().is_some_and(|first| *first < flood.start)
-            && !log.notices.iter().any(|(at, notice)| *notice == Notice::Lost && *at >= flood.start),
+    let missing = sent(flood.end..ticks.saturating_sub(2 * packet)).filter(|tick| !came(tick)).max();
+    Attacked {
+        session_stayed: log.came.first().is_some_and(|first| *first < flood.start) && !node.notices().iter().any(lost),
+        engaged: node.is_engaged(),
         flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
         longest_silence_ms: ms(silence),
         whole_after_ms: missing.map_or(0, |sent| ms(sent + packet - flood.end)),
-        ..log.besieged
+        ..log.under_attack
     }
 }

@@ -1,5 +1,5 @@
 //! What tries peers and servers: forged datagrams, restarts, very many clients.
 
-pub mod crowd;
-pub mod flood;
+pub(crate) mod crowd;
+pub(crate) mod flood;
 pub mod restarts;

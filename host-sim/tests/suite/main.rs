@@ -14,5 +14,6 @@ mod live;
 mod operator;
 mod program;
 mod restarts;
+mod signals;
 mod squash;
 mod static_scene;

@@ -13,8 +13,8 @@ use haptic_protocol::lines::Lines;
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
-use haptic_sim::board::operator::Operator;
 use haptic_sim::key_file;
+use host_sim::live::operator::Operator;
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -107,7 +107,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let long = "set coordination.wave_impedance_n_s_per_m 10.000000000000002";
     assert_eq!(operator.ask(long), Ok(format!("ok {long}")));
     assert_eq!(operator.ask("arm"), Ok("ok arm".to_owned()));
-    let samples = operator.samples(Duration::from_millis(20));
+    let samples = operator.samples(Duration::from_millis(20)).unwrap();
     assert_eq!(samples.iter().map(|sample| sample.payload().to_vec()).collect::<Vec<_>>(), [long.as_bytes(), b"arm"]);
     assert!(operator.ask(&"x".repeat(400)).unwrap_err().contains("at most 384"));
 

@@ -63,6 +63,11 @@ impl Link {
         }
     }
 
+    /// Whether the other peer is there and holds the key.
+    pub fn is_up(&self) -> bool {
+        matches!(self.stage(), Stage::Idle | Stage::Running | Stage::Fading)
+    }
+
     /// The table of parameters over which the other peer was refused.
     pub fn refused(&self) -> Option<&'static str> {
         self.refused

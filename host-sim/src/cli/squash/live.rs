@@ -7,7 +7,8 @@ use clap::Args;
 
 use super::Rules;
 use crate::cli::{Failure, Ui};
-use crate::live::court::{self, Options, Report};
+use crate::live::endpoint::Stop;
+use crate::live::squash::{self, Options, Report};
 use haptic_sim::key_file;
 use haptic_sim::report::text::TextTable;
 
@@ -41,7 +42,8 @@ impl Live {
         }
         let key = key_file::read(&self.key_file)?;
         let addresses = self.addresses.clone();
-        let report = court::run(&key, &Options { number: self.number, addresses, bounder, motion_bounder, seconds })?;
+        let options = Options { number: self.number, addresses, bounder, motion_bounder, seconds };
+        let report = squash::run(&key, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         print(ui, &report);
         Ok(())
@@ -59,7 +61,7 @@ fn print(ui: &Ui, report: &Report) {
     writeln!(ui, "score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);
     writeln!(
         ui,
-        "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} beats late",
+        "longest round trip {:.2} ms; {} links up, {} datagrams refused; {} ticks late",
         report.round_trip_ms, report.links, report.refused, report.punctuality.missed
     );
     for other in &report.others {

@@ -23,10 +23,12 @@
 //! | [`lifted`] | one packet period as a matrix: eigenvalues with slow packets, delay and any gains |
 //! | [`limits`] | the stiffest object for a round trip, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
 //! | [`junction`] | where wave lines meet: the lossless node, with ports for a network that loses and falls silent |
+//! | [`hub`] | sealed links whose wave lines meet in a junction |
 //! | [`waves`] | N wave peers through a junction |
 
 pub mod client;
 pub mod engine;
+pub mod hub;
 pub mod junction;
 pub mod lifted;
 pub mod limits;

@@ -205,6 +205,15 @@ impl<A: Copy> Host<A> {
         }
     }
 
+    /// Tells all clients that this is the end.
+    pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
+        for line in self.lines.iter_mut().flatten() {
+            if let Some((address, len)) = line.address.zip(line.link.goodbye(now, &mut self.out)) {
+                send(address, &self.out[..len]);
+            }
+        }
+    }
+
     /// What time alone makes due; to be called once a packet period.
     pub fn tick(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
         for (line, number) in self.lines.iter_mut().zip(1..) {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use haptic_core::num::Motion;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link, Stage};
+use haptic_protocol::link::{Config, Link};
 use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
 use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
 use haptic_protocol::world::{Manifest, Object, Region, Scope};
@@ -141,7 +141,7 @@ impl Visitor {
                     contact.download.look(Scope::Around { x: position[0], y: position[1], radius });
                 }
             }
-            if matches!(contact.link.stage(), Stage::Idle | Stage::Running | Stage::Fading) {
+            if contact.link.is_up() {
                 let round_trip = u64::from(contact.link.clock().round_trip_us().unwrap_or(0));
                 let asked = contact.download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US);
                 if let Some(len) = asked.and_then(|ask| contact.link.send(now, ask, &mut out)) {
@@ -238,6 +238,18 @@ impl Visitor {
         let mut out = [0; MAX_DATAGRAM];
         while let Some(len) = link.poll(now, &mut out) {
             send(from, &out[..len]);
+        }
+    }
+
+    /// Tells servers and friends that this one goes.
+    pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
+        let servers = self.contacts.iter_mut().map(|(server, contact)| (Party::Server(*server), &mut contact.link));
+        let friends = self.friends.iter_mut().map(|(who, link)| (Party::Client(*who), link));
+        let mut out = [0; MAX_DATAGRAM];
+        for (party, link) in servers.chain(friends) {
+            if let Some(len) = link.goodbye(now, &mut out) {
+                send(party, &out[..len]);
+            }
         }
     }
 

@@ -11,7 +11,7 @@ use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
-use host_sim::live::hub::{Hub, number_on};
+use host_sim::shared::cooperative::hub::{Hub, number_on};
 use host_sim::shared::cooperative::waves::Waves;
 
 fn scene(keys: &[String]) -> Scene {
@@ -88,7 +88,7 @@ impl Meeting {
                 self.hub.receive(now_us, index, &mut datagram, |to, bytes| down[to].send(1_000 * now_us, bytes));
             }
         }
-        self.hub.beat(now_us, |to, bytes| down[to].send(1_000 * now_us, bytes));
+        self.hub.tick(now_us, |to, bytes| down[to].send(1_000 * now_us, bytes));
         self.tick += 1;
         let energy = self.hub.junction().energy();
         assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.tick);

@@ -7,3 +7,5 @@ mod render;
 mod sim;
 mod stroke;
 mod world_file;
+
+pub(crate) use world_file::TWO_ROOMS;

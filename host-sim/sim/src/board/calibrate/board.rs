@@ -200,14 +200,3 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
     }
     Err(format!("no ticks of {line:?} came within {PATIENCE_S} s"))
 }
-
-impl Board for crate::board::operator::Operator {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
-        Self::ask(self, line)
-    }
-
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
-        let samples = self.samples(std::time::Duration::from_secs_f64(seconds));
-        Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
-    }
-}

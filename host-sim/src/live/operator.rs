@@ -1,0 +1,204 @@
+//! The operator's end of a board's command port on a socket: one line of text there, one answer back, and what the ticks saw.
+
+use std::net::SocketAddr;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use haptic_protocol::lines::LONGEST;
+use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
+use haptic_sim::board::calibrate::board::{Board, Tick};
+use haptic_sim::board::operator::Session;
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file;
+
+use super::endpoint::{Endpoint, Live, Stop, Ticker};
+
+/// How long a board may take to answer, at first and then.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// Between two looks at what has come.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// Sessions that wait for something to be `done`, for so long at the most.
+struct Waiting<'a, F> {
+    sessions: &'a mut [Session],
+    board: SocketAddr,
+    until: Instant,
+    done: F,
+    over: bool,
+}
+
+impl<F: FnMut(&mut [Session]) -> bool> Actor<SocketAddr> for Waiting<'_, F> {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        if from == self.board {
+            for session in &mut *self.sessions {
+                session.receive(now_ns / 1_000, &mut datagram.to_vec());
+            }
+            self.speak(now_ns, out);
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let mut bytes = [0; MAX_DATAGRAM];
+        for session in &mut *self.sessions {
+            while let Some(length) = session.poll(now_ns / 1_000, &mut bytes) {
+                // A port that nobody listens on is no reason to stop calling: the board may be starting.
+                out(self.board, &bytes[..length]);
+            }
+        }
+    }
+
+    fn act(&mut self, _: u64, _: &mut Out<'_, SocketAddr, [u8]>) {
+        self.over = (self.done)(self.sessions) || Instant::now() >= self.until;
+    }
+}
+
+impl<F: FnMut(&mut [Session]) -> bool> Live for Waiting<'_, F> {
+    fn end(&self) -> Option<Result<(), String>> {
+        self.over.then_some(Ok(()))
+    }
+}
+
+/// Waits on an endpoint until something is `done`, for so long at the most.
+fn wait(
+    endpoint: &Endpoint,
+    board: SocketAddr,
+    sessions: &mut [Session],
+    time: Duration,
+    done: impl FnMut(&mut [Session]) -> bool,
+) -> Result<(), String> {
+    let mut waiting = Waiting { sessions, board, until: Instant::now() + time, done, over: false };
+    endpoint.run(Ticker::new(LOOK), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
+}
+
+/// A board that listens. It is told goodbye when this is dropped.
+#[derive(Debug)]
+pub struct Operator {
+    endpoint: Endpoint,
+    board: SocketAddr,
+    number: u8,
+    session: Session,
+    stop: Stop,
+}
+
+impl Operator {
+    /// Gets in touch with the board at `board`, whichever it is, under the key of `key_file`.
+    ///
+    /// # Errors
+    /// No socket, no key, or nobody there who holds it: in one line.
+    pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
+        let key = key_file::read(key_file)?;
+        let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
+        let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
+        // Either board may be there: both are called, and the one that is there answers.
+        let [one, two] = [1, 2].map(|number| Session::new(key.clone(), number, key_file::entropy()?));
+        let mut called = [one?, two?];
+        let answered = |session: &Session| session.is_there() || session.is_refused();
+        wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
+        if called.iter().any(Session::is_refused) {
+            return Err(format!("the board at {board} takes other commands than this program: update one"));
+        }
+        let there = (1..).zip(called).find(|(_, session)| session.is_there());
+        let (number, session) = there.ok_or_else(|| {
+            format!("nobody answers at {board}, or nobody who holds the key of {}", key_file.display())
+        })?;
+        Ok(Self { endpoint, board, number, session, stop: Stop::default() })
+    }
+
+    /// The same, and recording and listening end when they are asked to.
+    pub(crate) fn until(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
+    }
+
+    /// Which board it is, 1 or 2.
+    pub fn number(&self) -> u8 {
+        self.number
+    }
+
+    fn wait(&mut self, time: Duration, mut done: impl FnMut(&mut Session) -> bool) -> Result<(), String> {
+        let session = std::slice::from_mut(&mut self.session);
+        wait(&self.endpoint, self.board, session, time, |sessions| sessions.iter_mut().any(&mut done))
+    }
+
+    /// Says a line and gives the answer, which begins with `ok` or `error`.
+    ///
+    /// # Errors
+    /// A line that is too long, or no answer: in one line.
+    pub fn ask(&mut self, line: &str) -> Result<String, String> {
+        if line.len() > LONGEST {
+            return Err(format!("a line of {} bytes is not allowed: it must be at most {LONGEST}", line.len()));
+        }
+        if !self.session.say(line) {
+            return Err(format!("{} has not taken the line before", self.board));
+        }
+        let mut answer = None;
+        self.wait(PATIENCE, |session| {
+            answer = session.answer();
+            answer.is_some()
+        })?;
+        answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board))
+    }
+
+    /// Has every `every`-th tick sent for so long, and gives what came. A board that was away, or has started anew, has forgotten
+    /// it: it is told again as soon as it is back. If it then refuses, that ends it: what came is given with the refusal.
+    ///
+    /// # Errors
+    /// A board that refuses or does not answer at the beginning: in one line.
+    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
+        let line = format!("stream {every}");
+        let answer = self.ask(&line)?;
+        let refusal_of = |number: u8, answer: &str| format!("board {number}: {line}: {answer}");
+        if !answer.starts_with("ok") {
+            return Err(refusal_of(self.number, &answer));
+        }
+        let (start, mut told, mut answered, mut refusal) = (Instant::now(), true, true, None);
+        let (number, stop) = (self.number, self.stop.clone());
+        self.wait(time + PATIENCE, |session| {
+            if !session.is_there() {
+                told = false;
+            } else if !told {
+                told = session.say(&line);
+                answered = false;
+            }
+            if let Some(answer) = session.answer() {
+                answered = true;
+                refusal = (!answer.starts_with("ok")).then(|| refusal_of(number, &answer));
+            }
+            // An answer that is still on its way would be taken for the next line's.
+            refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !told)
+        })?;
+        Ok((self.session.take_samples(), refusal))
+    }
+
+    /// Listens for so long, and gives the samples that came since the last time.
+    ///
+    /// # Errors
+    /// The socket fails, in one line.
+    pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, String> {
+        let stop = self.stop.clone();
+        self.wait(time, |_| stop.is_asked())?;
+        Ok(self.session.take_samples())
+    }
+}
+
+impl Drop for Operator {
+    fn drop(&mut self) {
+        let mut out = [0; MAX_DATAGRAM];
+        if let Some(length) = self.session.goodbye(self.endpoint.now_ns() / 1_000, &mut out) {
+            self.endpoint.send(self.board, &out[..length]);
+        }
+    }
+}
+
+impl Board for Operator {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        Self::ask(self, line)
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        let samples = self.samples(Duration::from_secs_f64(seconds))?;
+        Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
+    }
+}

@@ -1,0 +1,219 @@
+//! Squash in real time: one process for the server and one for each player, a sealed link between any two.
+//! The bots are those of the simulated game ([`crate::shared::squash`]).
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use haptic_protocol::key::Key;
+use haptic_protocol::roles::squash::{
+    Ending, Game, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict,
+};
+use haptic_protocol::roles::{Outbox, Role};
+use haptic_protocol::wire::PeerId;
+use serde::Serialize;
+
+use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use super::links::{Links, Met};
+use crate::shared::squash::contestant::{Contestant, TICK_S};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file::entropy;
+
+/// Who this is, and where the others are.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// 0 is the server, 1 … the players.
+    pub(crate) number: u8,
+    /// Where each of them listens, in order.
+    pub(crate) addresses: Vec<SocketAddr>,
+    /// The server bounds the ball.
+    pub(crate) bounder: bool,
+    /// The player's hand is damped.
+    pub(crate) motion_bounder: bool,
+    /// How long, s.
+    pub(crate) seconds: f64,
+}
+
+/// A rally as this process was told.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Rally {
+    pub(crate) rally: u16,
+    /// Hits.
+    pub(crate) strokes: u16,
+    /// How it ended.
+    pub(crate) ending: String,
+    /// Who was active then.
+    pub(crate) loser: u8,
+}
+
+impl From<Verdict> for Rally {
+    fn from(verdict: Verdict) -> Self {
+        let Verdict { rally, strokes, ending, loser } = verdict;
+        Self { rally, strokes, ending: format!("{ending:?}").to_lowercase(), loser: loser.0 }
+    }
+}
+
+/// What one process saw.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Report {
+    /// 0 is the server, 1 … the players.
+    pub(crate) number: u8,
+    /// Rallies that ended while it was there.
+    pub(crate) rallies: Vec<Rally>,
+    /// Points of player 1, 2, ….
+    pub(crate) score: Vec<u8>,
+    /// Hits that it made.
+    pub(crate) strokes: u32,
+    /// Balls that had left the court before it knew of the hit.
+    pub(crate) unseen: u32,
+    /// Longest round trip that the game knows of, ms; 0 without the bounder.
+    pub(crate) round_trip_ms: f64,
+    /// The others, and when each was there.
+    pub(crate) others: Vec<Met>,
+    /// Links to others that are up in the end.
+    pub(crate) links: usize,
+    /// Datagrams that were refused.
+    pub(crate) refused: u32,
+    /// How well the 1 kHz tick was kept.
+    pub(crate) punctuality: Punctuality,
+}
+
+/// What this process plays.
+enum Part {
+    Server(Box<Server>),
+    Player(Box<Contestant>),
+}
+
+struct Process<'a> {
+    options: &'a Options,
+    /// Where it listens.
+    own: SocketAddr,
+    links: Links,
+    part: Part,
+    out: Outbox<Message, 64>,
+    ticks: u64,
+    rallies: Vec<Rally>,
+    strokes: u32,
+    unseen: u32,
+    /// Links that were up in the end.
+    up: usize,
+}
+
+impl Process<'_> {
+    fn is_over(&self) -> bool {
+        self.ticks as f64 * TICK_S >= self.options.seconds
+    }
+
+    fn game(&self) -> &Game {
+        match &self.part {
+            Part::Server(server) => server.game(),
+            Part::Player(contestant) => contestant.player.game(),
+        }
+    }
+}
+
+impl Actor<SocketAddr> for Process<'_> {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
+        self.links.hear(now_ns / 1_000, from, datagram);
+    }
+
+    fn act(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
+        let now = now_ns / 1_000;
+        let Self { options, links, part, out, rallies, .. } = self;
+        for (from, message) in links.take() {
+            match part {
+                Part::Server(server) => server.receive(now, from, &message, out),
+                Part::Player(contestant) => contestant.player.receive(now, from, &message, out),
+            }
+        }
+        match part {
+            Part::Server(server) => {
+                server.poll(now, out);
+                let last = server.game().last;
+                if rallies.last().map_or(0, |rally| rally.rally) < last.rally {
+                    self.unseen += u32::from(last.ending == Ending::Unseen);
+                    rallies.push(last.into());
+                }
+            }
+            Part::Player(contestant) => {
+                contestant.hears(now, |_, notice| {
+                    if let Notice::Ends { verdict, .. } = notice {
+                        let own = verdict.loser.0 == options.number;
+                        self.unseen += u32::from(verdict.ending == Ending::Unseen && own);
+                        rallies.push(verdict.into());
+                    }
+                });
+                self.strokes += u32::from(contestant.tick(now, options.motion_bounder, out).is_some());
+            }
+        }
+        links.say(now, out, net);
+        self.ticks += 1;
+    }
+}
+
+impl Live for Process<'_> {
+    fn end(&self) -> Option<Result<(), String>> {
+        self.is_over().then_some(Ok(()))
+    }
+
+    fn missing(&self) -> Option<String> {
+        self.links.nobody(self.options.seconds, self.own)
+    }
+
+    fn goodbye(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
+        let now_us = now_ns / 1_000;
+        self.up = self.links.up();
+        let early = !self.is_over();
+        // In the middle of the game: the server need not wait for a heartbeat that stays away.
+        if let (true, Part::Player(contestant)) = (early, &mut self.part) {
+            contestant.player.leave();
+            contestant.player.poll(now_us, &mut self.out);
+            self.links.say(now_us, &mut self.out, net);
+        }
+        self.links.goodbye(now_us, net);
+    }
+}
+
+/// Plays until the time is over, or it is stopped.
+///
+/// # Errors
+/// A number without an address, a socket that cannot be opened, nobody there: in one line.
+pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
+    let count = options.addresses.len();
+    if !(3..=PLAYERS + 1).contains(&count) {
+        return Err(format!(
+            "{count} addresses are not allowed: there must be 3 to 9, the server's and 2 to 8 players'"
+        ));
+    }
+    let number = options.number;
+    let own = *(options.addresses.get(usize::from(number))).ok_or_else(|| {
+        format!("number {number} is not allowed: with {count} addresses it must be 0 to {}", count - 1)
+    })?;
+    let seed = entropy()?.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte));
+    let part = if number == SERVER.0 {
+        let players = (count - 1) as u8;
+        Part::Server(Box::new(Server::new(ServerConfig { players, rallies: RALLIES, bounder: options.bounder })))
+    } else {
+        Part::Player(Box::new(Contestant::new(PeerId(number), seed as u16, seed)))
+    };
+    let links = Links::new(key, number, &options.addresses)?;
+    let endpoint = Endpoint::polled(own)?;
+    let (own, out, rallies) = (endpoint.address(), Outbox::new(), Vec::new());
+    let mut process = Process { options, own, links, part, out, ticks: 0, rallies, strokes: 0, unseen: 0, up: 0 };
+    let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S));
+    let punctuality = endpoint.run(ticker, f64::MAX, stop, &mut process)?;
+    let game = process.game();
+    Ok(Report {
+        number,
+        score: game.score.into_iter().take(count - 1).collect(),
+        round_trip_ms: f64::from(game.round_trip_us) * 1e-3,
+        strokes: process.strokes,
+        unseen: process.unseen,
+        others: process.links.met().cloned().collect(),
+        links: process.up,
+        refused: process.links.refused(),
+        rallies: process.rallies,
+        punctuality,
+    })
+}
