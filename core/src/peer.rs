@@ -1,29 +1,30 @@
-//! One haptic peer at run time: [`tick`] every control period, [`exchange`] every packet period, and nothing else.
+//! One haptic peer at run time: [`Peer::tick`] every control period, [`Peer::exchange`] every packet period, nothing else.
 //!
-//! **Deadline**: the board calls [`tick`] from its highest interrupt once every T_c (1 ms); a tick that is late is
+//! **Deadline**: the board calls [`Peer::tick`] from its highest interrupt once every T_c (1 ms); a tick that is late is
 //! reported to the next one ([`Sensors::overrun`]), which turns the motors off.
 //! **Total**: no panic, no allocation, no lock, no clock. Whatever comes in, the forces that come out are finite and
 //! within the scene's limits.
 //!
-//! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`State::packet_due`], [`exchange`];
-//! (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the object advances.
+//! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`Peer::packet_due`],
+//! [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the
+//! object advances.
 
-use crate::contact::{Impacts, Rendering, Strikes};
-use crate::device::encoder::EncoderState;
-use crate::device::kinematics::{Kinematics, Pose};
-use crate::device::motor::Duty;
+use crate::contact::{AnyRendering, Impacts, Strikes};
+use crate::device::constraint::Hold;
+use crate::device::encoder::{Encoder, EncoderState};
+use crate::device::kinematics::{AnyKinematics, Pose};
+use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing};
-use crate::device::velocity::VelocityEstimator;
-use crate::device::watch::Still;
+use crate::device::velocity::AnyVelocity;
+use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
-use crate::law::ladder::Engagement;
+use crate::law::ladder::{Engagement, Ladder};
 use crate::law::ledger::Ledger;
-use crate::law::{Coupled, Law, Packet};
-use crate::model::Model;
+use crate::law::{AnyLaw, Coupled, Law, Packet, credit};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Integrator;
-use crate::safety::{Command, Fault, Mode, Patience};
-use crate::scene::{Models, Scene};
+use crate::object::AnyIntegrator;
+use crate::safety::{Command, Fault, Guard, Mode, Patience};
+use crate::settings::{Refused, Settings, Tables};
 
 /// What the tick reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,85 +62,145 @@ pub struct Observed<S> {
 }
 
 /// One joint's sensing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Joint<V> {
+#[derive(Clone, Copy, Debug)]
+struct Joint<S: Scalar> {
     encoder: EncoderState,
-    velocity: V,
+    velocity: AnyVelocity<S>,
 }
 
-/// Everything about a peer that changes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<M: Models> {
+/// A peer: what the settings made of it, and everything about it that changes.
+///
+/// Any built-in law is held by `Peer<S, AnyLaw<S>>`. An image that will only ever run one law names it and carries no other:
+///
+/// ```
+/// use haptic_core::{device::AXES, law::power::Power, num::Motion, peer::Peer, settings::Settings};
+///
+/// let mut settings = Settings::default();
+/// // Settings that ask for another law are refused.
+/// assert!(Peer::<f32, Power<f32>>::new(&settings, [Motion::REST; AXES]).is_err());
+/// settings.coordination.comm = "power";
+/// assert!(Peer::<f32, Power<f32>>::new(&settings, [Motion::REST; AXES]).is_ok());
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Peer<S: Scalar, L: Law<S>> {
+    // What does not change.
+    /// T_c, s.
+    period: S,
+    ticks_per_packet: u32,
+    /// Axes, and joints, in use.
+    axes: usize,
+    encoder: Encoder<S>,
+    kinematics: AnyKinematics<S>,
+    hold: Hold<S>,
+    motor: Motor<S>,
+    contact: AnyRendering<S>,
+    law: L,
+    ladder: Ladder<S>,
+    guard: Guard<S>,
+    watch: Watch<S>,
+    /// Where the axes are when the encoders read zero, m.
+    home: [S; AXES],
+    // What does.
     mode: Mode,
     until_packet: u32,
-    joints: [Joint<<M::Velocity as Model<M::Scalar>>::State>; AXES],
-    /// Where the axes are when the encoders read zero, m.
-    home: [M::Scalar; AXES],
-    device: [Motion<M::Scalar>; AXES],
-    object: Motion<M::Scalar>,
-    strikes: Strikes<M::Scalar>,
-    integrator: <M::Integrator as Model<M::Scalar>>::State,
-    law: <M::Law as Model<M::Scalar>>::State,
-    forces: [M::Scalar; AXES],
-    ledger: Ledger<M::Scalar>,
+    joints: [Joint<S>; AXES],
+    device: [Motion<S>; AXES],
+    object: Motion<S>,
+    strikes: Strikes<S>,
+    integrator: AnyIntegrator<S>,
+    coordination: L::State,
+    forces: [S; AXES],
+    ledger: Ledger<S>,
     saturated: Patience,
     engagement: Engagement,
-    probing: Probing<M::Scalar>,
+    probing: Probing<S>,
     still: [Still; AXES],
     /// The packet that stands.
-    standing: Packet<M::Scalar>,
-    observed: Observed<M::Scalar>,
+    standing: Packet<S>,
+    observed: Observed<S>,
 }
 
-impl<M: Models> State<M> {
-    /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders
-    /// are first read: they count from there, so that two peers agree on where the shared object is.
-    pub fn new(scene: &Scene<M>, device: [Motion<M::Scalar>; AXES]) -> Self {
-        let joint = Joint { encoder: EncoderState::default(), velocity: scene.velocity.initial() };
-        let mut state = Self {
+impl Settings {
+    /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range or impossible beside the others.
+    pub fn check(&self) -> Result<(), Refused<'static>> {
+        Peer::<f64, AnyLaw<f64>>::new(self, [Motion::REST; AXES]).map(drop)
+    }
+}
+
+impl<S: Scalar, L: Law<S>> Peer<S, L> {
+    /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders are
+    /// first read: they count from there, so that two peers agree on where the shared object is. After this nothing fails.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range, impossible beside the others, or names a law that `L` is not.
+    pub fn new(settings: &Settings, device: [Motion<S>; AXES]) -> Result<Self, Refused<'static>> {
+        settings.check_ranges()?;
+        let kinematics = AnyKinematics::build(settings)?;
+        let mut velocity = AnyVelocity::build(settings)?;
+        let ladder = Ladder::build(settings)?;
+        let contact = AnyRendering::build(settings)?;
+        let integrator = AnyIntegrator::build(settings)?;
+        let kind = crate::law::named(settings, L::KINDS).ok_or_else(|| crate::law::unknown(settings, L::KINDS))?;
+        let law = L::build(settings)?;
+        credit::check(settings, kind.sends)?;
+        let [free, ..] = device;
+        let object = Motion::at(contact.clear_of(free.position));
+        Ok(Self {
+            period: S::from_f64(settings.timing.control_period_s),
+            ticks_per_packet: settings.timing.ticks_per_packet,
+            axes: settings.axis.count as usize,
+            encoder: Encoder::build(settings),
+            kinematics,
+            hold: Hold::build(settings),
+            motor: Motor::build(settings),
+            contact,
+            law,
+            ladder,
+            guard: Guard::build(settings),
+            watch: Watch::build(settings),
+            home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
             until_packet: 0,
-            joints: [joint; AXES],
-            home: device.map(|axis| axis.position),
+            joints: device.map(|at| {
+                velocity.start(at);
+                Joint { encoder: EncoderState::default(), velocity }
+            }),
             device,
-            object: Motion::REST,
+            object,
             strikes: Strikes::default(),
-            integrator: scene.integrator.initial(),
-            law: scene.law.initial(),
-            forces: [M::Scalar::ZERO; AXES],
+            integrator,
+            coordination: law.start(object),
+            forces: [S::ZERO; AXES],
             ledger: Ledger::default(),
             saturated: Patience::default(),
-            engagement: scene.ladder.engaged(),
+            engagement: ladder.engaged(),
             probing: Probing::default(),
             still: Default::default(),
             standing: Packet::default(),
             observed: Observed::default(),
-        };
-        for (joint, at) in state.joints.iter_mut().zip(device) {
-            scene.velocity.start(&mut joint.velocity, at);
-        }
-        state.engage(scene);
-        state
+        })
     }
 
     /// Puts the object at rest, clear of the device, and starts the coordination from there.
-    fn engage(&mut self, scene: &Scene<M>) {
+    fn engage(&mut self) {
         let [free, ..] = self.device;
-        self.object = Motion::at(scene.contact.clear_of(free.position));
+        self.object = Motion::at(self.contact.clear_of(free.position));
         self.strikes = Strikes::default();
-        self.integrator = scene.integrator.initial();
-        self.law = scene.law.initial();
-        scene.law.start(&mut self.law, self.object);
-        self.forces = [M::Scalar::ZERO; AXES];
+        self.integrator.rest();
+        self.coordination = self.law.start(self.object);
+        self.forces = [S::ZERO; AXES];
         self.ledger = Ledger::default();
         self.saturated = Patience::default();
-        self.engagement = scene.ladder.engaged();
+        self.engagement = self.ladder.engaged();
         self.standing = Packet::default();
         self.still = Default::default();
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
-    pub fn command(&mut self, scene: &Scene<M>, command: Command) {
+    pub fn command(&mut self, command: Command) {
         let before = self.mode;
         self.mode = before.after(command);
         if self.mode != Mode::Probing {
@@ -150,16 +211,16 @@ impl<M: Models> State<M> {
             // estimator remembers may be no number.
             for (joint, at) in self.joints.iter_mut().zip(self.device) {
                 joint.encoder.primed = false;
-                scene.velocity.start(&mut joint.velocity, at);
+                joint.velocity.start(at);
             }
         }
         if before != Mode::Armed && self.mode == Mode::Armed {
-            self.engage(scene);
+            self.engage();
         }
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
-    pub fn probe(&mut self, probe: Probe<M::Scalar>) {
+    pub fn probe(&mut self, probe: Probe<S>) {
         if self.mode == Mode::Disarmed {
             self.mode = Mode::Probing;
             self.probing = Probing::of(probe);
@@ -188,24 +249,240 @@ impl<M: Models> State<M> {
         self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
-    /// Whether [`exchange`] is due before the next [`tick`].
+    /// Whether [`Peer::exchange`] is due before the next [`Peer::tick`].
     pub fn packet_due(&self) -> bool {
         self.until_packet == 0
     }
 
     /// What the last tick saw and did.
-    pub fn observed(&self) -> &Observed<M::Scalar> {
+    pub fn observed(&self) -> &Observed<S> {
         &self.observed
     }
 
     /// Energy that crossed the network port since arming.
-    pub fn ledger(&self) -> &Ledger<M::Scalar> {
+    pub fn ledger(&self) -> &Ledger<S> {
         &self.ledger
     }
 
     /// Impacts since arming, where contact is impulsive.
-    pub fn impacts(&self) -> Impacts<M::Scalar> {
+    pub fn impacts(&self) -> Impacts<S> {
         self.strikes.impacts()
+    }
+
+    /// Ticks per packet, M.
+    pub fn ticks_per_packet(&self) -> u32 {
+        self.ticks_per_packet
+    }
+
+    /// Axes, and joints, in use.
+    pub fn axes(&self) -> usize {
+        self.axes
+    }
+
+    /// The encoder, for whoever plays the device.
+    pub fn encoder(&self) -> &Encoder<S> {
+        &self.encoder
+    }
+
+    /// The motor, for whoever plays the device.
+    pub fn motor(&self) -> &Motor<S> {
+        &self.motor
+    }
+
+    /// What [`Peer::exchange`] would send now. Only a network without delay needs to ask beforehand.
+    pub fn outgoing(&self) -> Packet<S> {
+        let packet =
+            Packet { energy_j: self.ledger.sent_j().to_f64(), ..self.law.send(&self.coordination, self.object) };
+        // At rest where it stands: a wave line ends in its own impedance and takes everything in.
+        let resting = Packet { motion: Motion::at(self.object.position), wave: S::ZERO, ..packet };
+        match (self.is_engaged(), packet.is_finite()) {
+            (true, true) => packet,
+            (false, true) => resting,
+            (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },
+        }
+    }
+
+    /// One packet period: takes in what the network brought (nothing: what came before still stands) and gives what to send.
+    ///
+    /// Due before every M-th tick, when [`Peer::packet_due`].
+    pub fn exchange(&mut self, incoming: Option<Packet<S>>) -> Packet<S> {
+        let packet = self.outgoing();
+        if incoming.is_some_and(|incoming| !incoming.is_finite()) {
+            self.trip(Fault::NonFiniteInput);
+            return packet;
+        }
+        if self.mode == Mode::Armed {
+            if self.ladder.step(&mut self.engagement, incoming.is_some()) {
+                self.law.restart(&mut self.coordination, self.object);
+            }
+            if let Some(incoming) = incoming {
+                self.standing = incoming;
+            }
+            if incoming.is_some() || self.engagement.is_fading() {
+                let share = self.ladder.share(&self.engagement);
+                let whole = share == S::ONE;
+                let packet = if whole { self.standing } else { self.law.fade(share, self.standing, self.object) };
+                self.law.receive(&mut self.coordination, packet);
+            }
+            if self.engagement.silent() >= self.guard.silent_packets {
+                self.trip(Fault::PeerLost);
+            }
+        }
+        packet
+    }
+
+    /// One control period: sensors in, forces out.
+    pub fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
+        self.until_packet = match self.until_packet {
+            0 => self.ticks_per_packet - 1,
+            more => more - 1,
+        };
+        let pose = match self.sense(sensors) {
+            Ok(pose) => pose,
+            Err(fault) => {
+                self.trip(fault);
+                return Actuators::default();
+            }
+        };
+        self.device = pose.axes;
+        let [free, ..] = pose.axes;
+        if self.mode != Mode::Armed {
+            let object = Motion::at(self.object.position);
+            self.observed = Observed { device: free, object, desired: object, ..Observed::default() };
+            return if self.mode == Mode::Probing { self.push() } else { Actuators::default() };
+        }
+
+        let [commanded, ..] = self.forces;
+        let mut object = self.object;
+        let touch = self.contact.touch(&mut self.strikes, free, &mut object, commanded);
+        let contact_force = touch.felt;
+        let coupled = if self.engagement.is_engaged() {
+            self.law.couple(&mut self.coordination, object)
+        } else {
+            Coupled { desired: object, ..Coupled::default() }
+        };
+        self.ledger.book(&coupled, self.period);
+        let next = self.integrator.step(object, touch.pushing + coupled.force);
+        self.observed = Observed {
+            device: free,
+            object,
+            desired: coupled.desired,
+            contact_force,
+            coordination_force: coupled.force,
+        };
+        if !(next.is_finite() && coupled.is_finite()) {
+            self.trip(Fault::Diverged);
+            return Actuators::default();
+        }
+        self.object = next;
+        self.actuate(&pose, contact_force)
+    }
+
+    /// One tick of a probe; disarmed when it is over.
+    #[cold]
+    fn push(&mut self) -> Actuators<S> {
+        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total)) {
+            Some(duties) => Actuators { duties, enable: true, ..Actuators::default() },
+            None => {
+                self.mode = Mode::Disarmed;
+                Actuators::default()
+            }
+        }
+    }
+
+    /// Where the device is on its axes, or why that cannot be said.
+    #[inline]
+    fn sense(&mut self, sensors: &Sensors<S>) -> Result<Pose<S>, Fault> {
+        if sensors.overrun {
+            return Err(Fault::TickOverrun);
+        }
+        let pose = match sensors.reading {
+            Reading::Exact(mut axes) => {
+                for (axis, joint) in axes.iter_mut().zip(&mut self.joints).take(self.axes) {
+                    if !axis.is_finite() {
+                        return Err(Fault::NonFiniteInput);
+                    }
+                    axis.velocity = joint.velocity.step(*axis);
+                }
+                Pose::direct(axes)
+            }
+            Reading::Counts(counts) => {
+                let mut joints = [Motion::REST; AXES];
+                for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(counts).take(self.axes) {
+                    let first = !joint.encoder.primed;
+                    let position = self.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
+                    *motion = Motion::at(position);
+                    if first {
+                        joint.velocity.start(*motion);
+                    }
+                    motion.velocity = joint.velocity.step(*motion);
+                }
+                let mut pose = self.kinematics.forward(joints);
+                for (axis, home) in pose.axes.iter_mut().zip(self.home) {
+                    axis.position = axis.position + home;
+                }
+                pose
+            }
+        };
+        for axis in pose.axes.iter().take(self.axes) {
+            if !axis.is_finite() {
+                return Err(Fault::NonFiniteInput);
+            }
+            if self.guard.max_speed < axis.velocity.abs() {
+                return Err(Fault::Overspeed);
+            }
+        }
+        Ok(pose)
+    }
+
+    /// The reaction of the contact on the free axis and the hold of the others, within the limits.
+    #[inline]
+    fn actuate(&mut self, pose: &Pose<S>, contact_force: S) -> Actuators<S> {
+        let mut wanted = [-contact_force; AXES];
+        // Not `skip(1)`: the call behind it costs more than the hold itself.
+        for (axis, (force, motion)) in (0..self.axes).zip(wanted.iter_mut().zip(&pose.axes)) {
+            if axis > 0 {
+                *force = self.hold.force(*motion);
+            }
+        }
+        let mut at_limit = false;
+        let mut forces = self.forces;
+        for (last, wanted) in forces.iter_mut().zip(wanted).take(self.axes) {
+            at_limit |= self.guard.max_force < wanted.abs();
+            *last = self.guard.limit(*last, wanted);
+        }
+        let mut duties = [Duty::default(); AXES];
+        for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)).take(self.axes) {
+            let (value, clipped) = self.motor.duty(joint_force);
+            *duty = value;
+            at_limit |= clipped;
+        }
+        if self.saturated.spent(at_limit, self.guard.saturated_ticks) {
+            self.trip(Fault::ForceSaturated);
+            return Actuators::default();
+        }
+        // Exact readings have no encoder to doubt.
+        let [first, ..] = &self.joints;
+        if first.encoder.primed {
+            if self.watch.is_too_much(forces, pose.axes) {
+                self.trip(Fault::Runaway);
+                return Actuators::default();
+            }
+            if self.packet_due() && self.is_stuck(duties) {
+                self.trip(Fault::EncoderStuck);
+                return Actuators::default();
+            }
+        }
+        self.forces = forces;
+        Actuators { forces, duties, enable: true }
+    }
+
+    /// Once a packet period, and not in the tick that is the longest: whether a joint's encoder does not count.
+    #[inline(never)]
+    fn is_stuck(&mut self, duties: [Duty; AXES]) -> bool {
+        let joints = self.joints.iter().zip(&mut self.still).zip(duties).take(self.axes);
+        joints
+            .fold(false, |stuck, ((joint, still), duty)| self.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
     }
 
     /// Turns the motors off and latches the fault; the first one stays.
@@ -213,219 +490,19 @@ impl<M: Models> State<M> {
         if !matches!(self.mode, Mode::Faulted(_)) {
             self.mode = Mode::Faulted(fault);
         }
-        self.forces = [M::Scalar::ZERO; AXES];
+        self.forces = [S::ZERO; AXES];
         self.probing.end(End::Stopped);
     }
 }
 
 /// The dynamic state: object, integrator, coordination law and velocity estimators, in this order.
-impl<M: Models> StateVector<M::Scalar> for State<M> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut M::Scalar)) {
+impl<S: Scalar, L: Law<S>> StateVector<S> for Peer<S, L> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.object.visit(each);
         self.integrator.visit(each);
-        self.law.visit(each);
+        self.coordination.visit(each);
         for joint in &mut self.joints {
             joint.velocity.visit(each);
         }
     }
-}
-
-/// What [`exchange`] would send now. Only a network without delay needs to ask beforehand.
-pub fn outgoing<M: Models>(scene: &Scene<M>, state: &State<M>) -> Packet<M::Scalar> {
-    let packet = Packet { energy_j: state.ledger.sent_j().to_f64(), ..scene.law.send(&state.law, state.object) };
-    // At rest where it stands: a wave line ends in its own impedance and takes everything in.
-    let resting = Packet { motion: Motion::at(state.object.position), wave: M::Scalar::ZERO, ..packet };
-    match (state.is_engaged(), packet.is_finite()) {
-        (true, true) => packet,
-        (false, true) => resting,
-        (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },
-    }
-}
-
-/// One packet period: takes in what the network brought (nothing: what came before still stands) and gives what to send.
-///
-/// Due before every M-th tick, when [`State::packet_due`].
-pub fn exchange<M: Models>(
-    scene: &Scene<M>,
-    state: &mut State<M>,
-    incoming: Option<Packet<M::Scalar>>,
-) -> Packet<M::Scalar> {
-    let packet = outgoing(scene, state);
-    if incoming.is_some_and(|incoming| !incoming.is_finite()) {
-        state.trip(Fault::NonFiniteInput);
-        return packet;
-    }
-    if state.mode == Mode::Armed {
-        if scene.ladder.step(&mut state.engagement, incoming.is_some()) {
-            scene.law.start(&mut state.law, state.object);
-        }
-        if let Some(incoming) = incoming {
-            state.standing = incoming;
-        }
-        if incoming.is_some() || state.engagement.is_fading() {
-            let faded = scene.ladder.faded(&state.engagement, state.standing, state.object);
-            scene.law.receive(&mut state.law, faded);
-        }
-        if state.engagement.silent() >= scene.guard.silent_packets {
-            state.trip(Fault::PeerLost);
-        }
-    }
-    packet
-}
-
-/// One control period: sensors in, forces out.
-pub fn tick<M: Models>(scene: &Scene<M>, state: &mut State<M>, sensors: &Sensors<M::Scalar>) -> Actuators<M::Scalar> {
-    state.until_packet = match state.until_packet {
-        0 => scene.ticks_per_packet - 1,
-        more => more - 1,
-    };
-    let pose = match sense(scene, state, sensors) {
-        Ok(pose) => pose,
-        Err(fault) => {
-            state.trip(fault);
-            return Actuators::default();
-        }
-    };
-    state.device = pose.axes;
-    let [free, ..] = pose.axes;
-    if state.mode != Mode::Armed {
-        let object = Motion::at(state.object.position);
-        state.observed = Observed { device: free, object, desired: object, ..Observed::default() };
-        return if state.mode == Mode::Probing { probe(state) } else { Actuators::default() };
-    }
-
-    let [commanded, ..] = state.forces;
-    let mut object = state.object;
-    let touch = scene.contact.touch(&mut state.strikes, free, &mut object, commanded);
-    let contact_force = touch.felt;
-    let coupled = if state.engagement.is_engaged() {
-        scene.law.couple(&mut state.law, object)
-    } else {
-        Coupled { desired: object, ..Coupled::default() }
-    };
-    state.ledger.book(&coupled, scene.period);
-    let next = scene.integrator.step(&mut state.integrator, object, touch.pushing + coupled.force);
-    state.observed =
-        Observed { device: free, object, desired: coupled.desired, contact_force, coordination_force: coupled.force };
-    if !(next.is_finite() && coupled.is_finite()) {
-        state.trip(Fault::Diverged);
-        return Actuators::default();
-    }
-    state.object = next;
-    actuate(scene, state, &pose, contact_force)
-}
-
-/// One tick of a probe; disarmed when it is over.
-#[cold]
-fn probe<M: Models>(state: &mut State<M>) -> Actuators<M::Scalar> {
-    match state.probing.step(state.joints.iter().map(|joint| joint.encoder.total)) {
-        Some(duties) => Actuators { duties, enable: true, ..Actuators::default() },
-        None => {
-            state.mode = Mode::Disarmed;
-            Actuators::default()
-        }
-    }
-}
-
-/// Where the device is on its axes, or why that cannot be said.
-#[inline]
-fn sense<M: Models>(
-    scene: &Scene<M>,
-    state: &mut State<M>,
-    sensors: &Sensors<M::Scalar>,
-) -> Result<Pose<M::Scalar>, Fault> {
-    if sensors.overrun {
-        return Err(Fault::TickOverrun);
-    }
-    let pose = match sensors.reading {
-        Reading::Exact(mut axes) => {
-            for (axis, joint) in axes.iter_mut().zip(&mut state.joints).take(scene.axes) {
-                if !axis.is_finite() {
-                    return Err(Fault::NonFiniteInput);
-                }
-                axis.velocity = scene.velocity.step(&mut joint.velocity, *axis);
-            }
-            Pose::direct(axes)
-        }
-        Reading::Counts(counts) => {
-            let mut joints = [Motion::REST; AXES];
-            for ((motion, joint), counts) in joints.iter_mut().zip(&mut state.joints).zip(counts).take(scene.axes) {
-                let first = !joint.encoder.primed;
-                let position = scene.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
-                *motion = Motion::at(position);
-                if first {
-                    scene.velocity.start(&mut joint.velocity, *motion);
-                }
-                motion.velocity = scene.velocity.step(&mut joint.velocity, *motion);
-            }
-            let mut pose = scene.kinematics.forward(joints);
-            for (axis, home) in pose.axes.iter_mut().zip(state.home) {
-                axis.position = axis.position + home;
-            }
-            pose
-        }
-    };
-    for axis in pose.axes.iter().take(scene.axes) {
-        if !axis.is_finite() {
-            return Err(Fault::NonFiniteInput);
-        }
-        if scene.guard.max_speed < axis.velocity.abs() {
-            return Err(Fault::Overspeed);
-        }
-    }
-    Ok(pose)
-}
-
-/// The reaction of the contact on the free axis and the hold of the others, within the limits.
-#[inline]
-fn actuate<M: Models>(
-    scene: &Scene<M>,
-    state: &mut State<M>,
-    pose: &Pose<M::Scalar>,
-    contact_force: M::Scalar,
-) -> Actuators<M::Scalar> {
-    let mut wanted = [-contact_force; AXES];
-    // Not `skip(1)`: the call behind it costs more than the hold itself.
-    for (axis, (force, motion)) in (0..scene.axes).zip(wanted.iter_mut().zip(&pose.axes)) {
-        if axis > 0 {
-            *force = scene.hold.force(*motion);
-        }
-    }
-    let mut at_limit = false;
-    let mut forces = state.forces;
-    for (last, wanted) in forces.iter_mut().zip(wanted).take(scene.axes) {
-        at_limit |= scene.guard.max_force < wanted.abs();
-        *last = scene.guard.limit(*last, wanted);
-    }
-    let mut duties = [Duty::default(); AXES];
-    for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)).take(scene.axes) {
-        let (value, clipped) = scene.motor.duty(joint_force);
-        *duty = value;
-        at_limit |= clipped;
-    }
-    if state.saturated.spent(at_limit, scene.guard.saturated_ticks) {
-        state.trip(Fault::ForceSaturated);
-        return Actuators::default();
-    }
-    // Exact readings have no encoder to doubt.
-    let [first, ..] = &state.joints;
-    if first.encoder.primed {
-        if scene.watch.is_too_much(forces, pose.axes) {
-            state.trip(Fault::Runaway);
-            return Actuators::default();
-        }
-        if state.packet_due() && is_stuck(scene, state, duties) {
-            state.trip(Fault::EncoderStuck);
-            return Actuators::default();
-        }
-    }
-    state.forces = forces;
-    Actuators { forces, duties, enable: true }
-}
-
-/// Once a packet period, and not in the tick that is the longest: whether a joint's encoder does not count.
-#[inline(never)]
-fn is_stuck<M: Models>(scene: &Scene<M>, state: &mut State<M>, duties: [Duty; AXES]) -> bool {
-    let joints = state.joints.iter().zip(&mut state.still).zip(duties).take(scene.axes);
-    joints.fold(false, |stuck, ((joint, still), duty)| scene.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
 }

@@ -1,36 +1,14 @@
 //! Every key a peer understands: table, name, type, default, allowed range, unit and meaning, in one place.
 //!
-//! Scene files, `--set`, runtime settings over the network, help texts and sweeps all work from [`Settings::KEYS`].
-//! Defaults are the cooperation paper's §5 experiments. There is no value here that switches a guard off.
-//! [`Settings::check`] is what [`crate::scene::Scene::build`] runs first.
+//! Scene files, `--set`, runtime settings over the network, help texts and sweeps all work from these tables and from the
+//! keys that a coordination law declares beside itself, through [`crate::schema::Schema`]. Defaults are the cooperation
+//! paper's §5 experiments. There is no value here that switches a guard off.
 
 use core::fmt;
 
-use crate::contact::{AnyRendering, RenderingName, Side};
-use crate::device::kinematics::{KinematicsName, Maths};
-use crate::device::velocity::VelocityName;
-use crate::law::ladder::Ladder;
-use crate::law::wave::Decode;
-use crate::law::{AnyLaw, LawName, credit};
-use crate::model::Model;
-use crate::object::{AnyIntegrator, IntegratorName};
+use crate::names::{Decode, IntegratorName, KinematicsName, Maths, RenderingName, Side, VelocityName};
 
-/// A setting that is one of a fixed list of names.
-pub trait Choice: Copy + PartialEq + 'static {
-    /// The names, in the order of [`Choice::ALL`].
-    const NAMES: &'static [&'static str];
-    /// The values, in the order of [`Choice::NAMES`].
-    const ALL: &'static [Self];
-
-    /// The value called `name`.
-    fn from_name(name: &str) -> Option<Self> {
-        Self::NAMES.iter().position(|known| *known == name).and_then(|at| Self::ALL.get(at).copied())
-    }
-    /// What this value is called.
-    fn name(self) -> &'static str {
-        Self::ALL.iter().position(|known| *known == self).and_then(|at| Self::NAMES.get(at).copied()).unwrap_or("?")
-    }
-}
+pub use crate::names::Choice;
 
 /// A value on its way into or out of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +52,8 @@ pub enum Allowed {
     Flag,
     /// One of these names.
     Names(&'static [&'static str]),
+    /// The name of one of these laws; none are told where the table is declared, for the list is open.
+    Kinds(&'static [Kind]),
     /// What the other keys leave, in words.
     Only(&'static str),
 }
@@ -85,19 +65,22 @@ impl fmt::Display for Allowed {
             Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
             Self::Flag => write!(f, "true or false"),
             Self::Only(words) => write!(f, "{words}"),
-            Self::Names(names) => {
-                write!(f, "one of")?;
-                for (at, name) in names.iter().enumerate() {
-                    write!(f, "{} \"{name}\"", if at == 0 { "" } else { "," })?;
-                }
-                Ok(())
-            }
+            Self::Names(names) => one_of(f, names.iter().copied()),
+            Self::Kinds(kinds) => one_of(f, kinds.iter().map(|kind| kind.name)),
         }
     }
 }
 
+fn one_of(f: &mut fmt::Formatter<'_>, names: impl Iterator<Item = &'static str>) -> fmt::Result {
+    write!(f, "one of")?;
+    for (at, name) in names.enumerate() {
+        write!(f, "{} \"{name}\"", if at == 0 { "" } else { "," })?;
+    }
+    Ok(())
+}
+
 /// One key: what it is called, what it accepts, what it means.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// `table.key`, as scene files and `--set` spell it.
     pub name: &'static str,
@@ -107,6 +90,104 @@ pub struct Key {
     pub unit: &'static str,
     /// One line of meaning.
     pub doc: &'static str,
+    /// What a law's own key is while it is not set; the tables have their own defaults.
+    default: f64,
+}
+
+/// Keys that a law declares beside itself: `const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "…")`.
+impl Key {
+    /// A finite number between two ends, both included.
+    pub const fn number(
+        name: &'static str,
+        default: f64,
+        [min, max]: [f64; 2],
+        unit: &'static str,
+        doc: &'static str,
+    ) -> Self {
+        assert!(min <= default && default <= max, "the default of a key lies outside its range");
+        Self { name, allowed: Allowed::Number { min, max }, unit, doc, default }
+    }
+
+    /// `true` or `false`: 1 or 0 for [`Settings::own`].
+    pub const fn flag(name: &'static str, default: bool, doc: &'static str) -> Self {
+        Self { name, allowed: Allowed::Flag, unit: "", doc, default: if default { 1.0 } else { 0.0 } }
+    }
+
+    /// A key of a table, for [`settings!`](crate::settings!).
+    #[doc(hidden)]
+    pub const fn of_table(name: &'static str, allowed: Allowed, unit: &'static str, doc: &'static str) -> Self {
+        Self { name, allowed, unit, doc, default: f64::NAN }
+    }
+
+    /// That it does not accept this value.
+    fn refuses<'a>(&self, value: Value<'a>) -> Refused<'a> {
+        Refused { key: self.name, value, allowed: self.allowed, unit: self.unit }
+    }
+}
+
+/// What a law sends, which is also what it acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sends {
+    /// Nothing.
+    Nothing,
+    /// The motion of its copy.
+    Motion,
+    /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
+    Waves,
+}
+
+/// A kind of coordination law, as settings and reports know it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kind {
+    /// What `coordination.comm` calls it.
+    pub name: &'static str,
+    /// What it sends.
+    pub sends: Sends,
+    /// Keys of its own.
+    pub keys: &'static [Key],
+    /// `key=value` of gains that are worth trying, for campaigns and figures.
+    pub gains: &'static [&'static str],
+}
+
+/// Own keys of laws that may be set at once.
+pub const MOST_OWN_KEYS: usize = 8;
+
+/// Values of laws' own keys where they are not the default, by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Own([Option<(&'static str, f64)>; MOST_OWN_KEYS]);
+
+impl Own {
+    fn get(&self, key: &Key) -> f64 {
+        self.0.iter().flatten().find(|(name, _)| *name == key.name).map_or(key.default, |(_, number)| *number)
+    }
+
+    /// Keeps a value, if the key accepts it and there is room.
+    pub(crate) fn set<'a>(&mut self, key: &Key, value: Value<'a>) -> Result<(), Refused<'a>> {
+        let number = match key.allowed {
+            Allowed::Flag => bool::parse(value, key.allowed).map(|flag| f64::from(u8::from(flag))),
+            _ => f64::parse(value, key.allowed),
+        }
+        .ok_or(key.refuses(value))?;
+        let own = self.0.iter_mut().find(|slot| slot.is_some_and(|(name, _)| name == key.name));
+        match own {
+            Some(slot) => *slot = Some((key.name, number)),
+            None if number == key.default => {}
+            None => {
+                let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
+                *self
+                    .0
+                    .iter_mut()
+                    .find(|slot| slot.is_none())
+                    .ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key.name, number));
+            }
+        }
+        // One order and no defaults: settings that say the same are the same.
+        for slot in &mut self.0 {
+            slot.take_if(|(name, number)| *name == key.name && *number == key.default);
+        }
+        self.0.sort_unstable_by_key(|slot| slot.map_or((true, ""), |(name, _)| (false, name)));
+        Ok(())
+    }
 }
 
 /// A value that a key does not accept; displays as `key = value is not allowed: …`.
@@ -194,12 +275,57 @@ impl<C: Choice> Setting for C {
     }
 }
 
-/// Declares tables of keys: the structs, the list of keys, and `get`, `set` and `check` by name.
+/// A name from an open list; which names there are is known above these tables ([`crate::schema`]).
+impl Setting for &'static str {
+    fn parse(value: Value<'_>, allowed: Allowed) -> Option<Self> {
+        match (value, allowed) {
+            (Value::Text(text), Allowed::Kinds(kinds)) => kinds.iter().map(|kind| kind.name).find(|name| *name == text),
+            _ => None,
+        }
+    }
+    fn value(&self) -> Value<'static> {
+        Value::Text(self)
+    }
+}
+
+/// Tables of keys, as [`settings!`](crate::settings!) declares them.
+pub trait Tables: Copy {
+    /// Every key, in the order of declaration.
+    const KEYS: &'static [Key];
+
+    /// The value of the key called `name`.
+    fn get(&self, name: &str) -> Option<Value<'static>>;
+
+    /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
+    ///
+    /// # Errors
+    /// There is no such key, or it does not accept the value.
+    fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>>;
+
+    /// Every value within its range; a name from an open list is for whoever knows the list to refuse.
+    ///
+    /// # Errors
+    /// The first value that is not.
+    fn check_ranges(&self) -> Result<(), Refused<'static>> {
+        let mut probe = *self;
+        for key in Self::KEYS.iter().filter(|key| !matches!(key.allowed, Allowed::Kinds(_))) {
+            if let Some(value) = self.get(key.name)
+                && let Err(SetError::Refused(refused)) = probe.set(key.name, value)
+            {
+                return Err(refused);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Declares tables of keys: the structs, and [`Tables`] by name. What is named in brackets after the struct's name is a
+/// public field that no table declares.
 #[macro_export]
 macro_rules! settings {
     (
         $(#[$doc:meta])*
-        pub struct $Settings:ident;
+        pub struct $Settings:ident $([ $(#[$field_doc:meta])* $field:ident: $field_type:ty ])?;
         $(
             $(#[$table_doc:meta])*
             $table:ident: $Table:ident {
@@ -221,21 +347,17 @@ macro_rules! settings {
 
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct $Settings { $( $(#[$table_doc])* pub $table: $Table, )+ }
+        pub struct $Settings {
+            $( $(#[$table_doc])* pub $table: $Table, )+
+            $( $(#[$field_doc])* pub $field: $field_type, )?
+        }
 
-        impl $Settings {
-            /// Every key, in the order of declaration.
-            pub const KEYS: &'static [$crate::settings::Key] = &[$($(
-                $crate::settings::Key {
-                    name: concat!(stringify!($table), ".", stringify!($key)),
-                    allowed: $allowed,
-                    unit: $unit,
-                    doc: $key_doc,
-                },
-            )+)+];
+        impl $crate::settings::Tables for $Settings {
+            const KEYS: &'static [$crate::settings::Key] = &[$($( $crate::settings::Key::of_table(
+                concat!(stringify!($table), ".", stringify!($key)), $allowed, $unit, $key_doc,
+            ), )+)+];
 
-            /// The value of the key called `name`.
-            pub fn get(&self, name: &str) -> Option<$crate::settings::Value<'static>> {
+            fn get(&self, name: &str) -> Option<$crate::settings::Value<'static>> {
                 $($(
                     if name == concat!(stringify!($table), ".", stringify!($key)) {
                         return Some($crate::settings::Setting::value(&self.$table.$key));
@@ -244,8 +366,7 @@ macro_rules! settings {
                 None
             }
 
-            /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
-            pub fn set<'a>(
+            fn set<'a>(
                 &mut self,
                 name: &str,
                 value: $crate::settings::Value<'a>,
@@ -262,19 +383,6 @@ macro_rules! settings {
                     }
                 )+)+
                 Err($crate::settings::SetError::Unknown)
-            }
-
-            /// Every value within its range; the first that is not is the error.
-            pub fn check_ranges(&self) -> Result<(), $crate::settings::Refused<'static>> {
-                let mut probe = *self;
-                for key in Self::KEYS {
-                    if let Some(value) = self.get(key.name)
-                        && let Err($crate::settings::SetError::Refused(refused)) = probe.set(key.name, value)
-                    {
-                        return Err(refused);
-                    }
-                }
-                Ok(())
             }
         }
     };
@@ -308,7 +416,10 @@ impl Timing {
 
 settings! {
     /// Everything a peer can be told before it starts.
-    pub struct Settings;
+    pub struct Settings [
+        /// What laws' own keys are set to.
+        own: Own
+    ];
 
     /// The two rates.
     timing: Timing {
@@ -353,7 +464,7 @@ settings! {
     /// What holds the two copies together.
     coordination: Coordination {
         #[doc = "Coordination law, by what it sends."]
-        comm: LawName = LawName::PassiveWave, Allowed::Names(LawName::NAMES), "";
+        comm: &'static str = "passive-wave", Allowed::Kinds(&[]), "";
         #[doc = "How the wave decode's algebraic loop is opened."]
         decode: Decode = Decode::Delayed, Allowed::Names(Decode::NAMES), "";
         #[doc = "Coordination stiffness K_T."]
@@ -471,22 +582,27 @@ impl Settings {
     /// Tables that two coupled peers must have been told alike; the rest is each device's own.
     const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
 
-    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by table.
-    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
-        Self::KEYS.iter().filter_map(|key| {
-            let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
-            Some((table, short, self.get(key.name)?))
-        })
+    /// What a law's own key is set to, or its default.
+    pub fn own(&self, key: &Key) -> f64 {
+        self.own.get(key)
     }
 
-    /// Every value within its range, and every combination possible.
-    pub fn check(&self) -> Result<(), Refused<'static>> {
-        self.check_ranges()?;
-        crate::device::check(self)?;
-        Ladder::<f64>::check(self)?;
-        AnyRendering::<f64>::check(self)?;
-        AnyIntegrator::<f64>::check(self)?;
-        AnyLaw::<f64>::check(self)?;
-        credit::check(self)
+    /// The same as a value.
+    pub(crate) fn own_value(&self, key: &Key) -> Value<'static> {
+        let number = self.own(key);
+        if key.allowed == Allowed::Flag { Value::Flag(number != 0.0) } else { Value::Number(number) }
+    }
+
+    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by
+    /// table, and of laws' own keys those that are not at their default.
+    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
+        let tables = <Self as Tables>::KEYS.iter().filter_map(|key| {
+            let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
+            Some((table, short, Tables::get(self, key.name)?))
+        });
+        let own = self.own.0.iter().flatten().filter_map(|(name, number)| {
+            name.split_once('.').map(|(table, short)| (table, short, Value::Number(*number)))
+        });
+        tables.chain(own)
     }
 }

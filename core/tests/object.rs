@@ -1,8 +1,7 @@
 //! The exact integrator against itself: an exact step is the same as two exact steps of half the period.
 
-use haptic_core::model::Model;
 use haptic_core::num::Motion;
-use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
+use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::Settings;
 
 /// From rest through `ticks` ticks of 1 N held.
@@ -12,9 +11,8 @@ fn pushed(damping: f64, period_s: f64, ticks: u32) -> Motion<f64> {
     settings.object.integrator = IntegratorName::Exact;
     settings.object.damping_n_s_per_m = damping;
     settings.object.force_delay_ticks = 0.0;
-    let integrator = AnyIntegrator::build(&settings);
-    let mut state = integrator.initial();
-    (0..ticks).fold(Motion::REST, |motion, _| integrator.step(&mut state, motion, 1.0))
+    let mut integrator = AnyIntegrator::build(&settings).expect("good settings");
+    (0..ticks).fold(Motion::REST, |motion, _| integrator.step(motion, 1.0))
 }
 
 /// From b·T/m = 0, through where the series ends, to where the object stands within a tick.

@@ -4,10 +4,10 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;
 use haptic_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
 use haptic_core::device::{AXES, Reading};
+use haptic_core::law::AnyLaw;
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;
 
 /// A slide with its own idea of which way motor and encoder go.
@@ -69,20 +69,19 @@ struct Run {
 }
 
 fn run(settings: &Settings, probe: Probe<f32>, device: &mut Device, mut each: impl FnMut(u32, &mut Device)) -> Run {
-    let scene = Scene::<Any<f32>>::build(settings).expect("a good scene");
-    let mut state = State::new(&scene, [Motion::REST; AXES]);
-    state.probe(probe);
-    assert_eq!((state.mode(), state.probed().end), (Mode::Probing, End::Running));
+    let mut peer = Peer::<f32, AnyLaw<f32>>::new(settings, [Motion::REST; AXES]).expect("a good scene");
+    peer.probe(probe);
+    assert_eq!((peer.mode(), peer.probed().end), (Mode::Probing, End::Running));
     let (mut ticks, mut largest_duty, mut farthest_counts) = (0, 0, 0);
     loop {
         each(ticks, device);
         let reading = Reading::Counts([device.counts(), Counts(0)]);
-        let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: false });
+        let actuators = peer.tick(&Sensors { reading, overrun: false });
         assert_eq!(actuators.forces, [0.0; AXES]);
         farthest_counts = farthest_counts.max((device.position_m * 200_000.0).abs() as i32);
-        if state.mode() != Mode::Probing {
+        if peer.mode() != Mode::Probing {
             assert_eq!(actuators, Actuators::default(), "motors are off in the tick that ends it");
-            return Run { outcome: state.probed(), mode: state.mode(), ticks, largest_duty, farthest_counts };
+            return Run { outcome: peer.probed(), mode: peer.mode(), ticks, largest_duty, farthest_counts };
         }
         let [Duty(duty), other] = actuators.duties;
         assert!(actuators.enable && other == Duty::OFF);
@@ -250,22 +249,18 @@ fn what_is_outside_the_limits_is_refused_by_name() {
 #[test]
 fn a_probe_begins_only_disarmed_and_stops_by_command() {
     let settings = Settings::default();
-    let scene = Scene::<Any<f32>>::build(&settings).expect("defaults");
-    let mut state = State::new(&scene, [Motion::REST; AXES]);
-    let tick = |state: &mut State<Any<f32>>| {
-        let reading = Reading::Counts([Counts(0), Counts(0)]);
-        peer::tick(&scene, state, &Sensors { reading, overrun: false })
-    };
+    let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, [Motion::REST; AXES]).expect("defaults");
+    let still = Sensors { reading: Reading::Counts([Counts(0), Counts(0)]), overrun: false };
     let pulse = probe(&settings, Shape::Pulse, 0.05, 1.0);
-    state.command(&scene, Command::Arm);
-    state.probe(pulse);
-    assert_eq!((state.mode(), state.probed().end), (Mode::Armed, End::None));
-    state.command(&scene, Command::Disarm);
-    state.probe(pulse);
-    assert!(tick(&mut state).enable);
-    state.command(&scene, Command::Arm);
-    assert_eq!(state.mode(), Mode::Probing, "arming has to wait");
-    state.command(&scene, Command::Disarm);
-    assert_eq!((state.mode(), state.probed().end), (Mode::Disarmed, End::Stopped));
-    assert_eq!(tick(&mut state), Actuators::default());
+    peer.command(Command::Arm);
+    peer.probe(pulse);
+    assert_eq!((peer.mode(), peer.probed().end), (Mode::Armed, End::None));
+    peer.command(Command::Disarm);
+    peer.probe(pulse);
+    assert!(peer.tick(&still).enable);
+    peer.command(Command::Arm);
+    assert_eq!(peer.mode(), Mode::Probing, "arming has to wait");
+    peer.command(Command::Disarm);
+    assert_eq!((peer.mode(), peer.probed().end), (Mode::Disarmed, End::Stopped));
+    assert_eq!(peer.tick(&still), Actuators::default());
 }

@@ -6,11 +6,10 @@
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
+use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::peer::{self, Sensors, State};
+use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Allowed, Choice, Settings, Value};
 use proptest::prelude::*;
 
@@ -55,7 +54,7 @@ fn outside() -> impl Strategy<Value = Outside> {
 /// Settings with every key drawn from its range by one number in 0..=1; 0 and 1 are the ends.
 fn settings(draws: &[f64]) -> Settings {
     let mut settings = Settings::default();
-    for (key, &draw) in Settings::KEYS.iter().zip(draws) {
+    for (key, &draw) in Settings::keys().zip(draws) {
         let value = match key.allowed {
             // Half the draws over the magnitudes, half over the values.
             Allowed::Number { min, max } if min > 0.0 && draw < 0.5 => {
@@ -64,7 +63,8 @@ fn settings(draws: &[f64]) -> Settings {
             Allowed::Number { min, max } => Value::Number((min + (max - min) * draw * draw).clamp(min, max)),
             Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
             Allowed::Flag => Value::Flag(draw > 0.5),
-            Allowed::Names(names) => Value::Text(names[((draw * names.len() as f64) as usize).min(names.len() - 1)]),
+            Allowed::Names(names) => Value::Text(pick(names, draw)),
+            Allowed::Kinds(kinds) => Value::Text(pick(kinds, draw).name),
             Allowed::Only(_) => continue,
         };
         settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
@@ -75,10 +75,13 @@ fn settings(draws: &[f64]) -> Settings {
     settings
 }
 
+fn pick<T: Copy>(all: &[T], draw: f64) -> T {
+    all[((draw * all.len() as f64) as usize).min(all.len() - 1)]
+}
+
 fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestCaseError> {
-    let Ok(scene) = Scene::<Any<S>>::build(settings) else { return Ok(()) };
-    let mut state = State::new(&scene, [Motion::REST; AXES]);
-    state.command(&scene, Command::Arm);
+    let Ok(mut peer) = Peer::<S, AnyLaw<S>>::new(settings, [Motion::REST; AXES]) else { return Ok(()) };
+    peer.command(Command::Arm);
     let (safety, mut before) = (&settings.safety, [0.0; AXES]);
     let step = safety.max_slew_n_per_s * settings.timing.control_period_s;
     for now in course {
@@ -93,14 +96,14 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
                 frequency_hz: 0.1 / period_s,
             };
             if let Ok(probe) = Probe::build(settings, &request) {
-                state.command(&scene, Command::Disarm);
-                state.probe(probe);
+                peer.command(Command::Disarm);
+                peer.probe(probe);
             }
         }
-        if state.packet_due() {
+        if peer.packet_due() {
             let [.., energy_j, wave_integral] = now.numbers;
             let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g, energy_j, wave_integral };
-            let sent = peer::exchange(&scene, &mut state, now.packet.then_some(packet));
+            let sent = peer.exchange(now.packet.then_some(packet));
             prop_assert!(sent.is_finite(), "sent {sent:?}");
         }
         let reading = if now.read_counts {
@@ -108,19 +111,19 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         } else {
             Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
         };
-        let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: now.overrun });
+        let actuators = peer.tick(&Sensors { reading, overrun: now.overrun });
         let forces = actuators.forces.map(S::to_f64);
         let most = safety.max_force_n * (1.0 + 1e-6);
         for (force, before) in forces.into_iter().zip(before) {
             prop_assert!(force.is_finite() && force.abs() <= most, "force {force}");
             // Only off goes at once.
             let slow = (force - before).abs() <= step + 1e-6 * most;
-            prop_assert!(slow || state.mode() != Mode::Armed, "from {before} to {force}");
+            prop_assert!(slow || peer.mode() != Mode::Armed, "from {before} to {force}");
         }
         before = forces;
-        if state.mode() == Mode::Armed {
+        if peer.mode() == Mode::Armed {
             // What is told of the tick is as finite as what it did.
-            let (seen, ledger) = (state.observed(), state.ledger());
+            let (seen, ledger) = (peer.observed(), peer.ledger());
             let motions = [seen.device, seen.object, seen.desired];
             let numbers = [seen.contact_force, seen.coordination_force, ledger.received_j(), ledger.sent_j()];
             let finite = motions.iter().all(|motion| motion.is_finite()) && numbers.iter().all(|n| n.is_finite());
@@ -128,18 +131,18 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         }
         let on = actuators.enable || actuators.forces.iter().any(|f| f.to_f64() != 0.0);
         let on_when = [Mode::Armed, Mode::Probing];
-        prop_assert!(!on || on_when.contains(&state.mode()), "forces while {:?}", state.mode());
-        if state.mode() == Mode::Probing {
+        prop_assert!(!on || on_when.contains(&peer.mode()), "forces while {:?}", peer.mode());
+        if peer.mode() == Mode::Probing {
             let most = (settings.probe.max_duty.min(settings.motor.max_duty) * 32767.0) as i16;
             let within = actuators.duties.iter().all(|duty| duty.0.saturating_abs() <= most);
             prop_assert!(within && actuators.forces.iter().all(|f| f.to_f64() == 0.0), "{actuators:?}");
-        } else if state.mode() == Mode::Disarmed {
-            state.command(&scene, Command::Arm);
+        } else if peer.mode() == Mode::Disarmed {
+            peer.command(Command::Arm);
         }
-        if matches!(state.mode(), Mode::Faulted(_)) {
+        if matches!(peer.mode(), Mode::Faulted(_)) {
             // Keep going as an operator would: everything must hold after any fault.
-            state.command(&scene, Command::Clear);
-            state.command(&scene, Command::Arm);
+            peer.command(Command::Clear);
+            peer.command(Command::Arm);
         }
     }
     Ok(())
@@ -150,7 +153,7 @@ proptest! {
 
     #[test]
     fn forces_stay_finite_and_within_limits(
-        draws in prop::collection::vec(0.0..=1.0_f64, Settings::KEYS.len()),
+        draws in prop::collection::vec(0.0..=1.0_f64, Settings::keys().count()),
         course in prop::collection::vec(outside(), 1..120),
     ) {
         let settings = settings(&draws);
@@ -166,11 +169,11 @@ fn most_drawn_settings_are_accepted() {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;
     let mut runner = TestRunner::deterministic();
-    let strategy = prop::collection::vec(0.0..=1.0_f64, Settings::KEYS.len());
+    let strategy = prop::collection::vec(0.0..=1.0_f64, Settings::keys().count());
     let accepted = (0..1000)
         .filter(|_| {
             let draws = strategy.new_tree(&mut runner).expect("a vector of numbers").current();
-            Scene::<Any<f32>>::build(&settings(&draws)).is_ok()
+            settings(&draws).check().is_ok()
         })
         .count();
     assert!(accepted > 150, "only {accepted} of 1000 random settings build");

@@ -19,7 +19,6 @@ use haptic_core::device::probe::{End, Outcome, Probe};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::Scene;
 use haptic_core::settings::{Allowed, Refused, SetError, Settings};
 use haptic_protocol::lines::Line;
 
@@ -28,7 +27,7 @@ use crate::fault::Cause;
 use crate::flow;
 use crate::storage::{self, Origin};
 use crate::telemetry::Telemetry;
-use crate::tick::Plan;
+use crate::tick::{Peer, Plan};
 
 /// An answer.
 type Answer = Line;
@@ -95,10 +94,10 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
         }
     }
     haptic_core::device::encoder::check(&settings)?;
-    let scene = Scene::build(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-    Ok(Plan { scene, home: [Motion::at(clear), Motion::REST], device: 0 })
+    let peer = Peer::new(&settings, [Motion::at(clear), Motion::REST])?;
+    Ok(Plan { peer, device: 0 })
 }
 
 /// Why the answer is `error`.

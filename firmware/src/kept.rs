@@ -117,7 +117,7 @@ impl Addresses {
 impl Kept {
     /// Every key, in an order that lines can be read back in.
     pub fn keys() -> impl Iterator<Item = &'static str> {
-        Settings::KEYS.iter().map(|key| key.name).chain([DHCP, OWN.0, GATEWAY.0, PEER.0])
+        Settings::keys().map(|key| key.name).chain([DHCP, OWN.0, GATEWAY.0, PEER.0])
     }
 
     /// Sets the key, if it accepts the value; otherwise nothing changes.

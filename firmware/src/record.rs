@@ -24,11 +24,10 @@
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;
-use haptic_core::law::Packet;
+use haptic_core::law::{Law, Packet};
 use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Actuators, Observed, State};
+use haptic_core::peer::{Actuators, Observed, Peer};
 use haptic_core::safety::Mode;
-use haptic_core::scene::Models;
 
 use crate::signals::Coded;
 
@@ -58,25 +57,25 @@ pub struct Record(pub [u32; WORDS]);
 impl Record {
     /// What a tick read and did. `flags` are [`ENABLED`] and the others.
     #[inline]
-    pub fn new<M: Models<Scalar = f32>>(
+    pub fn new<L: Law<f32>>(
         tick: u32,
         counts: [Counts; AXES],
         incoming: Option<Packet<f32>>,
         flags: u8,
-        state: &mut State<M>,
+        peer: &mut Peer<f32, L>,
         actuators: &Actuators<f32>,
     ) -> Self {
         let [Counts(count_a), Counts(count_b)] = counts;
         let [duty_a, duty_b] = actuators.duties.map(|duty| duty.0.cast_unsigned());
         let incoming = incoming.unwrap_or_default();
-        let digest = digest(state);
-        let (seen, ledger) = (state.observed(), state.ledger());
+        let digest = digest(peer);
+        let (seen, ledger) = (peer.observed(), peer.ledger());
         let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
         Self([
             tick,
             u32::from(count_a) | u32::from(count_b) << 16,
             u32::from(duty_a) | u32::from(duty_b) << 16,
-            state.mode().code() | u32::from(flags) << 16,
+            peer.mode().code() | u32::from(flags) << 16,
             incoming.motion.position.to_bits(),
             incoming.motion.velocity.to_bits(),
             incoming.wave.to_bits(),

@@ -17,24 +17,20 @@ use firmware_parts::record::{self, Record};
 use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
-use haptic_core::num::Motion;
-use haptic_core::peer::{self, Sensors, State};
+use haptic_core::law::{AnyLaw, Packet};
+use haptic_core::peer::{self, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 
 use crate::board::{bridges, encoders, pace};
 
-/// The models that this image holds: all of them, chosen by the settings.
-pub(crate) type Models = Any<f32>;
+/// The peer that this image holds, with any law, chosen by the settings.
+pub(crate) type Peer = peer::Peer<f32, AnyLaw<f32>>;
 
 /// What to run: built and checked by a task, swapped in by the tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
-    /// The scene.
-    pub(crate) scene: Scene<Models>,
-    /// Where the axes are taken to be when the scene begins.
-    pub(crate) home: [Motion<f32>; AXES],
+    /// The peer as it begins.
+    pub(crate) peer: Peer,
     /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
     pub(crate) device: u32,
 }
@@ -88,7 +84,7 @@ struct Loop {
     device: u32,
     /// A probe was begun, and what came of it is not told yet.
     probing: bool,
-    state: State<Models>,
+    peer: Peer,
     tick: u32,
     life: u32,
     until_record: u32,
@@ -105,7 +101,7 @@ pub(crate) fn prepare(side: Side) {
         passed: [false; AXES],
         device: plan.device,
         probing: false,
-        state: State::new(&plan.scene, plan.home),
+        peer: plan.peer,
         tick: 0,
         life: 0,
         until_record: 0,
@@ -150,29 +146,29 @@ impl Loop {
             self.side.signals.disarm.release(false);
         }
         let mut incoming = None;
-        if self.state.packet_due() {
+        if self.peer.packet_due() {
             self.boundary();
             let life = self.side.signals.life.acquire();
             if life != self.life {
                 self.life = life;
-                self.state.part();
+                self.peer.part();
                 flags |= record::PARTED;
             }
             incoming =
                 self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
             flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
-            let packet = peer::exchange(&self.side.plans.get().scene, &mut self.state, incoming);
-            let armed = self.state.mode() == Mode::Armed;
+            let packet = self.peer.exchange(incoming);
+            let armed = self.peer.mode() == Mode::Armed;
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
-        let actuators = peer::tick(&self.side.plans.get().scene, &mut self.state, &sensors);
+        let actuators = self.peer.tick(&sensors);
         self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
             flags |= record::ENABLED;
-            if self.state.is_engaged() {
+            if self.peer.is_engaged() {
                 flags |= record::ENGAGED;
             }
         } else {
@@ -180,10 +176,10 @@ impl Loop {
             self.judge();
         }
 
-        self.side.signals.mode.set(self.state.mode());
+        self.side.signals.mode.set(self.peer.mode());
         self.side.signals.ticks.set(self.tick);
         if self.record_due() {
-            let record = Record::new(self.tick, counts, incoming, flags, &mut self.state, &actuators);
+            let record = Record::new(self.tick, counts, incoming, flags, &mut self.peer, &actuators);
             // Without room it is lost: whoever misses it sees it by the numbers.
             let _ = self.side.records.put(record);
         }
@@ -209,9 +205,9 @@ impl Loop {
     /// What may happen only between packets: a new scene or a probe while disarmed, and the operator's order.
     #[inline(always)]
     fn boundary(&mut self) {
-        if self.state.mode() == Mode::Disarmed && self.side.plans.fetch() {
+        if self.peer.mode() == Mode::Disarmed && self.side.plans.fetch() {
             let plan = self.side.plans.get();
-            self.state = State::new(&plan.scene, plan.home);
+            self.peer = plan.peer;
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; AXES];
@@ -219,9 +215,9 @@ impl Loop {
         }
         if self.side.probes.fetch() {
             let (number, probe) = *self.side.probes.get();
-            self.state.probe(probe);
-            self.probing = self.state.mode() == Mode::Probing;
-            self.side.probed.write(self.state.probed());
+            self.peer.probe(probe);
+            self.probing = self.peer.mode() == Mode::Probing;
+            self.side.probed.write(self.peer.probed());
             self.side.signals.begun.release(number);
         }
         let order = self.side.signals.order.acquire();
@@ -236,7 +232,7 @@ impl Loop {
 
     /// Every joint in use has passed the check before arming.
     fn checked(&self) -> bool {
-        self.passed.iter().take(self.side.plans.get().scene.axes()).all(|passed| *passed)
+        self.passed.iter().take(self.peer.axes()).all(|passed| *passed)
     }
 
     /// After the tick that ended a probe.
@@ -244,7 +240,7 @@ impl Loop {
     #[unsafe(link_section = ".itcm.probe")]
     fn after_probe(&mut self) {
         self.probing = false;
-        let outcome = self.state.probed();
+        let outcome = self.peer.probed();
         if outcome.check {
             for (passed, joint) in self.passed.iter_mut().zip(1..) {
                 if joint == outcome.joint {
@@ -261,7 +257,7 @@ impl Loop {
         if self.probing {
             self.after_probe();
         }
-        if let Mode::Faulted(fault) = self.state.mode()
+        if let Mode::Faulted(fault) = self.peer.mode()
             && fault.doubts_encoders()
         {
             self.passed = [false; AXES];
@@ -271,11 +267,11 @@ impl Loop {
 
     #[inline(always)]
     fn command(&mut self, command: Command) {
-        let before = self.state.mode();
-        self.state.command(&self.side.plans.get().scene, command);
-        if before != Mode::Armed && self.state.mode() == Mode::Armed {
+        let before = self.peer.mode();
+        self.peer.command(command);
+        if before != Mode::Armed && self.peer.mode() == Mode::Armed {
             // Nobody is there until he is heard.
-            self.state.part();
+            self.peer.part();
         }
     }
 

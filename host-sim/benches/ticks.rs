@@ -8,8 +8,8 @@ use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haptic_cases::ticks::recording::{Recording, TICKS};
 use haptic_cases::ticks::{self, Measure};
+use haptic_core::law::Law;
 use haptic_core::num::Scalar;
-use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
 use haptic_sim::scenes;
@@ -26,10 +26,9 @@ const SCENES: &[&str] =
 struct Time<'a>(BenchmarkGroup<'a, WallTime>);
 
 impl Measure for Time<'_> {
-    fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
-        let recording = Recording::<M>::new(settings);
-        self.0
-            .bench_function(BenchmarkId::new(scene, M::Scalar::NAME), |bench| bench.iter(|| ticks::replay(&recording)));
+    fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, settings: &Settings) {
+        let recording = Recording::<S, L>::new(settings);
+        self.0.bench_function(BenchmarkId::new(scene, S::NAME), |bench| bench.iter(|| ticks::replay(&recording)));
     }
 }
 

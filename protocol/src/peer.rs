@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn what_is_each_devices_own_may_differ_and_nothing_else() {
         let settings = Settings::default();
-        for key in Settings::KEYS {
+        for key in Settings::keys() {
             let now = settings.get(key.name).expect("a listed key has a value");
             let other = |values: &[Value<'static>]| values.iter().copied().find(|value| *value != now);
             let other = match key.allowed {
@@ -131,6 +131,7 @@ mod tests {
                 Allowed::Whole { min, max } => other(&[min, max].map(|whole| Value::Number(whole.into()))),
                 Allowed::Flag => other(&[false, true].map(Value::Flag)),
                 Allowed::Names(names) => names.iter().map(|name| Value::Text(name)).find(|value| *value != now),
+                Allowed::Kinds(kinds) => kinds.iter().map(|kind| Value::Text(kind.name)).find(|value| *value != now),
                 Allowed::Only(_) => None,
             };
             let other = other.expect("another value");

@@ -7,22 +7,9 @@
 
 use super::{Rendering, Strikes, Touch};
 use crate::model::Model;
+use crate::names::Side;
 use crate::num::{Motion, Scalar};
-use crate::settings::{Choice, Settings};
-
-/// The side of the object that the device is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Pushes toward positive x.
-    Left,
-    /// Pushes toward negative x.
-    Right,
-}
-
-impl Choice for Side {
-    const NAMES: &'static [&'static str] = &["left", "right"];
-    const ALL: &'static [Self] = &[Self::Left, Self::Right];
-}
+use crate::settings::{Refused, Settings};
 
 /// Where contact begins.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +90,8 @@ impl<S: Scalar> Contact<S> {
 
 impl<S: Scalar> Model<S> for Contact<S> {
     type State = ();
-    fn build(settings: &Settings) -> Self {
-        Self::build(settings)
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self::build(settings))
     }
 }
 

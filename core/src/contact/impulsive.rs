@@ -69,24 +69,20 @@ impl<S: Scalar> Strikes<S> {
 impl<S: Scalar> Model<S> for Impulsive<S> {
     type State = ();
 
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        if settings.contact.one_sided {
-            return Ok(());
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        if !settings.contact.one_sided {
+            let allowed = Allowed::Only("\"continuous\", unless contact.one_sided is true: an impact has a side");
+            return Err(Refused { key: "contact.rendering", value: Value::Text("impulsive"), allowed, unit: "" });
         }
-        let allowed = Allowed::Only("\"continuous\", unless contact.one_sided is true: an impact has a side");
-        Err(Refused { key: "contact.rendering", value: Value::Text("impulsive"), allowed, unit: "" })
-    }
-
-    fn build(settings: &Settings) -> Self {
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
-        Self {
+        Ok(Self {
             contact: Contact::build(settings),
             period: S::from_f64(period),
             rate: S::from_f64(1.0 / period),
             object_inverse: S::from_f64(1.0 / object.mass_kg),
             device_inverse: S::from_f64(1.0 / contact.device_mass_kg),
             restitution: S::from_f64(contact.restitution),
-        }
+        })
     }
 }
 

@@ -17,7 +17,8 @@ pub mod shape;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
 
-pub use continuous::{Contact, Side};
+pub use crate::names::{RenderingName, Side};
+pub use continuous::Contact;
 pub use impulsive::Strikes;
 
 /// What contact does in one tick.
@@ -53,10 +54,21 @@ pub trait Rendering<S: Scalar>: Model<S> {
 
 list! {
     /// Any way to render contact.
-    Rendering: AnyRendering, AnyRenderingState, named by RenderingName in contact.rendering {
-        "continuous" => Continuous(Contact<S>),
-        "impulsive" => Impulsive(impulsive::Impulsive<S>),
+    AnyRendering, named by RenderingName in contact.rendering {
+        Continuous(Contact<S>),
+        Impulsive(impulsive::Impulsive<S>),
     }
-    fn clear_of(&self; position: S) -> S;
-    fn touch(&self; strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
+}
+
+impl<S: Scalar> AnyRendering<S> {
+    /// [`Rendering::clear_of`].
+    pub fn clear_of(&self, position: S) -> S {
+        each!(self: Continuous | Impulsive, model => model.clear_of(position))
+    }
+
+    /// [`Rendering::touch`].
+    #[inline]
+    pub fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
+        each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, commanded))
+    }
 }

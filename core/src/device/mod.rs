@@ -22,11 +22,8 @@ pub mod velocity;
 pub mod watch;
 
 use crate::device::encoder::Counts;
-use crate::device::kinematics::AnyKinematics;
-use crate::device::velocity::AnyVelocity;
-use crate::model::Model;
 use crate::num::Motion;
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings, Tables, Value};
 
 /// Most axes, and joints, that a peer has.
 pub const AXES: usize = 2;
@@ -40,15 +37,6 @@ pub enum Reading<S> {
     Exact([Motion<S>; AXES]),
 }
 
-/// What no single range can say about the tables `axis`, `encoder`, `kinematics` and `motor`: whether their values go
-/// together. The first that does not is the error, with the range that the other values leave it.
-///
-/// Settings outside their own ranges are [`Settings::check_ranges`]'s to refuse; here they give some answer, no panic.
-pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-    AnyKinematics::<f64>::check(settings)?;
-    AnyVelocity::<f64>::check(settings)
-}
-
 /// Refuses the value of the number called `name` if it is not `allowed`.
 fn within(settings: &Settings, name: &'static str, allowed: Allowed) -> Result<(), Refused<'static>> {
     let (min, max) = match allowed {
@@ -56,9 +44,9 @@ fn within(settings: &Settings, name: &'static str, allowed: Allowed) -> Result<(
         Allowed::Whole { min, max } => (f64::from(min), f64::from(max)),
         _ => return Ok(()),
     };
-    match settings.get(name) {
+    match Tables::get(settings, name) {
         Some(Value::Number(number)) if !(number >= min && number <= max) => {
-            let unit = Settings::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
+            let unit = <Settings as Tables>::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
             Err(Refused { key: name, value: Value::Number(number), allowed, unit })
         }
         _ => Ok(()),

@@ -12,7 +12,7 @@
 //!
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
 
-use super::{Packet, Sends, sends};
+use super::{Packet, Sends};
 use crate::num::{Scalar, Sum};
 use crate::settings::{Allowed, Refused, Settings, Value};
 
@@ -23,9 +23,9 @@ pub const CAP_J: f64 = 0.1;
 const CORRECTION_PACKETS: f64 = 4.0;
 
 /// Refuses a ledger for a law that sends no waves.
-pub(crate) fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+pub(crate) fn check(settings: &Settings, sends: Sends) -> Result<(), Refused<'static>> {
     let coordination = &settings.coordination;
-    if sends(settings) == Sends::Waves {
+    if sends == Sends::Waves {
         return Ok(());
     }
     for (key, on) in

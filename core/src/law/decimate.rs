@@ -8,7 +8,7 @@
 
 use crate::model::Model;
 use crate::num::{Scalar, StateVector};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// One number of filter state, √W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +23,10 @@ impl<S> StateVector<S> for Level<S> {
 
 /// A filter in front of the decimation.
 pub trait Decimator<S: Scalar>: Model<S> {
+    /// What the line behind it is called.
+    const NAME: &'static str;
+    /// What is sent keeps the integral of the wave.
+    const KEEPS_INTEGRAL: bool = false;
     /// Takes in one sample of the outgoing wave, √W.
     fn push(&self, state: &mut Self::State, wave: S);
     /// What would be sent now, √W.
@@ -35,12 +39,13 @@ pub struct Newest;
 
 impl<S: Scalar> Model<S> for Newest {
     type State = Level<S>;
-    fn build(_: &Settings) -> Self {
-        Self
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
     }
 }
 
 impl<S: Scalar> Decimator<S> for Newest {
+    const NAME: &'static str = "wave";
     #[inline]
     fn push(&self, level: &mut Level<S>, wave: S) {
         level.0 = wave;
@@ -62,13 +67,14 @@ pub struct OnePole<S> {
 
 impl<S: Scalar> Model<S> for OnePole<S> {
     type State = Level<S>;
-    fn build(settings: &Settings) -> Self {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
-        Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) }
+        Ok(Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) })
     }
 }
 
 impl<S: Scalar> Decimator<S> for OnePole<S> {
+    const NAME: &'static str = "passive-wave";
     #[inline]
     fn push(&self, level: &mut Level<S>, wave: S) {
         level.0 = self.keep * level.0 + self.take * wave;
@@ -105,13 +111,15 @@ impl<S> StateVector<S> for MeanState<S> {
 
 impl<S: Scalar> Model<S> for Mean<S> {
     type State = MeanState<S>;
-    fn build(settings: &Settings) -> Self {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let samples = settings.timing.ticks_per_packet;
-        Self { samples, share: S::from_f64(1.0 / f64::from(samples)) }
+        Ok(Self { samples, share: S::from_f64(1.0 / f64::from(samples)) })
     }
 }
 
 impl<S: Scalar> Decimator<S> for Mean<S> {
+    const NAME: &'static str = "passive-mean";
+    const KEEPS_INTEGRAL: bool = true;
     #[inline]
     fn push(&self, state: &mut MeanState<S>, wave: S) {
         state.sum = state.sum + wave;

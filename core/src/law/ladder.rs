@@ -2,16 +2,14 @@
 //!
 //! Counted in packet periods without a packet: up to `safety.fade_packets` the last packet stands; then the coordination
 //! fades, one step a period, until at `safety.disengage_packets` it is gone and the peer renders alone. The first packet
-//! after that starts the law anew where the object is, from no force, and every packet takes one step back. A faded
-//! packet is a wave made smaller (which takes energy out of the line, never in) and a remote motion moved toward the
-//! local one.
+//! after that starts the law anew where the object is, from no force, and every packet takes one step back. What a packet
+//! is that has faded, the law says ([`super::Law::fade`]).
 //!
 //! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
-//! ended), takes the last step at once ([`crate::peer::State::part`]): what comes next is counted from zero by a peer that
+//! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
 //! started anew, and must not be measured by the old one's counters.
 
-use super::Packet;
-use crate::num::{Motion, Scalar};
+use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings, Value};
 
 /// How long each rung is.
@@ -38,24 +36,22 @@ pub struct Engagement {
 
 impl<S: Scalar> Ladder<S> {
     /// The scene's ladder.
-    pub fn build(settings: &Settings) -> Self {
+    ///
+    /// # Errors
+    /// Its rungs are out of order.
+    pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let safety = &settings.safety;
-        let steps = safety.disengage_packets - safety.fade_packets;
-        Self { hold: safety.fade_packets, steps, step: S::from_f64(1.0 / f64::from(steps)) }
-    }
-
-    /// Refuses a ladder whose rungs are out of order.
-    pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        let safety = &settings.safety;
-        if safety.disengage_packets > safety.fade_packets {
-            return Ok(());
+        match safety.disengage_packets.checked_sub(safety.fade_packets) {
+            Some(steps) if steps > 0 => {
+                Ok(Self { hold: safety.fade_packets, steps, step: S::from_f64(1.0 / f64::from(steps)) })
+            }
+            _ => Err(Refused {
+                key: "safety.disengage_packets",
+                value: Value::Number(f64::from(safety.disengage_packets)),
+                allowed: Allowed::Whole { min: safety.fade_packets.saturating_add(1), max: 100_000 },
+                unit: "packets",
+            }),
         }
-        Err(Refused {
-            key: "safety.disengage_packets",
-            value: Value::Number(f64::from(safety.disengage_packets)),
-            allowed: Allowed::Whole { min: safety.fade_packets.saturating_add(1), max: 100_000 },
-            unit: "packets",
-        })
     }
 
     /// Fully engaged, nothing heard yet.
@@ -82,23 +78,6 @@ impl<S: Scalar> Ladder<S> {
     /// How far the coordination may act, from 0, disengaged, to exactly 1, engaged.
     pub fn share(&self, at: &Engagement) -> S {
         if at.level >= self.steps { S::ONE } else { S::from_f64(f64::from(at.level)) * self.step }
-    }
-
-    /// The packet as far as the peer is engaged.
-    pub fn faded(&self, at: &Engagement, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-        if at.level >= self.steps {
-            return packet;
-        }
-        let share = self.share(at);
-        let toward = |local: S, remote: S| local + share * (remote - local);
-        Packet {
-            motion: Motion {
-                position: toward(local.position, packet.motion.position),
-                velocity: toward(local.velocity, packet.motion.velocity),
-            },
-            wave: share * packet.wave,
-            ..packet
-        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
 //! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period
-//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A new law is one file here, its `pub mod`, and one
-//! line in the list below**: simulator, analyser, campaign, board and reports find it there, and go by what it [`Sends`].
-//! [`free`] shows the least a law can be.
+//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own
+//! keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod` and one line in the list below make
+//! it known to simulator, analyser, campaign, board and reports; a crate outside hands it to them. [`free`] shows the least a
+//! law can be.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
@@ -17,9 +18,10 @@ pub mod node;
 pub mod power;
 pub mod wave;
 
-use crate::model::Model;
 use crate::num::{Motion, Scalar, StateVector};
-use crate::settings::Settings;
+use crate::settings::{Allowed, Refused, Settings, Value};
+
+pub use crate::settings::{Kind, Sends};
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,50 +74,114 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// What a law sends, which is also what it acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sends {
-    /// Nothing.
-    Nothing,
-    /// The motion of its copy.
-    Motion,
-    /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
-    Waves,
-}
-
-/// What the law sends that these settings name.
-pub fn sends(settings: &Settings) -> Sends {
-    AnyLaw::<f64>::build(settings).sends()
-}
-
 /// A coordination law.
-pub trait Law<S: Scalar>: Model<S> {
-    /// What [`Law::send`] fills in.
-    fn sends(&self) -> Sends;
+pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
+    /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
+    const KINDS: &'static [Kind];
+    /// What changes from tick to tick.
+    type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
+
+    /// Takes what it needs from settings that are within their ranges. After this nothing can fail.
+    ///
+    /// # Errors
+    /// Settings that do not go together.
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
     /// Engages at rest with the local copy: no force until something moves.
-    fn start(&self, state: &mut Self::State, local: Motion<S>);
+    fn start(&self, local: Motion<S>) -> Self::State;
+    /// Engages again after a silence; what was sent stays sent, where that is counted.
+    fn restart(&self, state: &mut Self::State, local: Motion<S>) {
+        *state = self.start(local);
+    }
     /// Takes in the other peer's packet; it stands until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
     /// One tick: the force on the local copy from the copy's motion and what was received.
     fn couple(&self, state: &mut Self::State, local: Motion<S>) -> Coupled<S>;
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
+    /// A packet through silence, of which this share (below 1) still counts: a motion moved toward the local one, and a wave
+    /// made smaller, which takes energy out of the line and never in.
+    fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+        let toward = |local: S, remote: S| local + share * (remote - local);
+        Packet {
+            motion: Motion {
+                position: toward(local.position, packet.motion.position),
+                velocity: toward(local.velocity, packet.motion.velocity),
+            },
+            wave: share * packet.wave,
+            ..packet
+        }
+    }
 }
 
-list! {
-    /// Any coordination law.
-    Law: AnyLaw, AnyLawState, named by LawName in coordination.comm {
-        "power" => Power(power::Power<S>),
-        "wave" => Wave(wave::Wave<S>),
-        "passive-wave" => PassiveWave(wave::PassiveWave<S>),
-        "passive-mean" => PassiveMean(wave::PassiveMean<S>),
-        "none" => Free(free::Free),
-    }
-    fn sends(&self) -> Sends;
-    fn start(&self, [&mut] state; local: Motion<S>);
-    fn receive(&self, [&mut] state; packet: Packet<S>);
-    fn couple(&self, [&mut] state; local: Motion<S>) -> Coupled<S>;
-    fn send(&self, [&] state; local: Motion<S>) -> Packet<S>;
+/// The kind that the settings name, of these.
+pub(crate) fn named(settings: &Settings, kinds: &'static [Kind]) -> Option<&'static Kind> {
+    kinds.iter().find(|kind| kind.name == settings.coordination.comm)
+}
+
+/// That the settings name none of these.
+pub(crate) fn unknown(settings: &Settings, kinds: &'static [Kind]) -> Refused<'static> {
+    let value = Value::Text(settings.coordination.comm);
+    Refused { key: "coordination.comm", value, allowed: Allowed::Kinds(kinds), unit: "" }
+}
+
+macro_rules! laws {
+    ($( $Variant:ident($law:ty), )+) => {
+        /// Any coordination law of this crate.
+        #[derive(Clone, Copy, Debug)]
+        #[allow(missing_docs, clippy::large_enum_variant)]
+        pub enum AnyLaw<S> { $( $Variant($law) ),+ }
+
+        /// A law with its state: the state of another law cannot be handed to it.
+        #[derive(Clone, Copy, Debug)]
+        #[allow(missing_docs, clippy::large_enum_variant)]
+        pub enum AnyLawState<S: Scalar> { $( $Variant($law, <$law as Law<S>>::State) ),+ }
+
+        impl<S: Scalar> StateVector<S> for AnyLawState<S> {
+            #[inline]
+            fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+                match self { $( Self::$Variant(_, state) => state.visit(each) ),+ }
+            }
+        }
+
+        impl<S: Scalar> Law<S> for AnyLaw<S> {
+            const KINDS: &'static [Kind] = &[$( <$law as Law<S>>::KINDS[0] ),+];
+            type State = AnyLawState<S>;
+
+            fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+                $( if named(settings, <$law as Law<S>>::KINDS).is_some() {
+                    return Ok(Self::$Variant(Law::<S>::build(settings)?));
+                } )+
+                Err(unknown(settings, Self::KINDS))
+            }
+            fn start(&self, local: Motion<S>) -> Self::State {
+                match self { $( Self::$Variant(law) => AnyLawState::$Variant(*law, law.start(local)) ),+ }
+            }
+            fn restart(&self, state: &mut Self::State, local: Motion<S>) {
+                match state { $( AnyLawState::$Variant(law, state) => law.restart(state, local) ),+ }
+            }
+            fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
+                match state { $( AnyLawState::$Variant(law, state) => law.receive(state, packet) ),+ }
+            }
+            #[inline]
+            fn couple(&self, state: &mut Self::State, local: Motion<S>) -> Coupled<S> {
+                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, local) ),+ }
+            }
+            fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
+                match state { $( AnyLawState::$Variant(law, state) => law.send(state, local) ),+ }
+            }
+            fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+                match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }
+            }
+        }
+    };
+}
+
+laws! {
+    Power(power::Power<S>),
+    Wave(wave::Wave<S>),
+    PassiveWave(wave::PassiveWave<S>),
+    PassiveMean(wave::PassiveMean<S>),
+    Free(free::Free),
 }
 
 /// The spring and damper K_T, B_T between the copy and where it should be.

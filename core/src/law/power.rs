@@ -3,10 +3,9 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
-use super::{Coupled, Law, Packet, Sends, Spring};
-use crate::model::Model;
+use super::{Coupled, Kind, Law, Packet, Sends, Spring};
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// Virtual coupling to the last received motion.
 #[derive(Clone, Copy, Debug)]
@@ -14,22 +13,18 @@ pub struct Power<S> {
     spring: Spring<S>,
 }
 
-impl<S: Scalar> Model<S> for Power<S> {
+impl<S: Scalar> Law<S> for Power<S> {
+    const KINDS: &'static [Kind] =
+        &[Kind { name: "power", sends: Sends::Motion, keys: &[], gains: &["coordination.stiffness_n_per_m=310"] }];
     /// The remote copy's motion as last received: x_d, ẋ_d.
     type State = Motion<S>;
 
-    fn build(settings: &Settings) -> Self {
-        Self { spring: Spring::build(settings) }
-    }
-}
-
-impl<S: Scalar> Law<S> for Power<S> {
-    fn sends(&self) -> Sends {
-        Sends::Motion
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self { spring: Spring::build(settings) })
     }
 
-    fn start(&self, desired: &mut Motion<S>, local: Motion<S>) {
-        *desired = local;
+    fn start(&self, local: Motion<S>) -> Motion<S> {
+        local
     }
 
     fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {

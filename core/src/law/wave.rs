@@ -14,24 +14,11 @@
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
-use super::{Coupled, Law, LawName, Packet, Sends, Spring};
-use crate::model::Model;
+use super::{Coupled, Kind, Law, Packet, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
-use crate::settings::{Allowed, Choice, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings, Value};
 
-/// How the algebraic loop of the wave decode is opened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decode {
-    /// ẋ_d\[n\] from F_T\[n−1\]; x_d\[n\] = x_d\[n−1\] + T_c·ẋ_d\[n−1\].
-    Delayed,
-    /// Backward Euler on x_d, solved in closed form.
-    Implicit,
-}
-
-impl Choice for Decode {
-    const NAMES: &'static [&'static str] = &["delayed", "implicit"];
-    const ALL: &'static [Self] = &[Self::Delayed, Self::Implicit];
-}
+pub use crate::names::Decode;
 
 /// Traditional wave communications: the newest sample is sent.
 pub type Wave<S> = Line<S, Newest>;
@@ -94,48 +81,6 @@ impl<S, D: StateVector<S>> StateVector<S> for LineState<S, D> {
     }
 }
 
-impl<S: Scalar, D: Decimator<S>> Model<S> for Line<S, D> {
-    type State = LineState<S, D::State>;
-
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        let coordination = &settings.coordination;
-        let exact = coordination.ledger && coordination.comm == LawName::PassiveMean;
-        if coordination.drift_correction && !exact {
-            // Only the mean carries its integral exactly, and only the ledger pays for what is added.
-            return Err(Refused {
-                key: "coordination.drift_correction",
-                value: Value::Flag(true),
-                allowed: Allowed::Only(
-                    "false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true",
-                ),
-                unit: "",
-            });
-        }
-        Ok(())
-    }
-
-    fn build(settings: &Settings) -> Self {
-        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
-        let impedance = coordination.wave_impedance_n_s_per_m;
-        let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
-        let root = libm::sqrt(2.0 * impedance);
-        Self {
-            spring: Spring::build(settings),
-            decimator: D::build(settings),
-            decode: coordination.decode,
-            credit: Credit::build(settings),
-            period: S::from_f64(period),
-            root_over_impedance: S::from_f64(root / impedance),
-            inverse_impedance: S::from_f64(1.0 / impedance),
-            root: S::from_f64(root),
-            inverse_loop: S::from_f64(1.0 / loop_gain),
-            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
-            force_to_wave: S::from_f64(1.0 / root),
-            half: S::from_f64(0.5),
-        }
-    }
-}
-
 impl<S: Scalar, D: Decimator<S>> Line<S, D> {
     #[inline]
     fn decode(&self, state: &mut LineState<S, D::State>, wave_in: S, local: Motion<S>) -> Motion<S> {
@@ -157,14 +102,49 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
-    fn sends(&self) -> Sends {
-        Sends::Waves
+    const KINDS: &'static [Kind] =
+        &[Kind { name: D::NAME, sends: Sends::Waves, keys: &[], gains: &["coordination.stiffness_n_per_m=1590"] }];
+    type State = LineState<S, D::State>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
+        if coordination.drift_correction && !(coordination.ledger && D::KEEPS_INTEGRAL) {
+            // Only the mean carries its integral exactly, and only the ledger pays for what is added.
+            return Err(Refused {
+                key: "coordination.drift_correction",
+                value: Value::Flag(true),
+                allowed: Allowed::Only(
+                    "false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true",
+                ),
+                unit: "",
+            });
+        }
+        let impedance = coordination.wave_impedance_n_s_per_m;
+        let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
+        let root = libm::sqrt(2.0 * impedance);
+        Ok(Self {
+            spring: Spring::build(settings),
+            decimator: D::build(settings)?,
+            decode: coordination.decode,
+            credit: Credit::build(settings),
+            period: S::from_f64(period),
+            root_over_impedance: S::from_f64(root / impedance),
+            inverse_impedance: S::from_f64(1.0 / impedance),
+            root: S::from_f64(root),
+            inverse_loop: S::from_f64(1.0 / loop_gain),
+            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
+            force_to_wave: S::from_f64(1.0 / root),
+            half: S::from_f64(0.5),
+        })
     }
 
-    fn start(&self, state: &mut LineState<S, D::State>, local: Motion<S>) {
+    fn start(&self, local: Motion<S>) -> Self::State {
+        LineState { desired: Motion::at(local.position), ..LineState::default() }
+    }
+
+    fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         // What was sent stays sent: the other peer counts on it.
-        let integral = state.integral;
-        *state = LineState { desired: Motion::at(local.position), integral, ..LineState::default() };
+        *state = LineState { integral: state.integral, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut LineState<S, D::State>, packet: Packet<S>) {

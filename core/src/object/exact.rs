@@ -7,7 +7,7 @@
 use super::{Before, Integrator};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// A mass with damping under piecewise constant force.
 #[derive(Clone, Copy, Debug)]
@@ -37,25 +37,19 @@ fn response(mass_kg: f64, damping: f64, time: f64) -> (f64, f64) {
     (time / mass_kg * first, time * time / mass_kg * second)
 }
 
-impl<S: Scalar> Exact<S> {
-    /// Mass in kg, damping in N·s/m, delay of the force in ticks 0…1, period in s.
-    fn new(mass_kg: f64, damping_n_s_per_m: f64, delay_ticks: f64, period_s: f64) -> Self {
-        let whole = response(mass_kg, damping_n_s_per_m, period_s);
-        let fresh = response(mass_kg, damping_n_s_per_m, (1.0 - delay_ticks) * period_s);
-        Self {
-            velocity_kept: S::from_f64(libm::exp(-damping_n_s_per_m * period_s / mass_kg)),
+impl<S: Scalar> Model<S> for Exact<S> {
+    type State = Before<S>;
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let (object, period_s) = (&settings.object, settings.timing.control_period_s);
+        let (mass_kg, damping) = (object.mass_kg, object.damping_n_s_per_m);
+        let whole = response(mass_kg, damping, period_s);
+        let fresh = response(mass_kg, damping, (1.0 - object.force_delay_ticks) * period_s);
+        Ok(Self {
+            velocity_kept: S::from_f64(libm::exp(-damping * period_s / mass_kg)),
             velocity_to_position: S::from_f64(mass_kg * whole.0),
             velocity_gain: [S::from_f64(whole.0 - fresh.0), S::from_f64(fresh.0)],
             position_gain: [S::from_f64(whole.1 - fresh.1), S::from_f64(fresh.1)],
-        }
-    }
-}
-
-impl<S: Scalar> Model<S> for Exact<S> {
-    type State = Before<S>;
-    fn build(settings: &Settings) -> Self {
-        let object = &settings.object;
-        Self::new(object.mass_kg, object.damping_n_s_per_m, object.force_delay_ticks, settings.timing.control_period_s)
+        })
     }
 }
 

@@ -5,7 +5,7 @@
 use super::{Before, Euler, Integrator};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// Old velocity moves the position.
 #[derive(Clone, Copy, Debug)]
@@ -13,8 +13,8 @@ pub struct ForwardEuler<S>(Euler<S>);
 
 impl<S: Scalar> Model<S> for ForwardEuler<S> {
     type State = Before<S>;
-    fn build(settings: &Settings) -> Self {
-        Self(Euler::build(settings))
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self(Euler::build(settings)))
     }
 }
 

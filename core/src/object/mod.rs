@@ -1,7 +1,7 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
 //! Forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
-//! A new integrator is one file here, its `pub mod`, and one line in the list.
+//! A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod exact;
 pub mod forward_euler;
@@ -11,20 +11,34 @@ use crate::model::Model;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::settings::Settings;
 
+pub use crate::names::IntegratorName;
+
 /// Advances a mass by one tick.
-pub trait Integrator<S: Scalar>: Model<S> {
+pub trait Integrator<S: Scalar>: Model<S, State = Before<S>> {
     /// The motion one control period later, under `force` (N) and what of the force before still acts.
-    fn step(&self, state: &mut Self::State, motion: Motion<S>, force: S) -> Motion<S>;
+    fn step(&self, before: &mut Before<S>, motion: Motion<S>, force: S) -> Motion<S>;
 }
 
 list! {
-    /// Any integrator.
-    Integrator: AnyIntegrator, AnyIntegratorState, named by IntegratorName in object.integrator {
-        "forward-euler" => ForwardEuler(forward_euler::ForwardEuler<S>),
-        "semi-implicit" => SemiImplicit(semi_implicit::SemiImplicit<S>),
-        "exact" => Exact(exact::Exact<S>),
+    /// Any integrator, with what it remembers.
+    AnyIntegrator, named by IntegratorName in object.integrator {
+        ForwardEuler(forward_euler::ForwardEuler<S>),
+        SemiImplicit(semi_implicit::SemiImplicit<S>),
+        Exact(exact::Exact<S>),
     }
-    fn step(&self, [&mut] state; motion: Motion<S>, force: S) -> Motion<S>;
+}
+
+impl<S: Scalar> AnyIntegrator<S> {
+    /// [`Integrator::step`].
+    #[inline]
+    pub fn step(&mut self, motion: Motion<S>, force: S) -> Motion<S> {
+        each!(self: ForwardEuler | SemiImplicit | Exact, model, before => model.step(before, motion, force))
+    }
+
+    /// As after [`AnyIntegrator::build`]: no force acted before.
+    pub fn rest(&mut self) {
+        each!(self: ForwardEuler | SemiImplicit | Exact, _model, before => *before = Before::default());
+    }
 }
 
 /// What an integrator remembers: the force of the tick before, and what its last position could not hold.

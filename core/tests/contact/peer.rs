@@ -2,12 +2,11 @@
 
 use haptic_core::contact::{RenderingName, Side};
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::LawName;
+use haptic_core::law::AnyLaw;
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::IntegratorName;
-use haptic_core::peer::{self, Sensors, State};
+use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;
 
 fn settings() -> Settings {
@@ -15,7 +14,7 @@ fn settings() -> Settings {
     settings.contact.rendering = RenderingName::Impulsive;
     settings.contact.one_sided = true;
     settings.contact.gap_m = 0.01;
-    settings.coordination.comm = LawName::Free;
+    settings.coordination.comm = "none";
     settings.object.integrator = IntegratorName::SemiImplicit;
     settings.safety.max_speed_m_per_s = 100.0;
     settings
@@ -23,8 +22,7 @@ fn settings() -> Settings {
 
 /// A device (kg) that obeys the motor, sampled exactly.
 struct Rig<S: Scalar> {
-    scene: Scene<Any<S>>,
-    state: State<Any<S>>,
+    peer: Peer<S, AnyLaw<S>>,
     device: Motion<f64>,
     mass_kg: f64,
     /// The largest force commanded, N.
@@ -33,33 +31,25 @@ struct Rig<S: Scalar> {
 
 impl<S: Scalar> Rig<S> {
     fn new(settings: &Settings, velocity: f64) -> Self {
-        let scene = Scene::build(settings).expect("good settings");
-        let mut state = State::new(&scene, [Motion::REST; AXES]);
-        state.command(&scene, Command::Arm);
-        Self {
-            scene,
-            state,
-            device: Motion { position: 0.0, velocity },
-            mass_kg: settings.contact.device_mass_kg,
-            peak_n: 0.0,
-        }
+        let mut peer = Peer::new(settings, [Motion::REST; AXES]).expect("good settings");
+        peer.command(Command::Arm);
+        Self { peer, device: Motion { position: 0.0, velocity }, mass_kg: settings.contact.device_mass_kg, peak_n: 0.0 }
     }
 
     fn tick(&mut self) {
         let mut axes = [Motion::REST; AXES];
         axes[0] = Motion { position: S::from_f64(self.device.position), velocity: S::from_f64(self.device.velocity) };
-        let force =
-            peer::tick(&self.scene, &mut self.state, &Sensors { reading: Reading::Exact(axes), overrun: false });
+        let force = self.peer.tick(&Sensors { reading: Reading::Exact(axes), overrun: false });
         let force = force.forces[0].to_f64();
         self.peak_n = self.peak_n.max(force.abs());
         let change = 1e-3 / self.mass_kg * force;
         self.device.position += 1e-3 * (self.device.velocity + 0.5 * change);
         self.device.velocity += change;
-        assert_eq!(self.state.mode(), Mode::Armed);
+        assert_eq!(self.peer.mode(), Mode::Armed);
     }
 
     fn object(&self) -> Motion<f64> {
-        let seen = self.state.observed().object;
+        let seen = self.peer.observed().object;
         Motion { position: seen.position.to_f64(), velocity: seen.velocity.to_f64() }
     }
 }
@@ -80,7 +70,7 @@ fn every_speed<S: Scalar>(within: f64) {
             for _ in 0..ticks {
                 rig.tick();
             }
-            let impacts = rig.state.impacts();
+            let impacts = rig.peer.impacts();
             assert!(impacts.count >= 1, "missed at {speed} m/s in {}", S::NAME);
             if impacts.count > 1 {
                 continue;
@@ -110,13 +100,13 @@ fn a_pulse_within_the_limits_gives_the_device_its_impulse() {
         settings.contact.restitution = restitution;
         let (speed, mass) = (0.1, 0.1);
         let mut rig = Rig::<f64>::new(&settings, speed);
-        while rig.state.impacts().count == 0 {
+        while rig.peer.impacts().count == 0 {
             rig.tick();
         }
         for _ in 0..4 {
             rig.tick();
         }
-        let impacts = rig.state.impacts();
+        let impacts = rig.peer.impacts();
         let exchanged = (1.0 + restitution) * 0.1 * 0.3 / 0.4 * speed;
         // Plastic, they stay together: what is left of their approach is rounding, and may be one more impact.
         assert!(impacts.count == 1 || restitution == 0.0);
@@ -135,11 +125,11 @@ fn saturation_is_accounted() {
     let mut settings = settings();
     settings.safety.max_force_n = 5.0;
     let mut rig = Rig::<f64>::new(&settings, 1.0);
-    while rig.state.impacts().count == 0 {
+    while rig.peer.impacts().count == 0 {
         rig.tick();
     }
     rig.tick();
-    let impacts = rig.state.impacts();
+    let impacts = rig.peer.impacts();
     assert!((impacts.wanted_n_s - 0.15).abs() < 1e-12, "{impacts:?}");
     assert!((impacts.delivered_n_s - 5e-3).abs() < 1e-12, "{impacts:?}");
     assert!(rig.peak_n <= 5.0);
@@ -160,7 +150,7 @@ fn a_heavy_object_stops_the_device() {
             rig.tick();
             deepest = deepest.max(rig.device.position - rig.object().position);
         }
-        let account = rig.state.impacts();
+        let account = rig.peer.impacts();
         assert!(impacts.contains(&account.count), "{account:?}");
         assert!((account.delivered_n_s - 0.1 * (0.9 - rig.device.velocity)).abs() < 1e-9, "{account:?}");
         assert!(rig.device.velocity <= end + 1e-3 && deepest < 0.01, "{:?} {deepest}", rig.device);
@@ -171,6 +161,6 @@ fn a_heavy_object_stops_the_device() {
 fn an_impact_has_a_side() {
     let mut settings = settings();
     settings.contact.one_sided = false;
-    let refused = Scene::<Any<f32>>::build(&settings).unwrap_err().to_string();
+    let refused = settings.check().unwrap_err().to_string();
     assert!(refused.contains("contact.rendering = \"impulsive\"") && refused.contains("one_sided"), "{refused}");
 }

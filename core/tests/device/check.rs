@@ -1,6 +1,5 @@
 //! Combinations that no single range can refuse.
 
-use haptic_core::device::check;
 use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::{Allowed, Choice, Value};
@@ -14,20 +13,20 @@ const TWO_AXES: (&str, Value<'static>) = ("axis.count", Value::Number(2.0));
 
 #[test]
 fn defaults_of_every_mechanism_and_estimator_pass() {
-    assert_eq!(check(&settings(&[])), Ok(()));
-    assert_eq!(check(&settings(&[TWO_AXES])), Ok(()));
-    assert_eq!(check(&settings(&[CAPSTAN])), Ok(()));
-    assert_eq!(check(&settings(&[FIVE_BAR, TWO_AXES])), Ok(()));
+    assert_eq!(settings(&[]).check(), Ok(()));
+    assert_eq!(settings(&[TWO_AXES]).check(), Ok(()));
+    assert_eq!(settings(&[CAPSTAN]).check(), Ok(()));
+    assert_eq!(settings(&[FIVE_BAR, TWO_AXES]).check(), Ok(()));
     for name in VelocityName::NAMES {
-        assert_eq!(check(&settings(&[("axis.velocity", Value::Text(name))])), Ok(()), "{name}");
+        assert_eq!(settings(&[("axis.velocity", Value::Text(name))]).check(), Ok(()), "{name}");
     }
 }
 
 #[test]
 fn a_mechanism_refuses_the_wrong_number_of_axes() {
-    let refused = check(&settings(&[CAPSTAN, TWO_AXES])).unwrap_err();
+    let refused = settings(&[CAPSTAN, TWO_AXES]).check().unwrap_err();
     assert_eq!(refused.to_string(), "axis.count = 2 is not allowed: it must be a whole number from 1 to 1");
-    let refused = check(&settings(&[FIVE_BAR])).unwrap_err();
+    let refused = settings(&[FIVE_BAR]).check().unwrap_err();
     assert_eq!(refused.to_string(), "axis.count = 1 is not allowed: it must be a whole number from 2 to 2");
 }
 
@@ -35,25 +34,25 @@ fn a_mechanism_refuses_the_wrong_number_of_axes() {
 fn a_five_bar_whose_links_cannot_meet_is_refused_with_lengths_that_would_do() {
     // Half the elbows' distance at home is 0.03 + 0.1·cos 60° = 0.08 m.
     let links = |distal| settings(&[FIVE_BAR, TWO_AXES, ("kinematics.distal_m", number(distal))]);
-    let refused = check(&links(0.07)).unwrap_err();
+    let refused = links(0.07).check().unwrap_err();
     assert_eq!((refused.key, refused.value, refused.unit), ("kinematics.distal_m", number(0.07), "m"));
     let Allowed::Number { min, max } = refused.allowed else { panic!("{:?}", refused.allowed) };
     assert!(min > 0.08 && max > min, "{min} {max}");
-    assert_eq!(check(&links(min)), Ok(()));
-    assert_eq!(check(&links(max)), Ok(()));
-    assert!(check(&links(max + 1e-6)).is_err());
+    assert_eq!(links(min).check(), Ok(()));
+    assert_eq!(links(max).check(), Ok(()));
+    assert!(links(max + 1e-6).check().is_err());
 }
 
 #[test]
 fn a_cutoff_above_half_the_sample_rate_is_refused_only_where_it_is_used() {
     let high = ("axis.velocity_cutoff_hz", number(501.0));
-    assert_eq!(check(&settings(&[high])), Ok(()));
-    let refused = check(&settings(&[FILTERED, high])).unwrap_err();
+    assert_eq!(settings(&[high]).check(), Ok(()));
+    let refused = settings(&[FILTERED, high]).check().unwrap_err();
     assert_eq!(
         refused.to_string(),
         "axis.velocity_cutoff_hz = 501 is not allowed: it must be a number from 0.1 to 500 Hz"
     );
-    assert_eq!(check(&settings(&[FILTERED, high, ("timing.control_period_s", number(0.0005))])), Ok(()));
+    assert_eq!(settings(&[FILTERED, high, ("timing.control_period_s", number(0.0005))]).check(), Ok(()));
 }
 
 #[test]

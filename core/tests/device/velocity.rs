@@ -2,9 +2,8 @@
 
 use core::f64::consts::TAU;
 
+use haptic_core::device::velocity::AnyVelocity;
 use haptic_core::device::velocity::adaptive::SLACK;
-use haptic_core::device::velocity::{AnyVelocity, AnyVelocityState, VelocityEstimator};
-use haptic_core::model::Model;
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
 use haptic_core::settings::{Settings, Value};
 use proptest::prelude::*;
@@ -20,31 +19,28 @@ fn named(name: &'static str) -> Settings {
 
 /// The estimates for a row of positions, started at rest at the first.
 fn estimates<S: Scalar>(settings: &Settings, positions: &[f64]) -> Vec<f64> {
-    let model = AnyVelocity::<S>::build(settings);
-    let mut state = model.initial();
-    model.start(&mut state, Motion::at(S::from_f64(positions[0])));
-    positions.iter().map(|x| model.step(&mut state, Motion::at(S::from_f64(*x))).to_f64()).collect()
+    let mut model = AnyVelocity::<S>::build(settings).expect("good settings");
+    model.start(Motion::at(S::from_f64(positions[0])));
+    positions.iter().map(|x| model.step(Motion::at(S::from_f64(*x))).to_f64()).collect()
 }
 
 #[test]
 fn measured_passes_the_reading_on() {
-    let model = AnyVelocity::<f64>::build(&named("measured"));
-    let mut state = model.initial();
-    assert_eq!(model.step(&mut state, Motion { position: 3.0, velocity: -0.25 }), -0.25);
+    let mut model = AnyVelocity::<f64>::build(&named("measured")).expect("good settings");
+    assert_eq!(model.step(Motion { position: 3.0, velocity: -0.25 }), -0.25);
 }
 
 fn uniform_motion_is_exact<S: Scalar>(tolerance: f64) {
     for name in ["measured", "difference", "filtered", "adaptive"] {
         for speed in [0.0, 0.013, -0.8, 5.0] {
-            let model = AnyVelocity::<S>::build(&named(name));
-            let mut state = model.initial();
+            let mut model = AnyVelocity::<S>::build(&named(name)).expect("good settings");
             for tick in 0..40 {
                 let position = 0.1 + speed * PERIOD_S * f64::from(tick);
                 let reading = Motion { position: S::from_f64(position), velocity: S::from_f64(speed) };
                 if tick == 0 {
-                    model.start(&mut state, reading);
+                    model.start(reading);
                 }
-                let error = model.step(&mut state, reading).to_f64() - speed;
+                let error = model.step(reading).to_f64() - speed;
                 assert!(error.abs() < tolerance, "{name} {speed} {tick}: {error}");
             }
         }
@@ -198,17 +194,16 @@ proptest! {
         bad in prop::sample::select(vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY]),
     ) {
         for name in ["measured", "difference", "filtered", "adaptive"] {
-            let model = AnyVelocity::<f32>::build(&named(name));
-            let mut state = model.initial();
+            let mut model = AnyVelocity::<f32>::build(&named(name)).expect("good settings");
             for bits in &bits {
-                model.step(&mut state, Motion::at(f32::from_bits(*bits)));
+                model.step(Motion::at(f32::from_bits(*bits)));
             }
-            model.step(&mut state, Motion { position: bad, velocity: bad });
-            model.step(&mut state, Motion::at(0.01));
-            let recovered = model.step(&mut state, Motion::at(0.01));
+            model.step(Motion { position: bad, velocity: bad });
+            model.step(Motion::at(0.01));
+            let recovered = model.step(Motion::at(0.01));
             prop_assert!(name == "filtered" || recovered.is_finite(), "{name}: {recovered}");
-            model.start(&mut state, Motion::at(0.01));
-            prop_assert_eq!(model.step(&mut state, Motion::at(0.01)), 0.0);
+            model.start(Motion::at(0.01));
+            prop_assert_eq!(model.step(Motion::at(0.01)), 0.0);
         }
     }
 }
@@ -216,21 +211,12 @@ proptest! {
 #[test]
 fn every_number_of_a_state_is_visited() {
     for (name, numbers) in [("measured", 0), ("difference", 1), ("filtered", 2), ("adaptive", 16)] {
-        let model = AnyVelocity::<f64>::build(&named(name));
-        let mut state = model.initial();
+        let mut model = AnyVelocity::<f64>::build(&named(name)).expect("good settings");
         let mut count = 0;
-        state.visit(&mut |number: &mut f64| {
+        model.visit(&mut |number: &mut f64| {
             *number = 7.0;
             count += 1;
         });
         assert_eq!(count, numbers, "{name}");
     }
-}
-
-#[test]
-fn a_state_that_another_estimator_left_is_answered_with_nothing() {
-    let model = AnyVelocity::<f64>::build(&named("measured"));
-    let mut state = AnyVelocity::<f64>::build(&named("difference")).initial();
-    assert!(matches!(state, AnyVelocityState::Difference(_)));
-    assert_eq!(model.step(&mut state, Motion { position: 1.0, velocity: 1.0 }), 0.0);
 }

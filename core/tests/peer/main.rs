@@ -4,24 +4,21 @@ mod parting;
 mod safety;
 
 use haptic_core::device::Reading;
+use haptic_core::law::AnyLaw;
 use haptic_core::num::{Motion, Scalar};
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::Command;
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::Settings;
 
 /// A peer without device or network.
 struct Bench<S: Scalar> {
-    scene: Scene<Any<S>>,
-    state: State<Any<S>>,
+    peer: Peer<S, AnyLaw<S>>,
 }
 
 impl<S: Scalar> Bench<S> {
     /// Disarmed, its device here.
     fn at_rest(settings: &Settings, device: Motion<S>) -> Self {
-        let scene = Scene::build(settings).expect("a good scene");
-        let state = State::new(&scene, [device, Motion::REST]);
-        Self { scene, state }
+        Self { peer: Peer::new(settings, [device, Motion::REST]).expect("a good scene") }
     }
 
     /// Armed, its device at the origin.
@@ -32,12 +29,12 @@ impl<S: Scalar> Bench<S> {
     }
 
     fn command(&mut self, command: Command) {
-        self.state.command(&self.scene, command);
+        self.peer.command(command);
     }
 
     /// A tick with this reading.
     fn read(&mut self, reading: Reading<S>) -> Actuators<S> {
-        peer::tick(&self.scene, &mut self.state, &Sensors { reading, overrun: false })
+        self.peer.tick(&Sensors { reading, overrun: false })
     }
 
     /// A tick with the device here, moving like this.

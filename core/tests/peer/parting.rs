@@ -1,9 +1,8 @@
 //! A peer that parts lets go at once and begins again from no force, with whoever comes, counting from whatever they count.
 
+use haptic_core::law::Packet;
 use haptic_core::law::wave::Decode;
-use haptic_core::law::{LawName, Packet};
 use haptic_core::num::Motion;
-use haptic_core::peer;
 use haptic_core::safety::{Fault, Mode};
 use haptic_core::settings::Settings;
 
@@ -12,10 +11,10 @@ type Bench = crate::Bench<f64>;
 impl Bench {
     /// A packet period with or without a packet; the coordination force of its first tick.
     fn period(&mut self, incoming: Option<Packet<f64>>) -> f64 {
-        peer::exchange(&self.scene, &mut self.state, incoming);
+        self.peer.exchange(incoming);
         self.at(0.0, 0.0);
-        let force = self.state.observed().coordination_force;
-        for _ in 1..self.scene.ticks_per_packet() {
+        let force = self.peer.observed().coordination_force;
+        for _ in 1..self.peer.ticks_per_packet() {
             self.at(0.0, 0.0);
         }
         force
@@ -24,7 +23,7 @@ impl Bench {
 
 fn power() -> Settings {
     let mut settings = Settings::default();
-    settings.coordination.comm = LawName::Power;
+    settings.coordination.comm = "power";
     settings.coordination.stiffness_n_per_m = 310.0;
     settings.coordination.damping_n_s_per_m = 0.0;
     settings
@@ -39,18 +38,18 @@ fn the_force_goes_at_once_and_comes_back_step_by_step() {
     let settings = power();
     let mut bench = Bench::armed(&settings);
     assert!(bench.period(at(0.01)) > 3.0, "armed and told nothing, a peer takes the first packet in full");
-    assert!(bench.state.is_engaged());
+    assert!(bench.peer.is_engaged());
 
-    bench.state.part();
-    assert!(!bench.state.is_engaged());
+    bench.peer.part();
+    assert!(!bench.peer.is_engaged());
     // It renders alone, and what it sends is at rest.
     assert_eq!(bench.period(None), 0.0);
-    let sent = peer::outgoing(&bench.scene, &bench.state);
+    let sent = bench.peer.outgoing();
     assert_eq!((sent.motion.velocity, sent.wave), (0.0, 0.0));
 
     let steps = settings.safety.disengage_packets - settings.safety.fade_packets;
     for step in 1..=steps + 3 {
-        let here = peer::outgoing(&bench.scene, &bench.state).motion.position;
+        let here = bench.peer.outgoing().motion.position;
         let force = bench.period(at(here + 0.01));
         let share = f64::from(step.min(steps)) / f64::from(steps);
         // K_T times the distance, as far as the peer is engaged.
@@ -66,18 +65,18 @@ fn silence_goes_on_being_counted() {
     bench.period(at(0.0));
     for _ in 0..19 {
         bench.period(None);
-        bench.state.part();
+        bench.peer.part();
     }
-    assert_eq!(bench.state.mode(), Mode::Armed);
+    assert_eq!(bench.peer.mode(), Mode::Armed);
     bench.period(None);
-    assert_eq!(bench.state.mode(), Mode::Faulted(Fault::PeerLost));
+    assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::PeerLost));
 }
 
 /// The reason for parting: counters that begin again would look like the past, and the ledger would pay for nothing.
 #[test]
 fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
     let mut settings = Settings::default();
-    settings.coordination.comm = LawName::PassiveMean;
+    settings.coordination.comm = "passive-mean";
     settings.coordination.decode = Decode::Implicit;
     settings.coordination.ledger = true;
     let wave = |sent: f64| Some(Packet { wave: 0.1, energy_j: sent, ..Packet::default() });
@@ -89,13 +88,13 @@ fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
             bench.period(wave(f64::from(packet) * price));
         }
         if parts {
-            bench.state.part();
+            bench.peer.part();
         }
-        let before = bench.state.ledger().received_j();
+        let before = bench.peer.ledger().received_j();
         for packet in 1..=50 {
             bench.period(wave(f64::from(packet) * price));
         }
-        bench.state.ledger().received_j() - before
+        bench.peer.ledger().received_j() - before
     };
     let (held, parted) = (emitted(false), emitted(true));
     assert!(held <= price * (1.0 + 1e-9), "{held} J without parting");

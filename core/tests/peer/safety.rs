@@ -3,9 +3,9 @@
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{LawName, Packet};
+use haptic_core::law::Packet;
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, Actuators, Sensors};
+use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::settings::{Choice, Settings};
 
@@ -15,13 +15,13 @@ impl Bench {
     #[track_caller]
     fn assert_stopped(&mut self, last: Actuators<f32>, fault: Fault) {
         assert_eq!(last, Actuators::default(), "motors are off in the same tick");
-        assert_eq!(self.state.mode(), Mode::Faulted(fault));
+        assert_eq!(self.peer.mode(), Mode::Faulted(fault));
         // Neither time nor arming leaves a fault; clearing does, and leaves the motors off.
         self.command(Command::Arm);
         self.command(Command::Disarm);
-        assert_eq!(self.state.mode(), Mode::Faulted(fault));
+        assert_eq!(self.peer.mode(), Mode::Faulted(fault));
         self.command(Command::Clear);
-        assert_eq!(self.state.mode(), Mode::Disarmed);
+        assert_eq!(self.peer.mode(), Mode::Disarmed);
         assert_eq!(self.at(0.0, 0.0), Actuators::default());
         // Re-armed, the peer starts from no force at all.
         self.command(Command::Arm);
@@ -73,7 +73,7 @@ fn a_reading_whose_velocity_is_no_number() {
 fn a_packet_that_is_no_number() {
     let mut bench = Bench::armed(&Settings::default());
     let packet = Packet { wave: f32::NAN, ..Packet::default() };
-    peer::exchange(&bench.scene, &mut bench.state, Some(packet));
+    bench.peer.exchange(Some(packet));
     let last = bench.at(0.001, 0.0);
     bench.assert_stopped(last, Fault::NonFiniteInput);
 }
@@ -87,12 +87,12 @@ fn an_encoder_that_jumps() {
     bench.read(Reading::Counts([Counts(65_000), Counts(0)]));
     let last = bench.read(Reading::Counts([Counts(30_000), Counts(0)]));
     assert_eq!(last, Actuators::default());
-    assert_eq!(bench.state.mode(), Mode::Faulted(Fault::EncoderJump));
+    assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::EncoderJump));
     // A lasting offset must not lock the peer for ever: clearing takes it as where the joint was.
     bench.command(Command::Clear);
     bench.command(Command::Arm);
     assert!(bench.read(Reading::Counts([Counts(30_000), Counts(0)])).enable);
-    assert_eq!(bench.state.mode(), Mode::Armed);
+    assert_eq!(bench.peer.mode(), Mode::Armed);
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn a_force_too_long_at_its_limit() {
     let mut bench = Bench::armed(&settings);
     let mut last = Actuators::default();
     let mut ticks = 0;
-    while bench.state.mode() == Mode::Armed && ticks < 1000 {
+    while bench.peer.mode() == Mode::Armed && ticks < 1000 {
         last = bench.at(1.0, 0.0);
         ticks += 1;
     }
@@ -123,15 +123,15 @@ fn a_peer_that_falls_silent() {
     let mut bench = Bench::armed(&settings);
     // Silence before the first packet is no loss: the other peer may start later.
     for _ in 0..1000 {
-        peer::exchange(&bench.scene, &mut bench.state, None);
+        bench.peer.exchange(None);
     }
-    assert_eq!(bench.state.mode(), Mode::Armed);
-    peer::exchange(&bench.scene, &mut bench.state, Some(Packet::default()));
+    assert_eq!(bench.peer.mode(), Mode::Armed);
+    bench.peer.exchange(Some(Packet::default()));
     for _ in 1..settings.safety.peer_lost_packets {
-        peer::exchange(&bench.scene, &mut bench.state, None);
+        bench.peer.exchange(None);
     }
-    assert_eq!(bench.state.mode(), Mode::Armed);
-    peer::exchange(&bench.scene, &mut bench.state, None);
+    assert_eq!(bench.peer.mode(), Mode::Armed);
+    bench.peer.exchange(None);
     let last = bench.at(0.001, 0.0);
     bench.assert_stopped(last, Fault::PeerLost);
 }
@@ -140,18 +140,18 @@ fn a_peer_that_falls_silent() {
 fn a_tick_that_overruns() {
     let mut bench = Bench::armed(&Settings::default());
     let reading = Reading::Exact([Motion::REST; AXES]);
-    let last = peer::tick(&bench.scene, &mut bench.state, &Sensors { reading, overrun: true });
+    let last = bench.peer.tick(&Sensors { reading, overrun: true });
     bench.assert_stopped(last, Fault::TickOverrun);
 }
 
 #[test]
 fn an_object_that_leaves_the_numbers() {
     let mut settings = Settings::default();
-    settings.coordination.comm = LawName::Power;
+    settings.coordination.comm = "power";
     settings.object.force_delay_ticks = 0.0;
     let mut bench = Bench::armed(&settings);
     let far = Packet { motion: Motion { position: 3e38, velocity: 0.0 }, ..Packet::default() };
-    peer::exchange(&bench.scene, &mut bench.state, Some(far));
+    bench.peer.exchange(Some(far));
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
 }
@@ -160,13 +160,13 @@ fn an_object_that_leaves_the_numbers() {
 #[test]
 fn a_power_that_leaves_the_numbers() {
     let mut settings = Settings::default();
-    settings.coordination.comm = LawName::Power;
+    settings.coordination.comm = "power";
     let mut bench = Bench::armed(&settings);
     let fast = Packet { motion: Motion { position: 0.0, velocity: 1e20 }, ..Packet::default() };
-    peer::exchange(&bench.scene, &mut bench.state, Some(fast));
+    bench.peer.exchange(Some(fast));
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
-    assert_eq!(bench.state.ledger().received_j(), 0.0);
+    assert_eq!(bench.peer.ledger().received_j(), 0.0);
 }
 
 /// Faults have numbers that logs and telemetry rely on.
@@ -193,15 +193,15 @@ fn fault_numbers_never_change() {
 fn an_encoder_that_is_stuck() {
     let mut settings = Settings::default();
     settings.axis.velocity = VelocityName::Difference;
-    settings.coordination.comm = LawName::Power;
+    settings.coordination.comm = "power";
     settings.coordination.stiffness_n_per_m = 300.0;
     let stuck_at = |counts: &dyn Fn(u16) -> u16| {
         let mut bench = Bench::armed(&settings);
         let mut largest = 0.0_f32;
         for tick in 0..400_u16 {
-            if bench.state.packet_due() {
+            if bench.peer.packet_due() {
                 let pulled = Packet { motion: Motion::at(0.0004 * f32::from(tick)), ..Packet::default() };
-                peer::exchange(&bench.scene, &mut bench.state, Some(pulled));
+                bench.peer.exchange(Some(pulled));
             }
             let actuators = bench.read(Reading::Counts([Counts(counts(tick)), Counts(0)]));
             largest = largest.max(actuators.forces[0].abs());
@@ -209,14 +209,14 @@ fn an_encoder_that_is_stuck() {
         (bench, largest)
     };
     let (mut bench, largest) = stuck_at(&|_| 7);
-    assert_eq!(bench.state.mode(), Mode::Faulted(Fault::EncoderStuck));
+    assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::EncoderStuck));
     // 10 N, and what the object adds in one packet period.
     assert!((9.0..12.0).contains(&largest), "{largest} N");
     let last = bench.read(Reading::Counts([Counts(7), Counts(0)]));
     bench.assert_stopped(last, Fault::EncoderStuck);
     // One count now and then is a device that is there.
     let (bench, largest) = stuck_at(&|tick| 7 + tick / 32 % 2);
-    assert_eq!(bench.state.mode(), Mode::Armed);
+    assert_eq!(bench.peer.mode(), Mode::Armed);
     assert!(largest > 15.0, "{largest} N");
 }
 
@@ -225,7 +225,7 @@ fn an_encoder_that_is_stuck() {
 fn an_encoder_that_counts_the_wrong_way() {
     let mut settings = Settings::default();
     settings.axis.velocity = VelocityName::Difference;
-    settings.coordination.comm = LawName::Free;
+    settings.coordination.comm = "none";
     settings.object.mass_kg = 1000.0;
     let run = |flipped: bool| {
         let mut bench = Bench::armed(&settings);
@@ -236,13 +236,13 @@ fn an_encoder_that_counts_the_wrong_way() {
             last = position;
             let counts = Counts((seen * 200_000.0).round() as i64 as u16);
             let actuators = bench.read(Reading::Counts([counts, Counts(0)]));
-            if bench.state.mode() != Mode::Armed {
-                return (bench.state.mode(), tick, speed);
+            if bench.peer.mode() != Mode::Armed {
+                return (bench.peer.mode(), tick, speed);
             }
             speed += 1e-3 * (f64::from(actuators.forces[0]) + 4.0 - 3.0 * speed) / 0.1;
             position += 1e-3 * speed;
         }
-        (bench.state.mode(), 1000, speed)
+        (bench.peer.mode(), 1000, speed)
     };
     assert_eq!(run(false).0, Mode::Armed);
     let (mode, tick, speed) = run(true);
@@ -264,7 +264,7 @@ fn a_blow_is_taken() {
     });
     let hardest = forces.fold(0.0, f32::min);
     assert!(hardest < -20.0, "{hardest} N");
-    assert_eq!(bench.state.mode(), Mode::Armed);
+    assert_eq!(bench.peer.mode(), Mode::Armed);
 }
 
 /// The slew limit holds from tick to tick, and does not touch a force that moves slower.
@@ -301,5 +301,5 @@ fn the_first_reading_of_an_encoder_is_no_motion() {
     let mut bench = Bench::at_rest(&settings, Motion::at(-0.005));
     bench.command(Command::Arm);
     bench.read(Reading::Counts([Counts(1234), Counts(0)]));
-    assert_eq!(bench.state.observed().device, Motion::at(-0.005));
+    assert_eq!(bench.peer.observed().device, Motion::at(-0.005));
 }

@@ -188,7 +188,7 @@ fn an_image_with_other_keys_reads_a_record_for_what_it_says() {
 
 #[test]
 fn everything_fits_at_its_longest() {
-    let longest: usize = (Settings::KEYS.iter())
+    let longest: usize = (Settings::keys())
         .map(|key| {
             let names = match key.allowed {
                 Allowed::Names(names) => names.iter().map(|name| name.len()).max().unwrap(),

@@ -69,7 +69,7 @@ pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
         let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
         let sweep = Sweep::new(scene, range)?;
         let limit = along(&sweep, Effort::default())?;
-        if let Some(change) = nearest(&sweep, &limit, now, key)? {
+        if let Some(change) = nearest(&sweep, &limit, now, &key)? {
             return Ok(Some(change));
         }
     }
@@ -82,7 +82,7 @@ fn gain(scene: &Scene, name: &str) -> f64 {
 }
 
 /// The nearest value that is stable with a margin.
-fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &'static Key) -> Result<Option<Change>, AnalysisError> {
+fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<Change>, AnalysisError> {
     let range = sweep.range();
     let mut edges = vec![range.from];
     edges.extend(&limit.crossings);

@@ -4,7 +4,7 @@
 //! powers of two that balance the constructed matrix ([`balance`]). The difference is the largest
 //! |entry of one − entry of the other| in these units over the largest |entry|, or over 1 where all are smaller.
 
-use haptic_core::law::{LawName, Packet};
+use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
@@ -97,15 +97,15 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
     };
     let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
     let law: &[Option<State>] = match linear.peer.coordination.comm {
-        LawName::Wave | LawName::PassiveWave => {
+        "wave" | "passive-wave" => {
             // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, Some(Outgoing)]
         }
         // The sum before the mean is zero at every exchange.
-        LawName::PassiveMean => {
+        "passive-mean" => {
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
         }
-        LawName::Power => &[None, None],
+        "power" => &[None, None],
         _ => &[],
     };
     let estimator = [Some(LastReading), Some(FilteredVelocity)];

@@ -4,9 +4,7 @@
 //! Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every force one tick late, delayed
 //! decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
 
-use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
-use haptic_core::settings::Choice;
 use serde::Serialize;
 
 use super::limit::Effort;
@@ -18,7 +16,7 @@ use haptic_sim::report::table::Table;
 use haptic_sim::scene::Scene;
 
 /// The panels, in the paper's order (a), (b), (c).
-pub const COMMS: [LawName; 3] = [LawName::Power, LawName::Wave, LawName::PassiveWave];
+pub const COMMS: [&str; 3] = ["power", "wave", "passive-wave"];
 
 /// One-way delays, packets.
 pub const DELAYS: [u32; 4] = [0, 1, 2, 3];
@@ -33,7 +31,7 @@ pub fn axes() -> [Axis; 2] {
 }
 
 /// The scene behind one curve.
-pub fn scene(comm: LawName, one_way_delay_packets: u32) -> Scene {
+pub fn scene(comm: &'static str, one_way_delay_packets: u32) -> Scene {
     let mut scene = Scene::default();
     scene.peer.object.mass_kg = 0.6;
     scene.peer.object.integrator = IntegratorName::Exact;
@@ -61,7 +59,7 @@ pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError
     for comm in COMMS {
         for delay in DELAYS {
             let map = map(&scene(comm, delay), axes(), effort, &done)?;
-            let curve = Curve { comm: comm.name(), one_way_delay_packets: delay, columns: map.columns.clone() };
+            let curve = Curve { comm: comm, one_way_delay_packets: delay, columns: map.columns.clone() };
             curves.push((curve, map));
         }
     }

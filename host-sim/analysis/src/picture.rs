@@ -1,7 +1,5 @@
 //! Stability regions as pictures: tinted where stable, with the crossings as lines.
 
-use haptic_core::settings::Key;
-
 use super::figure4::{self, Curve};
 use super::map::Map;
 use super::outline::outline;
@@ -10,7 +8,7 @@ use haptic_sim::scene::Scene;
 
 /// Key and unit, for an axis.
 fn label(key: &str) -> String {
-    let unit = Scene::keys().into_iter().find(|(name, _)| name == key).map(|(_, Key { unit, .. })| *unit);
+    let unit = Scene::keys().into_iter().find(|(name, _)| name == key).map(|(_, key)| key.unit);
     match unit {
         Some(unit) if !unit.is_empty() => format!("{key} ({unit})"),
         _ => key.to_owned(),

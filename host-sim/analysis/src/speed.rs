@@ -6,7 +6,6 @@
 
 use std::time::Instant;
 
-use haptic_core::law::LawName;
 use serde::Serialize;
 
 use super::error::AnalysisError;
@@ -36,7 +35,7 @@ pub struct Speed {
 /// Computes `radii` radii on each of `threads` threads.
 pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 12_000.0 };
-    let mut scene = figure4::scene(LawName::PassiveWave, 3);
+    let mut scene = figure4::scene("passive-wave", 3);
     scene.peer.contact.stiffness_n_per_m = 500.0;
     let sweep = Sweep::new(&scene, range)?;
     let work = || {

@@ -14,8 +14,8 @@ use std::process::{Command, ExitCode};
 
 use haptic_cases::ticks::recording::{Recording, TICKS};
 use haptic_cases::ticks::{self, Measure};
+use haptic_core::law::Law;
 use haptic_core::num::Scalar;
-use haptic_core::scene::Models;
 use haptic_core::settings::Settings;
 
 /// Number types, in the order of the columns.
@@ -29,10 +29,10 @@ struct Replay<'a> {
 }
 
 impl Measure for Replay<'_> {
-    fn case<M: Models>(&mut self, scene: &'static str, settings: &Settings) {
-        if scene == self.scene && M::Scalar::NAME == self.scalar {
+    fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, settings: &Settings) {
+        if scene == self.scene && S::NAME == self.scalar {
             self.found = true;
-            ticks::replay(&Recording::<M>::new(settings));
+            ticks::replay(&Recording::<S, L>::new(settings));
         }
     }
 }
@@ -46,16 +46,16 @@ struct Count {
 }
 
 impl Measure for Count {
-    fn case<M: Models>(&mut self, scene: &'static str, _: &Settings) {
+    fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, _: &Settings) {
         if self.failure.is_some() {
             return;
         }
         if !self.scenes.contains(&scene) {
             self.scenes.push(scene);
         }
-        match count(scene, M::Scalar::NAME) {
+        match count(scene, S::NAME) {
             Ok(count) => {
-                self.counts.insert((scene, M::Scalar::NAME), count);
+                self.counts.insert((scene, S::NAME), count);
             }
             Err(why) => self.failure = Some(why),
         }

@@ -5,9 +5,8 @@
 use alloc::vec::Vec;
 
 use haptic_core::contact::Contact;
-use haptic_core::model::Model;
 use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
+use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::Settings;
 
 /// Length of every motion, s.
@@ -44,8 +43,8 @@ pub fn settings(test: Test, integrator: IntegratorName, period_s: f64) -> Settin
 
 /// The test as core computes it in `S`, one motion each tick.
 pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
-    let (integrator, contact) = (AnyIntegrator::<S>::build(settings), Contact::<S>::build(settings));
-    let mut state = integrator.initial();
+    let mut integrator = AnyIntegrator::<S>::build(settings).expect(crate::GOOD);
+    let contact = Contact::<S>::build(settings);
     let mut object = match test {
         Test::Push => Motion::REST,
         _ => Motion::at(S::from_f64(RELEASE_M)),
@@ -57,7 +56,7 @@ pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
             Test::Push => S::from_f64(PUSH_N),
             _ => contact.force(Motion::REST, object),
         };
-        object = integrator.step(&mut state, object, force);
+        object = integrator.step(object, force);
         before
     };
     (0..ticks).map(step).collect()

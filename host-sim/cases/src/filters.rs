@@ -24,7 +24,7 @@ pub struct Exact<S>(OnePole<S>, Level<S>);
 impl<S: Scalar> Filter<S> for Exact<S> {
     const NAME: &'static str = "exact";
     fn build(settings: &Settings) -> Self {
-        Self(OnePole::build(settings), Level::default())
+        Self(OnePole::build(settings).expect(crate::GOOD), Level::default())
     }
     #[inline]
     fn push(&mut self, wave: S) -> S {

@@ -23,18 +23,19 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::hint::black_box;
 
-use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths};
-use haptic_core::device::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
-use haptic_core::law::wave::Decode;
+use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
+use haptic_core::device::velocity::{AnyVelocity, VelocityName};
+use haptic_core::law::wave::{Decode, PassiveWave};
 use haptic_core::law::{AnyLaw, Law};
-use haptic_core::model::Model;
 use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, Integrator, IntegratorName};
-use haptic_core::scene::{Any, Models};
+use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::{Choice, Settings};
 
 use filters::{Bilinear, Exact, Filter, ForwardEuler};
-use ticks::recording::{Named, Recording, TICKS, step};
+use ticks::recording::{Recording, TICKS, step};
+
+/// Why a model of this package's own settings can be built.
+const GOOD: &str = "settings that are counted are good";
 
 /// Counts instructions.
 pub trait Meter {
@@ -70,8 +71,8 @@ fn case<M: Meter, I: Copy + 'static, O, B: FnMut(I) -> O>(
 
 /// Every case in one number type, in the order of the tables; each is made when its turn comes.
 pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
-    let ticks = scenes::SCENES.iter().map(|scene| tick::<Any<S>, M>(scene));
-    let named = core::iter::once_with(|| tick::<Named<S>, M>(&scenes::NAMED));
+    let ticks = scenes::SCENES.iter().map(|scene| tick::<S, AnyLaw<S>, M>(scene));
+    let named = core::iter::once_with(|| tick::<S, PassiveWave<S>, M>(&scenes::NAMED));
     let filters = [filter::<S, Exact<S>, M>, filter::<S, ForwardEuler<S>, M>, filter::<S, Bilinear<S>, M>];
     let velocities = reach::RESOLUTIONS
         .iter()
@@ -86,11 +87,11 @@ pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
 }
 
 /// The ticks of a scene.
-fn tick<M: Models, R: Meter>(scene: &scenes::Scene) -> Case {
+fn tick<S: Scalar, L: Law<S>, M: Meter>(scene: &scenes::Scene) -> Case {
     let settings = scene.settings();
     let replay = move || {
-        let recording = Recording::<M>::new(&settings);
-        recording.replay(|scene, state, input| R::call(&mut |input| step(scene, state, input), input));
+        let recording = Recording::<S, L>::new(&settings);
+        recording.replay(|peer, input| M::call(&mut |input| step(peer, input), input));
     };
     Case { name: format!("tick/{}", scene.name), calls: TICKS, replay: Box::new(replay) }
 }
@@ -101,9 +102,8 @@ fn integrator<S: Scalar, M: Meter>(name: IntegratorName) -> Case {
     let motions = contact::run::<S>(contact::Test::Contact, &settings);
     let inputs = motions.into_iter().map(|motion| (motion, stiffness * motion.position)).collect();
     case::<M, _, _, _>(format!("integrator/{}", name.name()), inputs, move || {
-        let integrator = black_box(AnyIntegrator::<S>::build(&settings));
-        let mut state = black_box(integrator.initial());
-        move |(motion, force)| integrator.step(&mut state, motion, force)
+        let mut integrator = black_box(AnyIntegrator::<S>::build(&settings).expect(GOOD));
+        move |(motion, force)| integrator.step(motion, force)
     })
 }
 
@@ -111,8 +111,8 @@ fn decode<S: Scalar, M: Meter>(decode: Decode) -> Case {
     let settings = line::settings(decode, Settings::default().coordination.stiffness_n_per_m);
     let inputs = (0..line::ticks(&settings)).map(|tick| line::input::<S>(&settings, tick).0).collect();
     case::<M, _, _, _>(format!("decode/{}", decode.name()), inputs, move || {
-        let law = black_box(AnyLaw::<S>::build(&settings));
-        let mut state = black_box(law.initial());
+        let law = black_box(AnyLaw::<S>::build(&settings).expect(GOOD));
+        let mut state = black_box(law.start(Motion::REST));
         move |local| law.couple(&mut state, local)
     })
 }
@@ -130,7 +130,7 @@ fn mechanism<S: Scalar, M: Meter>(model: KinematicsName, maths: Maths) -> Case {
     let joint = |at: f64| Motion { position: S::from_f64(at), velocity: S::from_f64(at) };
     let inputs = workspace::joints(model).into_iter().map(|joints| joints.map(joint)).collect();
     case::<M, _, _, _>(workspace::case(model, maths), inputs, move || {
-        let kinematics = black_box(AnyKinematics::<S>::build(&settings));
+        let kinematics = black_box(AnyKinematics::<S>::build(&settings).expect(GOOD));
         move |joints| kinematics.forward(joints)
     })
 }
@@ -139,8 +139,7 @@ fn estimator<S: Scalar, M: Meter>(name: VelocityName, counts_per_m: f64) -> Case
     let settings = reach::settings(name, counts_per_m);
     let inputs = reach::readings::<S>(&settings).into_iter().map(|(reading, _)| reading).collect();
     case::<M, _, _, _>(reach::case(name, counts_per_m), inputs, move || {
-        let estimator = black_box(AnyVelocity::<S>::build(&settings));
-        let mut state = black_box(estimator.initial());
-        move |reading| estimator.step(&mut state, reading)
+        let mut estimator = black_box(AnyVelocity::<S>::build(&settings).expect(GOOD));
+        move |reading| estimator.step(reading)
     })
 }

@@ -12,11 +12,10 @@
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::Packet;
+use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, Scalar, StateVector};
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::Command;
-use haptic_core::scene::{Any, Scene};
 use haptic_core::settings::{Settings, Value};
 
 /// The reading is exact.
@@ -82,7 +81,6 @@ pub fn run(
         let (key, text) = line.split_once('=').ok_or(Unreadable::Settings)?;
         settings.set(key, value(text)).map_err(|_| Unreadable::Settings)?;
     }
-    let scene = Scene::<Any<f32>>::build(&settings).map_err(|_| Unreadable::Settings)?;
     let mut numbers = |count: usize| -> Option<[f32; 4]> {
         let mut bytes = [0; 16];
         let whole = read(bytes.get_mut(..4 * count)?);
@@ -90,8 +88,9 @@ pub fn run(
         whole.then(|| core::array::from_fn(|_| each.next().unwrap_or_default()))
     };
     let [x, y, ..] = numbers(AXES).ok_or(Unreadable::Short)?;
-    let mut state = State::new(&scene, [Motion::at(x), Motion::at(y)]);
-    state.command(&scene, Command::Arm);
+    let device = [Motion::at(x), Motion::at(y)];
+    let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, device).map_err(|_| Unreadable::Settings)?;
+    peer.command(Command::Arm);
     let (mut ticks, mut hash) = (0, SEED);
     let mut flags = [0];
     while read(&mut flags) {
@@ -121,10 +120,10 @@ pub fn run(
             incoming = Some(Packet { motion: Motion { position, velocity }, wave, energy_j, wave_integral });
         }
         if flags & EXCHANGE != 0 {
-            peer::exchange(&scene, &mut state, incoming);
+            peer.exchange(incoming);
         }
-        let actuators = peer::tick(&scene, &mut state, &Sensors { reading, overrun: false });
-        fold(&mut hash, &mut state, &actuators);
+        let actuators = peer.tick(&Sensors { reading, overrun: false });
+        fold(&mut hash, &mut peer, &actuators);
         each(ticks, &actuators);
         ticks += 1;
     }

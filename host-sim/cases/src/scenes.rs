@@ -4,7 +4,6 @@
 
 use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::Settings;
@@ -54,12 +53,12 @@ const fn scene(name: &'static str, over: Option<&'static str>, adds: &'static st
 
 /// Every scene that is counted, each after the one it is compared with.
 pub const SCENES: &[Scene] = &[
-    scene("none", None, "one peer: contact, object, limits, duty", |s| s.coordination.comm = LawName::Free),
+    scene("none", None, "one peer: contact, object, limits, duty", |s| s.coordination.comm = "none"),
     scene("power", Some("none"), "power-domain coordination", |s| {
-        s.coordination.comm = LawName::Power;
+        s.coordination.comm = "power";
         s.coordination.stiffness_n_per_m = 310.0;
     }),
-    scene("wave", Some("none"), "wave-domain coordination, delayed decode", |s| s.coordination.comm = LawName::Wave),
+    scene("wave", Some("none"), "wave-domain coordination, delayed decode", |s| s.coordination.comm = "wave"),
     scene("delayed-forward-euler", Some("wave"), "anti-aliasing filter (passive wave)", |_| {}),
     scene("delayed-semi-implicit", Some("delayed-forward-euler"), "semi-implicit instead of forward Euler", |s| {
         s.object.integrator = IntegratorName::SemiImplicit;
@@ -78,15 +77,15 @@ pub const SCENES: &[Scene] = &[
     }),
     scene("passive-mean", Some("implicit-forward-euler"), "mean of a packet instead of the filter", |s| {
         implicit(s);
-        s.coordination.comm = LawName::PassiveMean;
+        s.coordination.comm = "passive-mean";
     }),
     scene("ledger", Some("passive-mean"), "energy ledger that pays for what comes in", |s| {
         implicit(s);
-        (s.coordination.comm, s.coordination.ledger) = (LawName::PassiveMean, true);
+        (s.coordination.comm, s.coordination.ledger) = ("passive-mean", true);
     }),
     scene("drift-correction", Some("ledger"), "drift correction out of the ledger", |s| {
         implicit(s);
-        (s.coordination.comm, s.coordination.ledger) = (LawName::PassiveMean, true);
+        (s.coordination.comm, s.coordination.ledger) = ("passive-mean", true);
         s.coordination.drift_correction = true;
     }),
     scene("play", Some("implicit-forward-euler"), "contact with play to both sides", |s| {
@@ -130,5 +129,5 @@ pub const SCENES: &[Scene] = &[
     }),
 ];
 
-/// The scene of an image that names its models and carries no others ([`haptic_core::scene::Models`]).
+/// The scene of an image that names its law and carries no other.
 pub const NAMED: Scene = scene("named-models", Some("delayed-forward-euler"), "models named at compile time", |_| {});

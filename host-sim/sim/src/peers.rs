@@ -7,12 +7,11 @@ use std::fmt::Debug;
 use haptic_core::contact::Impacts;
 use haptic_core::device::AXES;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::law::Packet;
 use haptic_core::law::ledger::Ledger;
+use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
-use haptic_core::peer::{self, Actuators, Observed, Sensors, State};
+use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Any, Scene as Built};
 use haptic_core::settings::{Refused, Settings};
 
 use crate::double_double::DoubleDouble;
@@ -72,60 +71,52 @@ impl Number for f64 {}
 impl Number for Fixed {}
 impl Number for DoubleDouble {}
 
-/// A peer with any model of every list.
-#[derive(Clone, Debug)]
-struct Peer<S: Scalar> {
-    scene: Built<Any<S>>,
-    state: State<Any<S>>,
-}
-
-impl<S: Scalar> DynPeer<S> for Peer<S> {
+impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
     fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
-        peer::tick(&self.scene, &mut self.state, sensors)
+        Peer::tick(self, sensors)
     }
     fn exchange(&mut self, incoming: Option<Packet<S>>) -> Packet<S> {
-        peer::exchange(&self.scene, &mut self.state, incoming)
+        Peer::exchange(self, incoming)
     }
     fn outgoing(&self) -> Packet<S> {
-        peer::outgoing(&self.scene, &self.state)
+        Peer::outgoing(self)
     }
     fn packet_due(&self) -> bool {
-        self.state.packet_due()
+        Peer::packet_due(self)
     }
     fn command(&mut self, command: Command) {
-        self.state.command(&self.scene, command);
+        Peer::command(self, command);
     }
     fn part(&mut self) {
-        self.state.part();
+        Peer::part(self);
     }
     fn probe(&mut self, probe: Probe<S>) {
-        self.state.probe(probe);
+        Peer::probe(self, probe);
     }
     fn probed(&self) -> Outcome {
-        self.state.probed()
+        Peer::probed(self)
     }
     fn mode(&self) -> Mode {
-        self.state.mode()
+        Peer::mode(self)
     }
     fn is_engaged(&self) -> bool {
-        self.state.is_engaged()
+        Peer::is_engaged(self)
     }
     fn observed(&self) -> &Observed<S> {
-        self.state.observed()
+        Peer::observed(self)
     }
     fn ledger(&self) -> &Ledger<S> {
-        self.state.ledger()
+        Peer::ledger(self)
     }
     fn impacts(&self) -> Impacts<S> {
-        self.state.impacts()
+        Peer::impacts(self)
     }
     fn visit_state(&mut self, each: &mut dyn FnMut(&mut S)) {
-        self.state.visit(&mut |number| each(number));
+        self.visit(&mut |number| each(number));
     }
     fn hash(&self, seed: u64) -> u64 {
         let mut hash = seed;
-        let mut state = self.state;
-        state.visit(&mut |number: &mut S| {
+        { *self }.visit(&mut |number: &mut S| {
             // The fold brings the high bits down, where the next product spreads them again.
             hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
             hash ^= hash >> 32;
@@ -133,7 +124,7 @@ impl<S: Scalar> DynPeer<S> for Peer<S> {
         hash
     }
     fn boxed(&self) -> Box<dyn DynPeer<S>> {
-        Box::new(self.clone())
+        Box::new(*self)
     }
 }
 
@@ -145,6 +136,5 @@ pub fn build<S: Number>(
     settings: &Settings,
     device: [Motion<S>; AXES],
 ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-    let scene = Built::build(settings)?;
-    Ok(Box::new(Peer { state: State::new(&scene, device), scene }))
+    Ok(Box::new(Peer::<S, AnyLaw<S>>::new(settings, device)?))
 }

@@ -13,7 +13,7 @@ use haptic_core::device::AXES;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Choice, Key, Refused, SetError, Settings, Value, number};
+use haptic_core::settings::{Allowed, Choice, Key, Refused, SetError, Settings, Tables, Value, number};
 
 use crate::network::rule::{Jitter, NetworkTrace};
 use crate::peers::{self, DynPeer, Number};
@@ -152,10 +152,10 @@ pub enum SceneError {
 
 impl Scene {
     /// Every key of a scene file with what it accepts, those of the two users included.
-    pub fn keys() -> Vec<(String, &'static Key)> {
-        let shared = Settings::KEYS.iter().chain(World::KEYS).map(|key| (key.name.to_owned(), key));
+    pub fn keys() -> Vec<(String, Key)> {
+        let shared = Settings::keys().chain(World::KEYS.iter().copied()).map(|key| (key.name.to_owned(), key));
         let users = (1..=2).flat_map(|user| {
-            UserSettings::KEYS.iter().map(move |key| (key.name.replacen("user.", &format!("user.{user}."), 1), key))
+            UserSettings::KEYS.iter().map(move |key| (key.name.replacen("user.", &format!("user.{user}."), 1), *key))
         });
         shared.chain(users).filter(|(name, _)| name != "contact.side").collect()
     }

@@ -8,8 +8,9 @@
 //! A law that is in core's list and not in [`COMMS`] is tried as well, at the paper's gain for what it sends, and promises
 //! nothing.
 
-use haptic_core::law::{LawName, Sends, sends};
-use haptic_core::settings::{Choice, Refused, Settings};
+use haptic_core::law::Sends;
+use haptic_core::schema::Schema;
+use haptic_core::settings::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -45,17 +46,10 @@ pub const COMMS: [(&str, &[&str], bool); 4] = [
 pub(super) fn with_unnamed(named: &[(&'static str, &[&str])]) -> Vec<(&'static str, Vec<String>)> {
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
-    for &law in LawName::ALL {
-        let mut settings = Settings::default();
-        settings.coordination.comm = law;
-        let stiffness = match sends(&settings) {
-            Sends::Nothing => continue,
-            Sends::Motion => "coordination.stiffness_n_per_m=310",
-            Sends::Waves => "coordination.stiffness_n_per_m=1590",
-        };
-        let comm = format!("coordination.comm={}", law.name());
+    for law in Schema::BUILT_IN.kinds().iter().filter(|law| law.sends != Sends::Nothing) {
+        let comm = format!("coordination.comm={}", law.name);
         if !all.iter().any(|(_, settings)| settings.contains(&comm)) {
-            all.push((law.name(), vec![comm, stiffness.to_owned()]));
+            all.push((law.name, [vec![comm], owned(law.gains)].concat()));
         }
     }
     all

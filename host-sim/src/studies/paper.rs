@@ -122,8 +122,7 @@ fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send
 }
 
 fn comm(scene: &Scene) -> String {
-    use haptic_core::settings::Choice;
-    scene.peer.coordination.comm.name().to_owned()
+    scene.peer.coordination.comm.to_owned()
 }
 
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.

@@ -21,7 +21,7 @@ pub struct Recording {
 /// The settings that differ from the defaults, a line each.
 fn lines(settings: &Settings) -> String {
     let defaults = Settings::default();
-    let changed = Settings::KEYS.iter().filter(|key| settings.get(key.name) != defaults.get(key.name));
+    let changed = Settings::keys().filter(|key| settings.get(key.name) != defaults.get(key.name));
     let line = |name: &str| match settings.get(name) {
         Some(Value::Number(number)) => format!("{name}={number:?}\n"),
         Some(Value::Flag(flag)) => format!("{name}={flag}\n"),

@@ -9,11 +9,10 @@
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::contact::Contact;
 use haptic_core::device::Reading;
-use haptic_core::law::Packet;
+use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::Motion;
-use haptic_core::peer::{self, Observed, Sensors, State};
+use haptic_core::peer::{Observed, Peer, Sensors};
 use haptic_core::safety::Command;
-use haptic_core::scene::{Any, Scene as Built};
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
 use haptic_sim::scene::Scene;
@@ -110,29 +109,28 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
 /// # Panics
 /// The settings are refused.
 pub fn replay_alone(settings: &Settings, records: &[Record]) -> Equal {
-    replay_from(settings, records, State::part)
+    replay_from(settings, records, Peer::part)
 }
 
-fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut State<Any<f32>>)) -> Equal {
-    let scene = Built::<Any<f32>>::build(settings).expect("the board took it");
+fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer<f32, AnyLaw<f32>>)) -> Equal {
     let home = Motion::at(-Contact::<f32>::build(settings).clear_of(0.0));
-    let mut state = State::new(&scene, [home, Motion::REST]);
-    state.command(&scene, Command::Arm);
-    begin(&mut state);
+    let mut peer = Peer::new(settings, [home, Motion::REST]).expect("the board took it");
+    peer.command(Command::Arm);
+    begin(&mut peer);
     compare(
         |tick| {
             let board = &records[tick as usize];
             let incoming = board.incoming();
             if board.flags() & record::PARTED != 0 {
-                state.part();
+                peer.part();
             }
             if board.flags() & record::SENT != 0 {
-                peer::exchange(&scene, &mut state, incoming);
+                peer.exchange(incoming);
             }
             let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;
-            let actuators = peer::tick(&scene, &mut state, &Sensors { reading: Reading::Counts(counts), overrun });
-            Record::new(board.tick(), counts, incoming, board.flags(), &mut state, &actuators) == *board
+            let actuators = peer.tick(&Sensors { reading: Reading::Counts(counts), overrun });
+            Record::new(board.tick(), counts, incoming, board.flags(), &mut peer, &actuators) == *board
         },
         records.len() as u64,
     )

@@ -21,12 +21,10 @@ pub struct Capstan<S> {
 
 impl<S: Scalar> Model<S> for Capstan<S> {
     type State = ();
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-        within(settings, "axis.count", Allowed::Whole { min: 1, max: 1 })
-    }
-    fn build(settings: &Settings) -> Self {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        within(settings, "axis.count", Allowed::Whole { min: 1, max: 1 })?;
         let kinematics = &settings.kinematics;
-        Self { m_per_rad: S::from_f64(kinematics.paddle_radius_m / kinematics.capstan_ratio) }
+        Ok(Self { m_per_rad: S::from_f64(kinematics.paddle_radius_m / kinematics.capstan_ratio) })
     }
 }
 

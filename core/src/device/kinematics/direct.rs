@@ -6,7 +6,7 @@ use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Pose};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// No mechanism between joints and axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,8 +14,8 @@ pub struct Direct;
 
 impl<S: Scalar> Model<S> for Direct {
     type State = ();
-    fn build(_: &Settings) -> Self {
-        Self
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
     }
 }
 

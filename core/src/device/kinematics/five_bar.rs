@@ -57,17 +57,14 @@ pub struct FiveBar<S> {
 impl<S: Scalar> Model<S> for FiveBar<S> {
     type State = ();
 
-    /// Two axes, and distal links that meet at home with room to move.
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         within(settings, "axis.count", Allowed::Whole { min: 2, max: 2 })?;
-        // Half the elbows' distance at home; cos 60° = 1/2.
+        // The distal links meet at home with room to move. Half the elbows' distance there; cos 60° = 1/2.
         let half_distance = 0.5 * settings.kinematics.base_m + 0.5 * settings.kinematics.proximal_m;
         let (least, most) = HOME_COSINE;
         let allowed = Allowed::Number { min: half_distance / most, max: half_distance / least };
-        within(settings, "kinematics.distal_m", allowed)
-    }
+        within(settings, "kinematics.distal_m", allowed)?;
 
-    fn build(settings: &Settings) -> Self {
         let kinematics = &settings.kinematics;
         let mut five_bar = Self {
             maths: kinematics.maths,
@@ -81,7 +78,7 @@ impl<S: Scalar> Model<S> for FiveBar<S> {
         // With the tick's own arithmetic, so that home is zero to the last bit.
         let [x, y] = five_bar.forward([Motion::REST; AXES]).axes;
         five_bar.home = [x.position, y.position];
-        five_bar
+        Ok(five_bar)
     }
 }
 

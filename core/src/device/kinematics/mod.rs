@@ -16,9 +16,11 @@ pub mod direct;
 pub mod five_bar;
 
 use crate::device::AXES;
-use crate::model::{Listed, Model};
+use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::{Choice, Settings};
+use crate::settings::Settings;
+
+pub use crate::names::{KinematicsName, Maths};
 
 /// Where the axes are, and how the joints move them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,36 +58,26 @@ impl<S: Scalar> Pose<S> {
 }
 
 /// A mechanism.
-pub trait Kinematics<S: Scalar>: Model<S> + Listed<S> {
+pub trait Kinematics<S: Scalar>: Model<S> {
     /// The pose for the joints' positions (m or rad, zero where the encoders were first read) and velocities.
     fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S>;
 }
 
 list! {
     /// Any one of the mechanisms.
-    Kinematics: AnyKinematics, AnyKinematicsState, named by KinematicsName in kinematics.model {
-        /// Each joint is an axis.
-        "direct" => Direct(direct::Direct),
-        /// A motor drives a paddle through a capstan.
-        "capstan" => Capstan(capstan::Capstan<S>),
-        /// Two motors on a base, two links each, one hand.
-        "five-bar" => FiveBar(five_bar::FiveBar<S>),
+    AnyKinematics, named by KinematicsName in kinematics.model {
+        Direct(direct::Direct),
+        Capstan(capstan::Capstan<S>),
+        FiveBar(five_bar::FiveBar<S>),
     }
-    fn forward(&self; joints: [Motion<S>; AXES]) -> Pose<S>;
 }
 
-/// Which sine and cosine a mechanism is computed with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Maths {
-    /// Exact to the last bit or so.
-    Libm,
-    /// To 1.1e-3 where the number type has it (`f32`), in a fraction of the time.
-    Micromath,
-}
-
-impl Choice for Maths {
-    const NAMES: &'static [&'static str] = &["libm", "micromath"];
-    const ALL: &'static [Self] = &[Self::Libm, Self::Micromath];
+impl<S: Scalar> AnyKinematics<S> {
+    /// [`Kinematics::forward`].
+    #[inline]
+    pub fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S> {
+        each!(self: Direct | Capstan | FiveBar, model => model.forward(joints))
+    }
 }
 
 impl Maths {

@@ -25,7 +25,7 @@ use crate::device::kinematics::Joints;
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
 use crate::num::{Motion, Scalar, StateVector};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// Longest window, ticks.
 pub const MAX_WINDOW: usize = 16;
@@ -58,9 +58,9 @@ impl<S: Scalar> StateVector<S> for AdaptiveState<S> {
 
 impl<S: Scalar> Model<S> for Adaptive<S> {
     type State = AdaptiveState<S>;
-    fn build(settings: &Settings) -> Self {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let mut ticks = 0.0;
-        Self {
+        Ok(Self {
             band: S::from_f64((1.0 + SLACK) / Joints::of(settings).counts_per_unit),
             rate_hz: S::from_f64(1.0 / settings.timing.control_period_s),
             period_s: S::from_f64(settings.timing.control_period_s),
@@ -69,7 +69,7 @@ impl<S: Scalar> Model<S> for Adaptive<S> {
                 S::from_f64(1.0 / ticks)
             }),
             window: (settings.axis.velocity_window_ticks as usize).clamp(1, MAX_WINDOW),
-        }
+        })
     }
 }
 

@@ -9,7 +9,7 @@
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
 use crate::num::{Motion, Scalar, StateVector};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// The control period and one over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +32,9 @@ impl<S: Scalar> StateVector<S> for DifferenceState<S> {
 
 impl<S: Scalar> Model<S> for Difference<S> {
     type State = DifferenceState<S>;
-    fn build(settings: &Settings) -> Self {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let period_s = settings.timing.control_period_s;
-        Self { period_s: S::from_f64(period_s), rate_hz: S::from_f64(1.0 / period_s) }
+        Ok(Self { period_s: S::from_f64(period_s), rate_hz: S::from_f64(1.0 / period_s) })
     }
 }
 

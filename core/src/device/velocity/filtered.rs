@@ -38,14 +38,12 @@ impl<S: Scalar> StateVector<S> for FilteredState<S> {
 
 impl<S: Scalar> Model<S> for Filtered<S> {
     type State = FilteredState<S>;
-    fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         // From half the sample rate on there is nothing left to cut off.
         let max = 0.5 / settings.timing.control_period_s;
-        within(settings, "axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })
-    }
-    fn build(settings: &Settings) -> Self {
+        within(settings, "axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })?;
         let angle = core::f64::consts::TAU * settings.axis.velocity_cutoff_hz * settings.timing.control_period_s;
-        Self { difference: Difference::build(settings), gain: S::from_f64(-libm::expm1(-angle)) }
+        Ok(Self { difference: Difference::build(settings)?, gain: S::from_f64(-libm::expm1(-angle)) })
     }
 }
 

@@ -5,7 +5,7 @@
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
 
 /// Passes the reading's velocity on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,8 +13,8 @@ pub struct Measured;
 
 impl<S: Scalar> Model<S> for Measured {
     type State = ();
-    fn build(_: &Settings) -> Self {
-        Self
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
     }
 }
 

@@ -17,11 +17,13 @@ pub mod difference;
 pub mod filtered;
 pub mod measured;
 
-use crate::model::{Listed, Model};
+use crate::model::Model;
 use crate::num::{Motion, Scalar};
 
+pub use crate::names::VelocityName;
+
 /// From the readings of a joint to its velocity.
-pub trait VelocityEstimator<S: Scalar>: Model<S> + Listed<S> {
+pub trait VelocityEstimator<S: Scalar>: Model<S> {
     /// Forgets the past: the joint has moved uniformly up to `at`, which is the reading that the next `step` takes.
     fn start(&self, state: &mut Self::State, at: Motion<S>);
     /// The velocity (m/s or rad/s) now, after the reading of this tick; called once per tick.
@@ -29,17 +31,25 @@ pub trait VelocityEstimator<S: Scalar>: Model<S> + Listed<S> {
 }
 
 list! {
-    /// Any one of the velocity estimators.
-    VelocityEstimator: AnyVelocity, AnyVelocityState, named by VelocityName in axis.velocity {
-        /// The reading's own velocity.
-        "measured" => Measured(measured::Measured),
-        /// Backward difference.
-        "difference" => Difference(difference::Difference<S>),
-        /// Backward difference through a one-pole low pass.
-        "filtered" => Filtered(filtered::Filtered<S>),
-        /// First-order adaptive windowing.
-        "adaptive" => Adaptive(adaptive::Adaptive<S>),
+    /// Any one of the velocity estimators, with its state.
+    AnyVelocity, named by VelocityName in axis.velocity {
+        Measured(measured::Measured),
+        Difference(difference::Difference<S>),
+        Filtered(filtered::Filtered<S>),
+        Adaptive(adaptive::Adaptive<S>),
     }
-    fn start(&self, [&mut] state; at: Motion<S>);
-    fn step(&self, [&mut] state; reading: Motion<S>) -> S;
+}
+
+impl<S: Scalar> AnyVelocity<S> {
+    /// [`VelocityEstimator::start`].
+    #[inline]
+    pub fn start(&mut self, at: Motion<S>) {
+        each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.start(state, at));
+    }
+
+    /// [`VelocityEstimator::step`].
+    #[inline]
+    pub fn step(&mut self, reading: Motion<S>) -> S {
+        each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.step(state, reading))
+    }
 }

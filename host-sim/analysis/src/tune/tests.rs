@@ -1,6 +1,5 @@
 //! What is proposed is stable with its margin everywhere below it, and nothing stiffer would be.
 
-use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
 
@@ -9,10 +8,10 @@ use super::*;
 /// The three laws, the wave also decoded implicitly, over a short and a long delay, with a late and a prompt motor.
 fn scenes() -> Vec<Scene> {
     [
-        (LawName::Power, Decode::Delayed, 1, 1.0),
-        (LawName::Wave, Decode::Delayed, 3, 0.2),
-        (LawName::PassiveWave, Decode::Delayed, 1, 1.0),
-        (LawName::PassiveWave, Decode::Implicit, 3, 0.2),
+        ("power", Decode::Delayed, 1, 1.0),
+        ("wave", Decode::Delayed, 3, 0.2),
+        ("passive-wave", Decode::Delayed, 1, 1.0),
+        ("passive-wave", Decode::Implicit, 3, 0.2),
     ]
     .map(|(comm, decode, delay, late)| {
         let mut scene = Scene::default();

@@ -2,7 +2,6 @@
 
 use haptic_analysis::verdict;
 use haptic_analysis::{MARGIN, advice, change};
-use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
@@ -18,7 +17,7 @@ fn a_stable_scene_is_told_so() {
 #[test]
 fn coordination_comes_before_contact() {
     let mut scene = Scene::default();
-    scene.peer.coordination.comm = LawName::Power;
+    scene.peer.coordination.comm = "power";
     let text = advice(&scene).unwrap();
     assert!(text.contains("lower coordination.stiffness_n_per_m from 10620 to 321 N/m"), "{text}");
     // Stiffer than the contact alone bears: no K_T helps.

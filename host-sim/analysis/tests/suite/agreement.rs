@@ -28,7 +28,7 @@ fn two_constructions_agree_on_ten_thousand_scenes() {
             let allowed = if verdict(&linear).unwrap().spectral_radius < 1e3 { 1e-9 } else { 1e-7 };
             assert!(found.matrix < 1e-9 && found.spectral_radius < allowed, "scene {seed}: {found:?}\n{linear:?}");
             let peer = &linear.peer;
-            let models = [peer.coordination.comm.name(), peer.object.integrator.name(), peer.axis.velocity.name()];
+            let models = [peer.coordination.comm, peer.object.integrator.name(), peer.axis.velocity.name()];
             (found.matrix, found.spectral_radius, BTreeSet::from(models))
         })
         .reduce(|| (0.0, 0.0, BTreeSet::new()), |a, b| (a.0.max(b.0), a.1.max(b.1), &a.2 | &b.2));

@@ -1,9 +1,9 @@
 //! Random linear scenes, the same ones in every run.
 
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
+use haptic_core::schema::Schema;
 use haptic_core::settings::Choice;
 use haptic_sim::scene::Scene;
 
@@ -69,7 +69,7 @@ pub(crate) fn scene(seed: u64) -> Scene {
     peer.object.damping_n_s_per_m = dice.sometimes(damping);
     peer.object.force_delay_ticks = dice.delay();
     peer.object.integrator = dice.one(IntegratorName::ALL);
-    peer.coordination.comm = dice.one(LawName::ALL);
+    peer.coordination.comm = dice.one(Schema::BUILT_IN.kinds()).name;
     peer.coordination.decode = dice.one(Decode::ALL);
     peer.coordination.stiffness_n_per_m = dice.spread(1.0, 1e5);
     let damping = dice.spread(0.1, 20.0);

@@ -10,36 +10,20 @@ extern crate alloc;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use core::hint::black_box;
-use core::marker::PhantomData;
 
-use haptic_core::contact::{Contact, Side};
+use haptic_core::contact::Side;
 use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::{KinematicsName, direct};
-use haptic_core::device::velocity::{VelocityName, measured};
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{Packet, wave};
+use haptic_core::law::{Law, Packet};
 use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::forward_euler;
-use haptic_core::peer::{self, Actuators, Sensors, State};
+use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::scene::{Models, Scene};
 use haptic_core::settings::Settings;
 
 /// Ticks of a replay: whole packets, and one whole period of the paths.
 pub const TICKS: usize = 800;
-
-/// The models of an image that names them, the passive wave's, and so carries no others.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Named<S>(PhantomData<S>);
-
-impl<S: Scalar> Models for Named<S> {
-    type Scalar = S;
-    type Velocity = measured::Measured;
-    type Kinematics = direct::Direct;
-    type Contact = Contact<S>;
-    type Integrator = forward_euler::ForwardEuler<S>;
-    type Law = wave::PassiveWave<S>;
-}
 
 /// What a peer is given in one tick.
 #[derive(Clone, Copy, Debug)]
@@ -48,68 +32,66 @@ pub struct Input<S> {
     packet: Option<Packet<S>>,
 }
 
-/// Peer 1, its state in the middle of the run, and what it is given from there on.
-pub struct Recording<M: Models> {
-    scene: Scene<M>,
-    state: State<M>,
-    inputs: Vec<Input<M::Scalar>>,
+/// Peer 1 in the middle of the run, and what it is given from there on.
+pub struct Recording<S: Scalar, L: Law<S>> {
+    peer: Peer<S, L>,
+    inputs: Vec<Input<S>>,
 }
 
-impl<M: Models> Recording<M> {
+impl<S: Scalar, L: Law<S>> Recording<S, L> {
     /// Runs the scene and records its second half.
     pub fn new(settings: &Settings) -> Self {
         let mut peers = [Side::Left, Side::Right].map(|side| {
             let mut settings = *settings;
             settings.contact.side = side;
-            let scene = Scene::<M>::build(&settings).expect("a scene that is measured is valid");
-            let mut state = State::new(&scene, [Motion::REST; AXES]);
-            state.command(&scene, Command::Arm);
-            (scene, state)
+            let mut peer =
+                Peer::<S, L>::new(&settings, [Motion::REST; AXES]).expect("a scene that is measured is valid");
+            peer.command(Command::Arm);
+            peer
         });
         let mut on_the_way = [None, None];
-        let (mut start, mut inputs) = (peers[0].1, Vec::with_capacity(TICKS));
+        let (mut start, mut inputs) = (peers[0], Vec::with_capacity(TICKS));
         for tick in 0..2 * TICKS {
             if tick == TICKS {
-                start = peers[0].1;
+                start = peers[0];
             }
-            let (due, arrived) = (peers[0].1.packet_due(), on_the_way);
-            for (index, (scene, state)) in peers.iter_mut().enumerate() {
+            let (due, arrived) = (peers[0].packet_due(), on_the_way);
+            for (index, peer) in peers.iter_mut().enumerate() {
                 if due {
-                    on_the_way[1 - index] = Some(peer::outgoing(scene, state));
+                    on_the_way[1 - index] = Some(peer.outgoing());
                 }
                 let input = Input { sensors: sensors(settings, tick, index), packet: arrived[index] };
-                step(scene, state, &input);
+                step(peer, &input);
                 if index == 0 && tick >= TICKS {
                     inputs.push(input);
                 }
             }
         }
-        for (_, state) in &peers {
+        for peer in &peers {
             // A peer that faulted would be measured doing nothing.
-            assert_eq!(state.mode(), Mode::Armed, "a scene that is measured must run without a fault: {settings:?}");
+            assert_eq!(peer.mode(), Mode::Armed, "a scene that is measured must run without a fault: {settings:?}");
         }
-        let [(scene, _), _] = peers;
-        Self { scene, state: start, inputs }
+        Self { peer: start, inputs }
     }
 
     /// Replays it: [`TICKS`] calls of `tick`, which is [`step`] in whatever measures it.
-    pub fn replay(&self, mut tick: impl FnMut(&Scene<M>, &mut State<M>, &Input<M::Scalar>) -> Actuators<M::Scalar>) {
-        let mut state = self.state;
+    pub fn replay(&self, mut tick: impl FnMut(&mut Peer<S, L>, &Input<S>) -> Actuators<S>) {
+        let mut peer = self.peer;
         for input in &self.inputs {
-            black_box(tick(&self.scene, &mut state, input));
+            black_box(tick(&mut peer, input));
         }
-        black_box(state);
+        black_box(peer);
     }
 }
 
 /// One tick of a peer, and the exchange before it when one is due: what a board does in its interrupt, so that an eighth of
 /// an exchange is in the mean.
 #[inline(always)]
-pub fn step<M: Models>(scene: &Scene<M>, state: &mut State<M>, input: &Input<M::Scalar>) -> Actuators<M::Scalar> {
-    if state.packet_due() {
-        black_box(peer::exchange(scene, state, input.packet));
+pub fn step<S: Scalar, L: Law<S>>(peer: &mut Peer<S, L>, input: &Input<S>) -> Actuators<S> {
+    if peer.packet_due() {
+        black_box(peer.exchange(input.packet));
     }
-    peer::tick(scene, state, &input.sensors)
+    peer.tick(&input.sensors)
 }
 
 /// Where the device of peer `index` is: 5 mm up and down once in [`TICKS`], the second peer a little behind.

@@ -7,7 +7,8 @@
 //!
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
-use haptic_core::law::{Sends, sends};
+use haptic_core::law::Sends;
+use haptic_core::schema::Schema;
 use haptic_core::settings::Refused;
 
 use crate::pair::Pair;
@@ -71,7 +72,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..SETTLE_S * per_period {
         pair.step();
     }
-    let sends = sends(&scene.peer);
+    let sends = Schema::BUILT_IN.kind(&scene.peer).map(|kind| kind.sends);
     let share = 1.0 / scene.peer.coordination.wave_impedance_n_s_per_m;
     let (mut force, mut speed, mut sent, mut acted_on) = Default::default();
     for _ in 0..periods * per_period {
@@ -80,7 +81,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
         for seen in pair.sides.iter().map(|side| side.peer.observed()) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
             let (out, into) = match sends {
-                Sends::Motion => (seen.object.position, seen.desired.position),
+                Some(Sends::Motion) => (seen.object.position, seen.desired.position),
                 _ => {
                     let (speed, force) = (seen.desired.velocity, share * seen.coordination_force);
                     (speed - force, speed + force)

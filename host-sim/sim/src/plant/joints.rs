@@ -4,9 +4,8 @@
 
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName};
+use haptic_core::device::kinematics::{AnyKinematics, KinematicsName};
 use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::model::Model;
 use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
 
@@ -37,7 +36,7 @@ impl Joints {
         };
         Self {
             encoder: plant.encoder,
-            kinematics: AnyKinematics::build(settings),
+            kinematics: AnyKinematics::build(settings).expect("a scene that was checked"),
             motor: Motor::build(settings),
             counts_per_unit: if encoder.reversed { -counts } else { counts },
             longest: if settings.kinematics.model == KinematicsName::FiveBar { 0.3 } else { f64::MAX },

@@ -3,9 +3,8 @@
 //! m_O·ẍ + (b_O + Σβ_i)·ẋ = ΣF_i: the newest force of each user stands until the next comes. The drags β_i that the bounders
 //! ask for are taken implicitly, −Σβ·ẋ/(1 + Σβ·T/m_O), so that many users on a light object cannot overdo it.
 
-use haptic_core::model::Model;
 use haptic_core::num::Motion;
-use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
+use haptic_core::object::AnyIntegrator;
 use haptic_core::settings::Settings;
 
 use super::MOST_USERS;
@@ -27,7 +26,6 @@ pub struct Pushed {
 #[derive(Clone, Debug)]
 pub struct DynamicsEngine {
     integrator: AnyIntegrator<f64>,
-    state: AnyIntegratorState<f64>,
     /// T_c/m_O, s/kg.
     gain: f64,
     /// Motion of the object.
@@ -39,9 +37,8 @@ pub struct DynamicsEngine {
 impl DynamicsEngine {
     /// The scene's object at rest at the origin.
     pub fn new(settings: &Settings) -> Self {
-        let integrator = AnyIntegrator::build(settings);
+        let integrator = AnyIntegrator::build(settings).expect("any integrator builds");
         Self {
-            state: integrator.initial(),
             integrator,
             gain: settings.timing.control_period_s / settings.object.mass_kg,
             object: Motion::REST,
@@ -51,7 +48,8 @@ impl DynamicsEngine {
 
     /// Goes on from a motion that another engine handed over.
     pub fn take_over(&mut self, object: Motion<f64>) {
-        (self.object, self.state) = (object, self.integrator.initial());
+        self.object = object;
+        self.integrator.rest();
     }
 
     /// One tick.
@@ -59,6 +57,6 @@ impl DynamicsEngine {
         let force: f64 = self.users.iter().map(|user| user.force_n).sum();
         let drag: f64 = self.users.iter().map(|user| user.drag_n_s_per_m).sum();
         let dragged = drag * self.object.velocity / (1.0 + drag * self.gain);
-        self.object = self.integrator.step(&mut self.state, self.object, force - dragged);
+        self.object = self.integrator.step(self.object, force - dragged);
     }
 }

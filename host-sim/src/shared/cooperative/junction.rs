@@ -20,8 +20,9 @@
 use haptic_core::law::credit::{Account, Credit};
 use haptic_core::law::ladder::{Engagement, Ladder};
 use haptic_core::law::node::Node;
-use haptic_core::law::{Packet, Sends, sends};
+use haptic_core::law::{Packet, Sends};
 use haptic_core::num::Motion;
+use haptic_core::schema::Schema;
 use haptic_core::settings::Settings;
 use serde::Serialize;
 
@@ -129,16 +130,15 @@ impl Junction {
     /// # Errors
     /// The peers send no waves.
     pub fn new(settings: &Settings, users: usize) -> Result<Self, NoWaves> {
-        use haptic_core::settings::Choice;
         let coordination = &settings.coordination;
-        if sends(settings) != Sends::Waves {
-            return Err(NoWaves(coordination.comm.name()));
+        if Schema::BUILT_IN.kind(settings).is_none_or(|kind| kind.sends != Sends::Waves) {
+            return Err(NoWaves(coordination.comm));
         }
         let packet_s = settings.timing.control_period_s * f64::from(settings.timing.ticks_per_packet);
         // The node's tick is a packet period.
         let mut own = *settings;
         (own.timing.control_period_s, own.timing.ticks_per_packet) = (packet_s, 1);
-        let ladder = Ladder::build(settings);
+        let ladder = Ladder::build(settings).expect("settings that peers accept");
         let port = Port {
             engagement: ladder.engaged(),
             leaving: false,

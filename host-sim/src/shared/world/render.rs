@@ -89,7 +89,7 @@ impl Chain {
         Self {
             frame: Frame::new([strip.from_x_m, strip.from_y_m], [strip.to_x_m, strip.to_y_m]),
             spring: f64::from(strip.spring_n_per_m),
-            integrator: SemiImplicit::build(&settings),
+            integrator: SemiImplicit::build(&settings).expect("any mass"),
             masses: vec![(Motion::REST, Before::default()); count],
             push: vec![0.0; count],
             entered: false,

@@ -250,7 +250,7 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
         settings.timing.control_period_s = period_s;
         (settings.object.mass_kg, settings.object.damping_n_s_per_m) = (mass_kg, damping);
         settings.object.force_delay_ticks = 0.0;
-        SemiImplicit::<f64>::build(&settings)
+        SemiImplicit::<f64>::build(&settings).expect("any mass")
     };
     let (hand_law, object_law) = (law(HAND.0, HAND.1), law(mass_kg, drag_n_s_per_m));
     let contact = contact(shape);

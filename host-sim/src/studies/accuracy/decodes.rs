@@ -9,7 +9,6 @@
 
 use haptic_core::law::wave::Decode;
 use haptic_core::law::{AnyLaw, Law};
-use haptic_core::model::Model;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
@@ -50,9 +49,8 @@ pub fn closed_form(settings: &Settings) -> Vec<(f64, f64)> {
 
 /// RMS errors of x_d (m) and of F_T (N).
 pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
-    let law = AnyLaw::<S>::build(settings);
-    let mut state = law.initial();
-    law.start(&mut state, Motion::REST);
+    let law = AnyLaw::<S>::build(settings).expect("good settings");
+    let mut state = law.start(Motion::REST);
     let reference = closed_form(settings);
     let differences: Vec<(f64, f64)> = reference
         .iter()

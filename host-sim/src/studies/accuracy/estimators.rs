@@ -10,8 +10,7 @@
 //!
 //! Unit: m/s, root of the mean square over 2 s.
 
-use haptic_core::device::velocity::{AnyVelocity, VelocityEstimator, VelocityName};
-use haptic_core::model::Model;
+use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
@@ -26,11 +25,10 @@ pub const CUTOFFS_HZ: [f64; 18] =
 /// RMS error of the velocity, m/s.
 pub fn error<S: Scalar>(settings: &Settings) -> f64 {
     let readings = readings::<S>(settings);
-    let estimator = AnyVelocity::<S>::build(settings);
-    let mut state = estimator.initial();
+    let mut estimator = AnyVelocity::<S>::build(settings).expect("good settings");
     let start = readings.first().map_or(0.0, |(_, velocity)| *velocity);
-    estimator.start(&mut state, Motion { position: S::ZERO, velocity: S::from_f64(start) });
-    rms(readings.iter().map(|(reading, velocity)| estimator.step(&mut state, *reading).to_f64() - velocity))
+    estimator.start(Motion { position: S::ZERO, velocity: S::from_f64(start) });
+    rms(readings.iter().map(|(reading, velocity)| estimator.step(*reading).to_f64() - velocity))
 }
 
 /// The cutoff of [`CUTOFFS_HZ`] with the least error, Hz, and that error, m/s.

@@ -8,8 +8,7 @@
 //! Unit: m for the hand, m/rad for the Jacobian; largest errors. micromath exists for f32 only; the capstan needs no sine.
 
 use haptic_core::device::kinematics::five_bar::HOME_RAD;
-use haptic_core::device::kinematics::{AnyKinematics, Kinematics, KinematicsName, Maths, Pose};
-use haptic_core::model::Model;
+use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths, Pose};
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
@@ -71,7 +70,7 @@ pub fn truth(settings: &Settings, joints: [f64; 2]) -> Truth {
 
 /// Largest errors of hand (m) and Jacobian (m/rad) over the workspace, in `S`.
 pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (f64, f64) {
-    let kinematics = AnyKinematics::<S>::build(settings);
+    let kinematics = AnyKinematics::<S>::build(settings).expect("good settings");
     let errors = truths.iter().map(|(joints, (hand, jacobian))| {
         let pose: Pose<S> = kinematics.forward(joints.map(|joint| Motion::at(S::from_f64(joint))));
         // The difference is taken in twice the digits: f64 has an error, too.

@@ -5,9 +5,8 @@
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
 use haptic_core::contact::Contact;
-use haptic_core::model::Model;
 use haptic_core::num::Motion;
-use haptic_core::object::{AnyIntegrator, AnyIntegratorState, Integrator};
+use haptic_core::object::AnyIntegrator;
 
 use super::TASK;
 use haptic_sim::plant::Linear;
@@ -68,7 +67,6 @@ pub(super) struct Hand {
     pub(super) body: Motion<f64>,
     contact: Contact<f64>,
     integrator: AnyIntegrator<f64>,
-    state: AnyIntegratorState<f64>,
     pub(super) doing: Doing,
     goal: f64,
     /// The official copy as last seen, m: what one has released stands until there is news.
@@ -83,7 +81,7 @@ impl Hand {
         let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
         let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);
         let mass = device.mass_kg + TASK.arm_mass_kg;
-        let integrator = AnyIntegrator::build(settings);
+        let integrator = AnyIntegrator::build(settings).expect("any integrator builds");
         Self {
             plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, device.force_delay_ticks, period_s),
             stiffness,
@@ -92,7 +90,6 @@ impl Hand {
             reach: Reach { since_s: 0.0, from_m: 0.0, to_m: 0.0 },
             body: Motion::REST,
             contact: Contact::build(settings),
-            state: integrator.initial(),
             integrator,
             doing: Doing::Waits,
             goal,
@@ -140,7 +137,7 @@ impl Hand {
         self.force = 0.0;
         if matches!(self.doing, Doing::Carries(_)) {
             self.force = self.contact.force(self.device, self.body);
-            self.body = self.integrator.step(&mut self.state, self.body, self.force);
+            self.body = self.integrator.step(self.body, self.force);
         }
         self.device = self.plant.advance(self.device, pull - felt, pull - self.force);
         lets_go

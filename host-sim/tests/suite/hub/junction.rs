@@ -153,7 +153,7 @@ fn passive_whatever_the_network_does() {
 #[test]
 fn laws_without_waves_are_refused() {
     let mut settings = settings(true);
-    for (comm, name) in [(haptic_core::law::LawName::Power, "power"), (haptic_core::law::LawName::Free, "none")] {
+    for (comm, name) in [("power", "power"), ("none", "none")] {
         settings.coordination.comm = comm;
         let said = Junction::new(&settings, 2).expect_err("no waves").to_string();
         assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");

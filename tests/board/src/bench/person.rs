@@ -20,7 +20,7 @@ use super::{Bench, PERIOD_NS};
 fn lines(settings: &Settings) -> Vec<String> {
     let defaults = Settings::default();
     let mut lines = vec!["defaults".to_owned()];
-    for key in Settings::KEYS {
+    for key in Settings::keys() {
         let (wanted, default) = (settings.get(key.name), defaults.get(key.name));
         // The board's own default differs from the scene's in this one.
         if key.name == "contact.side" || wanted == default && key.name != "axis.velocity" {

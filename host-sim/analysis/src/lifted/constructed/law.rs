@@ -2,7 +2,6 @@
 //!
 //! Equations: THEORY §2; cooperation paper (1), (2), (4)–(7), (13), (14).
 
-use haptic_core::law::LawName;
 use haptic_core::law::wave::Decode;
 
 use super::peer::Input::{Coordination, Decoded, Wave};
@@ -59,11 +58,11 @@ impl Peer {
         self.g[(wave, decoded)] = impedance / root;
         self.g[(wave, coordination_row)] = -1.0 / root;
         let (keep, take) = match scene.peer.coordination.comm {
-            LawName::PassiveWave => {
+            "passive-wave" => {
                 let keep = decay(coordination.cutoff_hz, period);
                 (keep, 1.0 - keep)
             }
-            LawName::PassiveMean => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
+            "passive-mean" => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
             _ => (0.0, 1.0),
         };
         self.a[(out, out)] = keep;

@@ -4,8 +4,6 @@
 //! ago, kept in a shift register. Order of the joint state: peer 1, peer 2, packets on their way to peer 1, to peer 2,
 //! youngest first.
 
-use haptic_core::law::LawName;
-
 use super::lift::Period;
 use super::peer::{Peer, State};
 use crate::lifted::Lifted;
@@ -91,7 +89,7 @@ fn rest_modes(scene: &Scene, peers: &[Peer; 2], places: &[Place]) -> Vec<Vec<f64
         };
         places.iter().map(|place| f64::from(u8::from(moves(place)))).collect()
     };
-    if scene.peer.coordination.comm == LawName::Power {
+    if scene.peer.coordination.comm == "power" {
         if peers.iter().all(|peer| peer.free) { vec![translation(&[0, 1])] } else { Vec::new() }
     } else {
         (0..2).filter(|&peer| peers[peer].free).map(|peer| translation(&[peer])).collect()

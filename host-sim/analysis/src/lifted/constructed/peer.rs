@@ -6,7 +6,6 @@
 //! implicit decode is written here (core solves it by hand). Equations: THEORY §2.
 
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::LawName;
 use haptic_core::object::IntegratorName;
 
 use super::hold::{Held, exponential};
@@ -79,10 +78,9 @@ impl Peer {
     pub(super) fn new(scene: &Scene, index: usize) -> Option<Self> {
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
-            LawName::Power => (false, vec![ObjectPosition, ObjectVelocity]),
-            LawName::Wave | LawName::PassiveWave | LawName::PassiveMean => (true, vec![Outgoing]),
-            LawName::Free => (false, vec![]),
-            #[allow(unreachable_patterns)]
+            "power" => (false, vec![ObjectPosition, ObjectVelocity]),
+            "wave" | "passive-wave" | "passive-mean" => (true, vec![Outgoing]),
+            "none" => (false, vec![]),
             _ => return None,
         };
         let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
@@ -104,7 +102,7 @@ impl Peer {
             f: Matrix::zeros(u, z),
             g: Matrix::zeros(u, u),
             h: Matrix::zeros(u, s),
-            restarts: (comm == LawName::PassiveMean).then_some(Outgoing),
+            restarts: (comm == "passive-mean").then_some(Outgoing),
             free: scene.users[index].settings.user.arm_stiffness_n_per_m == 0.0,
             states,
         };
@@ -112,8 +110,8 @@ impl Peer {
         peer.object(scene)?;
         peer.velocity(scene);
         match comm {
-            LawName::Power => peer.power(scene),
-            LawName::Free => {}
+            "power" => peer.power(scene),
+            "none" => {}
             _ => peer.wave(scene),
         }
         Some(peer)

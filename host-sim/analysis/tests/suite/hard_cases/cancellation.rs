@@ -1,9 +1,8 @@
 //! Equal and opposite pushes.
 
 use haptic_analysis::verdict;
-use haptic_core::law::LawName;
 use haptic_core::num::Fixed;
-use haptic_core::settings::Choice;
+use haptic_core::schema::Schema;
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Number;
 use haptic_sim::scene::Scene;
@@ -33,7 +32,7 @@ fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
 }
 
 fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
-    LawName::NAMES.iter().flat_map(|comm| ["delayed", "implicit"].map(|decode| (*comm, decode))).map(
+    Schema::BUILT_IN.kinds().iter().flat_map(|law| ["delayed", "implicit"].map(|decode| (law.name, decode))).map(
         move |(comm, decode)| {
             let overrides = format!(
                 "coordination.comm={comm} coordination.decode={decode} user.1.push_n=1 user.2.push_n=1 \

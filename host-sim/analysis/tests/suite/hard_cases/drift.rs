@@ -29,7 +29,7 @@ fn driven<I: Integrator<f32, State = Before<f32>>>(
     from: Motion<f32>,
     forces: &[f32],
 ) -> Motion<f32> {
-    let integrator = I::build(settings);
+    let integrator = I::build(settings).expect("good settings");
     let mut state = I::State::default();
     let mut motion = from;
     assert_eq!(TICKS % forces.len(), 0);

@@ -3,8 +3,7 @@
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
 use haptic_core::device::AXES;
-use haptic_core::device::kinematics::{Kinematics, KinematicsName};
-use haptic_core::model::Model;
+use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 
@@ -73,7 +72,7 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
-    for key in Settings::KEYS.iter().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
+    for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
         let answer = say(board, &format!("get {}", key.name))?;
         let text = answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"');
         let value = match text {
@@ -122,7 +121,8 @@ impl Joint {
                 );
             }
         };
-        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings);
+        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings)
+            .map_err(|refused| refused.to_string())?;
         let lever = model.forward([Motion::REST; AXES]).jacobian[number as usize - 1][number as usize - 1];
         let sign = if encoder.reversed { -1.0 } else { 1.0 };
         Ok(Self {

@@ -46,7 +46,7 @@ pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
             .is_some_and(|(table, name)| document.get(table).is_some_and(|inner| inner.get(name).is_some()))
     };
     let mut given = 0;
-    for key in Settings::KEYS.iter().filter(|key| named(key.name)) {
+    for key in Settings::keys().filter(|key| named(key.name)) {
         let line = match scene.peer.get(key.name) {
             Some(Value::Number(number)) => format!("set {} {number:?}", key.name),
             Some(Value::Flag(flag)) => format!("set {} {flag}", key.name),

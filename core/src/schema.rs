@@ -1,0 +1,96 @@
+//! Settings by name: the tables and the keys that coordination laws declare beside themselves, alike.
+//!
+//! Which laws there are is told by a list of [`Kind`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
+//! those of this crate, and is what [`Settings`] itself goes by.
+
+use crate::law::{AnyLaw, Law};
+use crate::settings::{Allowed, Key, Kind, Refused, SetError, Setting, Settings, Tables, Value};
+
+/// Every key there is with these laws.
+#[derive(Clone, Copy, Debug)]
+pub struct Schema {
+    kinds: &'static [Kind],
+}
+
+impl Schema {
+    /// With the laws of this crate.
+    pub const BUILT_IN: Self = Self::new(AnyLaw::<f64>::KINDS);
+
+    /// With these laws.
+    pub const fn new(kinds: &'static [Kind]) -> Self {
+        Self { kinds }
+    }
+
+    /// The laws.
+    pub fn kinds(self) -> &'static [Kind] {
+        self.kinds
+    }
+
+    /// The law that the settings name.
+    pub fn kind(self, settings: &Settings) -> Option<&'static Kind> {
+        crate::law::named(settings, self.kinds)
+    }
+
+    /// Every key: those of the tables in the order of declaration, then laws' own.
+    pub fn keys(self) -> impl Iterator<Item = Key> {
+        let tables = <Settings as Tables>::KEYS.iter().map(move |key| {
+            let mut key = *key;
+            if let Allowed::Kinds(kinds) = &mut key.allowed {
+                *kinds = self.kinds;
+            }
+            key
+        });
+        tables.chain(self.kinds.iter().flat_map(|kind| kind.keys).copied())
+    }
+
+    /// The value of the key called `name`.
+    pub fn get(self, settings: &Settings, name: &str) -> Option<Value<'static>> {
+        Tables::get(settings, name).or_else(|| self.own(name).map(|key| settings.own_value(key)))
+    }
+
+    /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
+    ///
+    /// # Errors
+    /// There is no such key, or it does not accept the value.
+    pub fn set<'a>(self, settings: &mut Settings, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        match Tables::set(settings, name, value) {
+            // The tables know no law.
+            Err(SetError::Refused(Refused { key, allowed: Allowed::Kinds(_), .. })) => {
+                let allowed = Allowed::Kinds(self.kinds);
+                let refused = SetError::Refused(Refused { key, value, allowed, unit: "" });
+                settings.coordination.comm = Setting::parse(value, allowed).ok_or(refused)?;
+                Ok(())
+            }
+            Err(SetError::Unknown) => {
+                let key = self.own(name).ok_or(SetError::Unknown)?;
+                settings.own.set(key, value).map_err(SetError::Refused)
+            }
+            done => done,
+        }
+    }
+
+    fn own(self, name: &str) -> Option<&'static Key> {
+        self.kinds.iter().flat_map(|kind| kind.keys).find(|key| key.name == name)
+    }
+}
+
+/// By name, with the laws of this crate.
+impl Settings {
+    /// [`Schema::keys`].
+    pub fn keys() -> impl Iterator<Item = Key> {
+        Schema::BUILT_IN.keys()
+    }
+
+    /// [`Schema::get`].
+    pub fn get(&self, name: &str) -> Option<Value<'static>> {
+        Schema::BUILT_IN.get(self, name)
+    }
+
+    /// [`Schema::set`].
+    ///
+    /// # Errors
+    /// There is no such key, or it does not accept the value.
+    pub fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        Schema::BUILT_IN.set(self, name, value)
+    }
+}
