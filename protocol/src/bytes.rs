@@ -404,7 +404,7 @@ macro_rules! newtype {
 }
 
 /// What a role says, as payloads of events: kind and length of each message, and its fields with their offsets. What no field
-/// takes is 0. `about 1` has the number of the object at offset 2, `about 0` has none. Flags stand in byte 1; what an `Option` holds
+/// takes is 0. `about 1` has the number of the object at offset 2 and is carried by events, `about 0` has none. Flags stand in byte 1; what an `Option` holds
 /// follows at the end.
 macro_rules! messages {
     (

@@ -9,8 +9,6 @@
 //! after 8 s and its error falls with the 1.5th power of time until the line is full, after 64 s (tests show how far).
 //! Whatever times come in, the estimates are finite; a sample that no clocks could give is refused.
 
-use core::fmt;
-
 /// How long samples are gathered of which the fastest counts, µs.
 const BLOCK_US: u64 = 2_000_000;
 /// How many fastest ones the drift is taken from.
@@ -23,16 +21,9 @@ const LONGEST_US: i64 = 10_000_000;
 const MOST_PPM: f64 = 10_000.0;
 
 /// A sample that is not believed: the times do not follow each other, or lie too far apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("four times that no two clocks could give")]
 pub struct Implausible;
-
-impl fmt::Display for Implausible {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("four times that no two clocks could give")
-    }
-}
-
-impl core::error::Error for Implausible {}
 
 /// One offset, seen at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

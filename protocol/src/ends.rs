@@ -3,8 +3,6 @@
 //! Numbers are not secret and prove nothing; they give every direction its own keys, and they tell a person which wire
 //! was crossed.
 
-use core::fmt;
-
 use crate::wire::PeerId;
 
 /// The two ends of a link.
@@ -17,27 +15,18 @@ pub struct Ends {
 }
 
 /// Why a datagram is none of this link's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// It comes from this peer's own number: reflected, or two peers were given the same one.
+    #[error("a datagram from this peer's own number: reflected, or two peers have the same number")]
     OwnNumber,
     /// It comes from a peer that this link does not lead to.
+    #[error("a datagram from a peer that this link does not lead to")]
     Stranger,
     /// It is for another peer.
+    #[error("a datagram for another peer")]
     NotForUs,
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OwnNumber => "a datagram from this peer's own number: reflected, or two peers have the same number",
-            Self::Stranger => "a datagram from a peer that this link does not lead to",
-            Self::NotForUs => "a datagram for another peer",
-        })
-    }
-}
-
-impl core::error::Error for Error {}
 
 impl Ends {
     /// Whether a datagram from `from` for `to` goes from the other end to this one.

@@ -20,8 +20,6 @@
 //! **Limit**: old hellos make a peer answer, byte for byte as long. A peer whose randomness repeats itself at every start
 //! gets fresh keys all the same from a peer that has heard it before; two such peers do not.
 
-use core::fmt;
-
 use crate::ends::{self, Ends};
 use crate::key::Key;
 use crate::parameters::Parameters;
@@ -29,39 +27,30 @@ use crate::session::{Offer, Session};
 use crate::wire::{self, Challenge, Greeting, GreetingKind};
 
 /// Why a greeting is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// It does not go from the other end to this one.
+    #[error(transparent)]
     Ends(ends::Error),
     /// It is about another client of the same server.
+    #[error("a greeting on another line: it is about another client of the same server")]
     OtherLine,
     /// The tag is wrong: altered on the way, or made by someone without the key.
+    #[error("the tag of a greeting is wrong: altered, or another shared key")]
     Forged,
     /// It answers a challenge that this peer no longer has.
+    #[error("a greeting that answers a challenge of the past")]
     Stale,
     /// The other peer was told something else in this table of parameters.
+    #[error("the other peer has other parameters: {0}")]
     Parameters(
         /// The first table that differs.
         &'static str,
     ),
     /// The bytes are not a greeting.
+    #[error(transparent)]
     Wire(wire::Error),
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Ends(error) => error.fmt(f),
-            Self::OtherLine => f.write_str("a greeting on another line: it is about another client of the same server"),
-            Self::Forged => f.write_str("the tag of a greeting is wrong: altered, or another shared key"),
-            Self::Stale => f.write_str("a greeting that answers a challenge of the past"),
-            Self::Parameters(table) => write!(f, "the other peer has other parameters: {table}"),
-            Self::Wire(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for Error {}
 
 /// How an authentic greeting stands to what this peer knows: the first that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

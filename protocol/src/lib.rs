@@ -5,22 +5,8 @@
 //! come in, bytes and messages go out; sockets, clocks and random numbers are the caller's. There is no way to send
 //! anything in the open.
 //!
-//! From the outside in:
-//!
-//! | module | holds |
-//! |---|---|
-//! | [`link`] | [`link::Link`]: one peer's end of the wire, the only thing a firmware needs |
-//! | [`engagement`] | silence ladder: how far the coordination may act |
-//! | [`reliable`] | events that arrive once and in order, beside the flow that never waits |
-//! | [`playout`] | makes the delay constant |
-//! | [`lines`] | lines of text over those events: an operator's port |
-//! | [`clock`] | the other peer's clock, round trip and jitter |
-//! | [`handshake`], [`session`] | how two peers that share a key come to share fresh ones, whoever restarts |
-//! | [`seal`], [`replay`], [`key`] | one direction of a session; what has been taken; where keys come from |
-//! | [`parameters`], [`ends`] | whether two peers were told the same; who a datagram is from |
-//! | [`world`] | the objects of a world, with ids, versions and checksums |
-//! | [`roles`] | what a peer is in a shared environment: who may edit, who may hit the ball, whose engine moves the object; carried by the events |
-//! | [`wire`] | the layouts, byte by byte; `FORMAT.md` says the same for other languages |
+//! Where to begin: [`link::Link`], one peer's end of the wire, is the only thing a firmware needs; [`lines`] is an operator's port on
+//! it; [`roles`] is what a peer can be in a shared environment; [`wire`] has the layouts, which `FORMAT.md` says for other languages.
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
 //! the slice it is given. Nothing allocates; a link is one value of fixed size. An error is one sentence about what was
@@ -116,7 +102,7 @@
 //!     while let Some(len) = link.poll(now(), &mut out) { send(&out[..len]) }
 //! }
 //! ```
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(test),
@@ -132,6 +118,7 @@ pub mod handshake;
 pub mod key;
 pub mod lines;
 pub mod link;
+mod notices;
 pub mod parameters;
 #[cfg(feature = "peer")]
 pub mod peer;

@@ -96,7 +96,6 @@ mod tests {
     use crate::parameters::Parameters;
     use crate::wire::{MAX_DATAGRAM, PeerId};
 
-    extern crate std;
     use std::string::ToString;
     use std::vec::Vec as List;
 

@@ -15,13 +15,12 @@
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
-use heapless::Deque;
-
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::engagement::{APART_AFTER, Engagement};
 use crate::handshake::Handshake;
 use crate::key::Key;
+use crate::notices::Notices;
 use crate::parameters::Parameters;
 use crate::reliable::{Full, Receiver, Sender};
 use crate::seal::Counter;
@@ -99,7 +98,7 @@ pub struct Link {
     next_hello_us: u64,
     next_probe_us: u64,
     told: Stage,
-    notices: Deque<Notice, NOTICES>,
+    notices: Notices<Notice, NOTICES>,
     past: Counts,
 }
 
@@ -141,7 +140,7 @@ impl Link {
             next_hello_us: 0,
             next_probe_us: 0,
             told: Stage::Calling,
-            notices: Deque::new(),
+            notices: Notices::default(),
             past: Counts::default(),
         })
     }

@@ -6,8 +6,6 @@
 //!
 //! **Limit**: 64 bits a table guard against accidents; against an enemy the greeting's tag does.
 
-use core::fmt;
-
 use heapless::Vec;
 
 use crate::key::{Derivation, Key};
@@ -62,16 +60,9 @@ pub struct Parameters {
 }
 
 /// There is no room for another table: a greeting names 16.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("more than {TABLES} tables of parameters")]
 pub struct TooManyTables;
-
-impl fmt::Display for TooManyTables {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "more than {TABLES} tables of parameters")
-    }
-}
-
-impl core::error::Error for TooManyTables {}
 
 impl Parameters {
     /// No table: peers agree whatever they were told.

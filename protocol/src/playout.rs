@@ -164,7 +164,6 @@ impl<P> Playout<P> {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
 
     use super::*;
     use std::vec::Vec;

@@ -8,8 +8,6 @@
 //! kept their memory, what was under way arrives once all the same. When either starts anew, both begin at 0 and what had
 //! not been acknowledged is dropped and counted: it was meant for someone who is gone.
 
-use core::fmt;
-
 use crate::wire::{Ack, Event};
 
 /// Events under way at once, in each direction.
@@ -19,16 +17,9 @@ pub const WINDOW: usize = 8;
 const LONGEST_WAIT_US: u64 = 1_000_000;
 
 /// As many events are under way as memory allows: wait for some to arrive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{WINDOW} events are under way already: wait until some have arrived")]
 pub struct Full;
-
-impl fmt::Display for Full {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{WINDOW} events are under way already: wait until some have arrived")
-    }
-}
-
-impl core::error::Error for Full {}
 
 /// An event on its way.
 #[derive(Clone, Copy, Debug)]

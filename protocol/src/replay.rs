@@ -7,8 +7,6 @@
 //! **Invariant**: [`Window::check`] changes nothing, and [`Window::take`] is called only after the tag was found right,
 //! so that nobody without the key can move the window. **Limit**: numbers from [`SEQUENCE_LIMIT`] on are refused.
 
-use core::fmt;
-
 /// The first sequence number that is never used: far below the wrap, further than a peer can count.
 pub const SEQUENCE_LIMIT: u64 = u64::MAX - (1 << 14) + 1;
 
@@ -21,27 +19,18 @@ pub struct Window {
 }
 
 /// Why a sequence number is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// The number has been taken before.
+    #[error("this datagram was taken before")]
     Replayed,
     /// The number is older than the window remembers.
+    #[error("this datagram is older than the replay window")]
     TooOld,
     /// The number is beyond the last one allowed.
+    #[error("the sequence number is beyond the last one allowed")]
     Exhausted,
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Replayed => "this datagram was taken before",
-            Self::TooOld => "this datagram is older than the replay window",
-            Self::Exhausted => "the sequence number is beyond the last one allowed",
-        })
-    }
-}
-
-impl core::error::Error for Error {}
 
 impl Window {
     const WORD_BITS: u64 = u32::BITS as u64;

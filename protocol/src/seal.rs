@@ -7,8 +7,6 @@
 //! **Invariants**: [`Counter`] hands out a number once and lives as long as its peer, across sessions, so that no key
 //! meets a nonce twice; a datagram whose tag is wrong leaves no trace. There is no way to send a message unsealed.
 
-use core::fmt;
-
 use chacha20poly1305::ChaCha20Poly1305;
 use chacha20poly1305::aead::array::Array;
 use chacha20poly1305::aead::{AeadInOut, KeyInit};
@@ -21,32 +19,17 @@ use crate::wire::{self, Header, Message, PeerId, TAG_LEN};
 pub const EPOCH_BITS: u32 = 20;
 
 /// Why a datagram cannot be sealed or opened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// The tag is wrong: altered on the way, from another session, or made by someone without the key.
+    #[error("the tag of a sealed datagram is wrong")]
     Forged,
     /// Every sequence number has been used.
+    #[error("every sequence number has been used: restart this peer")]
     Exhausted,
     /// The message or the buffer does not have the length it must have.
-    Wire(wire::Error),
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Forged => f.write_str("the tag of a sealed datagram is wrong"),
-            Self::Exhausted => f.write_str("every sequence number has been used: restart this peer"),
-            Self::Wire(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for Error {}
-
-impl From<wire::Error> for Error {
-    fn from(error: wire::Error) -> Self {
-        Self::Wire(error)
-    }
+    #[error(transparent)]
+    Wire(#[from] wire::Error),
 }
 
 /// The sequence numbers of one sender.

@@ -48,27 +48,18 @@ impl fmt::Debug for Session {
 }
 
 /// Why a sealed datagram is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// It belongs to another session: an earlier one, or none that this peer knows.
+    #[error("this datagram belongs to another session")]
     OtherSession,
     /// Its sequence number.
+    #[error(transparent)]
     Replay(replay::Error),
     /// Its seal.
+    #[error(transparent)]
     Seal(seal::Error),
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OtherSession => f.write_str("this datagram belongs to another session"),
-            Self::Replay(error) => error.fmt(f),
-            Self::Seal(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for Error {}
 
 impl Session {
     /// The session that two offers make under the shared key.

@@ -83,7 +83,7 @@ impl Link {
             self.receiver = Receiver::default();
             self.clock = Clock::default();
             self.peer = Some(incarnation);
-            self.notify(Notice::NewPeer { dropped: u8::try_from(dropped).unwrap_or(u8::MAX) });
+            self.notices.put(Notice::NewPeer { dropped: u8::try_from(dropped).unwrap_or(u8::MAX) });
         }
         self.sender.hurry();
     }

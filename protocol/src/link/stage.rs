@@ -75,15 +75,7 @@ impl Link {
 
     /// The oldest notice that has not been told.
     pub fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
-    }
-
-    pub(super) fn notify(&mut self, notice: Notice) {
-        if self.notices.is_full() {
-            self.notices.pop_front();
-        }
-        // There is room now: nothing is lost.
-        let _ = self.notices.push_back(notice);
+        self.notices.take()
     }
 
     /// Tells what has changed since the last time.
@@ -93,24 +85,24 @@ impl Link {
         let joined = |stage| matches!(stage, Stage::Idle | Stage::Running | Stage::Fading);
         let engaged = |stage| matches!(stage, Stage::Running | Stage::Fading);
         if engaged(before) && !engaged(now) {
-            self.notify(Notice::Disengaged);
+            self.notices.put(Notice::Disengaged);
         }
         if joined(before) && !joined(now) {
-            self.notify(Notice::Lost);
+            self.notices.put(Notice::Lost);
         }
         if joined(now) && !joined(before) {
-            self.notify(Notice::Joined);
+            self.notices.put(Notice::Joined);
         }
         match (before, now) {
-            (Stage::Running, Stage::Fading) => self.notify(Notice::Fading),
-            (Stage::Fading, Stage::Running) => self.notify(Notice::Resumed),
-            _ if engaged(now) && !engaged(before) => self.notify(Notice::Engaged),
+            (Stage::Running, Stage::Fading) => self.notices.put(Notice::Fading),
+            (Stage::Fading, Stage::Running) => self.notices.put(Notice::Resumed),
+            _ if engaged(now) && !engaged(before) => self.notices.put(Notice::Engaged),
             _ => {}
         }
         if let (Stage::Refused, Some(table)) = (now, self.refused)
             && before != Stage::Refused
         {
-            self.notify(Notice::Refused { table });
+            self.notices.put(Notice::Refused { table });
         }
     }
 

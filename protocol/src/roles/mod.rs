@@ -1,12 +1,5 @@
 //! Roles: what a peer is in a shared haptic environment (Buttolo, Oboe & Hannaford 1997, §3; THEORY §6).
 //!
-//! | module | role |
-//! |---|---|
-//! | [`static_scene`] | a server holds the environment, a client downloads it and renders locally |
-//! | [`collaborative`] | one at a time edits an object: a lock at a central server, or a token that goes round |
-//! | [`cooperative`] | one dynamics engine, at the server or at a client, and who has it |
-//! | [`squash`] | one ball, 2 to 8 players, one at a time hits it |
-//!
 //! A role is a state machine without I/O, like everything in this crate, and has the shape of [`Role`]: `receive` takes a message
 //! and who it is from, `poll` lets time pass, both put what is to be said into an [`Out`], `take_notice` says what has happened.
 //! Time is µs on the peer's own clock, which may start anywhere and must not go backwards. Messages have fixed little-endian
@@ -85,6 +78,23 @@ pub trait Carried: Sized {
     /// The object and the message, if the wire brought one of this role.
     fn read(message: &Message) -> Option<(u16, Self)>;
 }
+
+/// All that such a message says is to arrive.
+macro_rules! carried_by_events {
+    ($Message:ident) => {
+        impl $crate::roles::Carried for $Message {
+            fn carry(&self, object: u16) -> Result<$crate::wire::Message, $crate::error::Error> {
+                self.event(object).map($crate::wire::Message::Event)
+            }
+
+            fn read(message: &$crate::wire::Message) -> Option<(u16, Self)> {
+                let $crate::wire::Message::Event(event) = message else { return None };
+                Self::parse(event).ok()
+            }
+        }
+    };
+}
+pub(crate) use carried_by_events;
 
 /// Takes what a role says, on its way to a peer: an [`Outbox`], or any closure.
 pub trait Out<M> {

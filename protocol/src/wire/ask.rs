@@ -1,19 +1,5 @@
 //! Ask: a client wants parts of the world that its server holds. Unreliable: what does not come is asked for again.
 //!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | kind = 16 | |
-//! | 1 | u8 | topic: 0 manifest, 1 regions, 2 pages, 3 objects | |
-//! | 2 | u16 | first: bit i below stands for number first + i | |
-//! | 4 | u8 | scope: 0 everything, 1 around a point, 2 one region and its margin | |
-//! | 5 | u8 | region, 0 unless the scope is 2 | |
-//! | 6 | u8 | tag: comes back with every part of the answer | |
-//! | 7 | u8 | 0 | |
-//! | 8 | f32 | x of the point, 0 unless the scope is 1 | m |
-//! | 12 | f32 | y of the point, likewise | m |
-//! | 16 | f32 | radius, 0 or more, likewise | m |
-//! | 20 | u8 × 32 | wanted: 256 bits, bit i is bit i mod 8 of byte i/8 | |
-//!
 //! 52 bytes. The manifest is number 0.
 
 use crate::bytes::{Reader, Writer, byte_enum, newtype};
@@ -128,47 +114,5 @@ impl Ask {
         writer.put(&point);
         writer.put(&self.wanted);
         writer.end()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn literal_bytes() {
-        let mut wanted = Bits::default();
-        wanted.set(0);
-        wanted.set(9);
-        wanted.set(255);
-        let scope = Scope::Around { x: 1.0, y: -0.5, radius: 2.5 };
-        let ask = Ask { topic: Topic::Object, first: 0x0100, scope, tag: 7, wanted };
-        let mut bytes = [0; Ask::LEN];
-        bytes[..8].copy_from_slice(&[16, 3, 0, 1, 1, 0, 7, 0]);
-        bytes[8..20].copy_from_slice(&[0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf, 0, 0, 0x20, 0x40]);
-        (bytes[20], bytes[21], bytes[51]) = (1, 2, 0x80);
-        let mut out = [0; Ask::LEN];
-        assert_eq!(ask.emit(&mut out), Ok(Ask::LEN));
-        assert_eq!(out, bytes);
-        assert_eq!(Ask::parse(&bytes), Ok(ask));
-        assert!(ask.numbers().eq([256, 265, 511]));
-    }
-
-    #[test]
-    fn a_scope_has_what_belongs_to_it_and_nothing_else() {
-        let error = Err(Error::OutOfRange { message: "ask", field: "scope" });
-        let mut bytes = [0; Ask::LEN];
-        bytes[0] = Ask::KIND;
-        assert_eq!(Ask::parse(&bytes).map(|ask| ask.scope), Ok(Scope::All));
-        bytes[4] = 2;
-        bytes[5] = 9;
-        assert_eq!(Ask::parse(&bytes).map(|ask| ask.scope), Ok(Scope::Region(9)));
-        bytes[4] = 0;
-        assert_eq!(Ask::parse(&bytes), error);
-        bytes[4] = 3;
-        assert_eq!(Ask::parse(&bytes), error);
-        bytes[4..6].copy_from_slice(&[1, 0]);
-        bytes[19] = 0xbf; // a radius below 0
-        assert_eq!(Ask::parse(&bytes), error);
     }
 }

@@ -45,33 +45,3 @@ impl Header {
         writer.end()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const BYTES: [u8; 16] = [1, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
-
-    #[test]
-    fn literal_bytes() {
-        let header = Header { from: PeerId(7), to: PeerId(9), session: 0xaabb_ccdd, sequence: 0x0102_0304_0506_0708 };
-        let mut out = [0; Header::LEN];
-        assert_eq!(header.emit(&mut out), Ok(Header::LEN));
-        assert_eq!(out, BYTES);
-        let mut datagram = [0x55; 33];
-        datagram[..16].copy_from_slice(&BYTES);
-        assert_eq!(Header::parse(&mut datagram), Ok((header, &BYTES, &mut [0x55; 17][..])));
-    }
-
-    #[test]
-    fn refuses_other_versions_kinds_and_lengths() {
-        let mut datagram = [0; 32];
-        datagram[..16].copy_from_slice(&BYTES);
-        datagram[0] = 2;
-        assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion { version: 2 }));
-        datagram[..2].copy_from_slice(&[1, 4]);
-        assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind { kind: 4 }));
-        let error = Error::Length { message: "sealed", wanted: 32, got: 31 };
-        assert_eq!(Header::parse(&mut datagram[..31]), Err(error));
-    }
-}

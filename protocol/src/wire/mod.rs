@@ -11,38 +11,32 @@
 //! [`Header::LEN`] of its datagram. **Stable from version 1**: a layout is never changed, a new one gets a new kind, and a
 //! change of meaning gets a new version byte.
 
-mod ack;
 mod ask;
 mod event;
 mod flow;
-mod goodbye;
 mod greeting;
 mod header;
 mod moved;
 mod part;
 mod payload;
 mod presence;
-mod probe;
-mod push;
-mod reply;
 mod sample;
 mod telemetry;
+#[cfg(test)]
+mod tests;
+mod upkeep;
 
-pub use ack::Ack;
 pub use ask::{Ask, Bits, Topic};
 pub use event::Event;
 pub use flow::Flow;
-pub use goodbye::Goodbye;
 pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
-pub use moved::Moved;
+pub use moved::{Moved, Push};
 pub use part::{Page, Part, Payload};
 pub use presence::{Presence, Sighting};
-pub use probe::Probe;
-pub use push::Push;
-pub use reply::Reply;
 pub use sample::Sample;
 pub use telemetry::Telemetry;
+pub use upkeep::{Ack, Goodbye, Probe, Reply};
 
 pub use crate::error::{Error, VERSION};
 pub use crate::key::TAG_LEN;

@@ -1,10 +1,27 @@
-//! Moved: the shared object as whoever has the dynamics engine moves it, to each client; once each packet period, newest
-//! wins ([`crate::roles::cooperative`]). With the time of its arrival the three times are a sample for [`crate::clock::Clock`].
+//! Push and moved: what clients do to the shared object, and where whoever has the dynamics engine moves it; each once each packet
+//! period, newest wins ([`crate::roles::cooperative`]).
 
 use crate::bytes::layout;
 
 layout! {
-    /// The object, as it is moved.
+    /// What a client does to the shared object, to whoever moves it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub message Push("push", 32 bytes, kind 19) {
+        /// How long the client takes the way to the engine and back to be, µs: what its contact and the engine's damping follow;
+        /// 2³² − 1 where it is not known.
+        4 => round_trip_us: u32,
+        /// When it was sent, µs of the client's clock; what was sent earlier than one that has come is out of date.
+        8 => sent_us: u64,
+        /// Force on the object along x and y, N.
+        16 => force: [f32; 2],
+        /// Where the hand is, for others to see, m.
+        24 => hand: [f32; 2],
+    }
+}
+
+layout! {
+    /// The object, as it is moved, to each client. With the time of its arrival the three times are a sample for
+    /// [`crate::clock::Clock`].
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
     pub message Moved("moved", 48 bytes, kind 20) {
         /// Which engine.
@@ -17,27 +34,5 @@ layout! {
         32 => came_us: u64,
         /// When this was sent, µs of the engine's clock.
         40 => sent_us: u64,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::error::Error;
-
-    #[test]
-    fn literal_bytes() {
-        let moved = Moved { version: 9, axes: [[1.0, -0.5], [2.5, 0.0]], echo_us: 5, came_us: 6, sent_us: 0x0708 };
-        let mut bytes = [0; Moved::LEN];
-        bytes[0] = 20;
-        bytes[4] = 9;
-        bytes[8..24].copy_from_slice(&[0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf, 0, 0, 0x20, 0x40, 0, 0, 0, 0]);
-        (bytes[24], bytes[32], bytes[40], bytes[41]) = (5, 6, 8, 7);
-        let mut out = [0; Moved::LEN];
-        assert_eq!(moved.emit(&mut out), Ok(Moved::LEN));
-        assert_eq!(out, bytes);
-        assert_eq!(Moved::parse(&bytes), Ok(moved));
-        out[1] = 1;
-        assert_eq!(Moved::parse(&out), Err(Error::Reserved { message: "moved" }));
     }
 }

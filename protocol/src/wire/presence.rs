@@ -1,13 +1,5 @@
 //! Presence: where clients are, so that they are aware of each other. A client tells its own place once each packet
 //! period, to its server or straight to another client; a server answers with places of others. Newest wins.
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | kind = 18 | |
-//! | 1 | u8 | how many clients n, 0 to 4 | |
-//! | 2 | u16 | 0 | |
-//! | 4 | u32 | tick: of whoever asked first; a server sends the newest it has from this client | control periods |
-//! | 8 + 20·i | 20 bytes | a [`Sighting`] | |
 
 use crate::bytes::{Reader, Writer, layout};
 use crate::error::Error;
@@ -81,32 +73,5 @@ impl Presence {
         writer.put(&self.tick);
         self.seen().iter().for_each(|sighting| writer.put(sighting));
         writer.end()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn literal_bytes() {
-        let sighting = Sighting { who: 300, position: [1.0, -0.5], velocity: [2.5, 0.0] };
-        let presence = Presence::new(0x0102_0304, [sighting]);
-        let bytes = [
-            18, 1, 0, 0, 4, 3, 2, 1, // head
-            0x2c, 1, 0, 0, 0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf, 0, 0, 0x20, 0x40, 0, 0, 0, 0,
-        ];
-        let mut out = [0; Presence::MAX_LEN];
-        assert_eq!(presence.emit(&mut out), Ok(28));
-        assert_eq!(out[..28], bytes);
-        assert_eq!(Presence::parse(&bytes), Ok(presence));
-        assert_eq!(Presence::new(0, [sighting; 9]).seen(), [sighting; 4]);
-    }
-
-    #[test]
-    fn refuses_more_than_there_is_room_for() {
-        let mut bytes = [0; 108];
-        bytes[..2].copy_from_slice(&[Presence::KIND, 5]);
-        assert_eq!(Presence::parse(&bytes), Err(Error::OutOfRange { message: "presence", field: "count" }));
     }
 }

@@ -1,11 +1,4 @@
 //! Sample: up to 88 bytes of what an instrument saw, once; lost if it is lost. What they mean is the application's.
-//!
-//! | offset | type | field | unit |
-//! |---|---|---|---|
-//! | 0 | u8 | kind = 9 | |
-//! | 1 | u8 | payload length n, 0 to 88 | bytes |
-//! | 2 | u16 | code: what the payload means to the application | |
-//! | 4 | u8 × n | payload | |
 
 use super::payload::Payload;
 use crate::bytes::Writer;
@@ -53,34 +46,5 @@ impl Sample {
         writer.put(&self.code);
         writer.bytes(self.payload());
         writer.end()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn literal_bytes() {
-        let sample = Sample::new(0x1234, &[0xaa, 0xbb]).unwrap();
-        let bytes = [9, 2, 0x34, 0x12, 0xaa, 0xbb];
-        let mut out = [0; Sample::MAX_LEN];
-        assert_eq!(sample.emit(&mut out), Ok(6));
-        assert_eq!(out[..6], bytes);
-        assert_eq!(Sample::parse(&bytes), Ok(sample));
-        let longest = Sample::new(1, &[7; 88]).unwrap();
-        assert_eq!(longest.emit(&mut out), Ok(92));
-        assert_eq!(Sample::parse(&out), Ok(longest));
-    }
-
-    #[test]
-    fn refuses_lengths_that_are_not_there() {
-        assert_eq!(Sample::parse(&[9, 1, 0, 0]), Err(Error::Length { message: "sample", wanted: 5, got: 4 }));
-        assert_eq!(Sample::parse(&[9, 0, 0, 0, 0]), Err(Error::Length { message: "sample", wanted: 4, got: 5 }));
-        assert_eq!(
-            Sample::parse(&[9, 89, 0, 0]),
-            Err(Error::OutOfRange { message: "sample", field: "payload length" })
-        );
-        assert!(Sample::new(0, &[0; 89]).is_err());
     }
 }

@@ -9,8 +9,6 @@
 mod record;
 mod shape;
 
-use core::fmt;
-
 use heapless::Vec;
 
 pub use record::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, RecordError, Region};
@@ -53,30 +51,21 @@ impl Scope {
 }
 
 /// Why something cannot be added to a database.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Full {
     /// There is no room for another object.
+    #[error("no room for more than {most} objects")]
     Objects {
         /// How many there are.
         most: usize,
     },
     /// There is no room for another region.
+    #[error("no room for more than {most} regions")]
     Regions {
         /// How many there are.
         most: usize,
     },
 }
-
-impl fmt::Display for Full {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Objects { most } => write!(f, "no room for more than {most} objects"),
-            Self::Regions { most } => write!(f, "no room for more than {most} regions"),
-        }
-    }
-}
-
-impl core::error::Error for Full {}
 
 /// A world, or what is known of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,34 +81,14 @@ pub struct Database<const OBJECTS: usize> {
 impl<const OBJECTS: usize> Database<OBJECTS> {
     /// Adds an object, or replaces the one with its id.
     pub fn put(&mut self, object: Object) -> Result<(), Full> {
-        match self.objects.binary_search_by_key(&object.id, |known| known.id) {
-            Ok(at) => {
-                if let Some(known) = self.objects.get_mut(at) {
-                    *known = object;
-                }
-                Ok(())
-            }
-            Err(at) => {
-                let most = OBJECTS.min(MAX_OBJECTS);
-                if self.objects.len() >= most {
-                    return Err(Full::Objects { most });
-                }
-                self.objects.insert(at, object).map_err(|_| Full::Objects { most })
-            }
-        }
+        let most = OBJECTS.min(MAX_OBJECTS);
+        put(&mut self.objects, object, |known| known.id, most).map_err(|_| Full::Objects { most })
     }
 
     /// Adds a region, or replaces the one with its id.
     pub fn put_region(&mut self, region: Region) -> Result<(), Full> {
-        match self.regions.binary_search_by_key(&region.id, |known| known.id) {
-            Ok(at) => {
-                if let Some(known) = self.regions.get_mut(at) {
-                    *known = region;
-                }
-                Ok(())
-            }
-            Err(at) => self.regions.insert(at, region).map_err(|_| Full::Regions { most: MAX_REGIONS }),
-        }
+        let most = MAX_REGIONS;
+        put(&mut self.regions, region, |known| known.id, most).map_err(|_| Full::Regions { most })
     }
 
     /// Takes out every object for which `keep` is false.
@@ -155,6 +124,20 @@ impl<const OBJECTS: usize> Database<OBJECTS> {
     /// Checksum of the whole: the first 8 bytes of `D(0³², "world", manifest ‖ region records ‖ object records)`.
     pub fn checksum(&self) -> Result<u64, Error> {
         world_checksum(&self.manifest(), &self.regions, &self.objects)
+    }
+}
+
+/// Puts `new` where its id belongs, in place of the one that has it; gives it back where there are `most` already.
+fn put<T, I: Ord, const N: usize>(all: &mut Vec<T, N>, new: T, id: impl Fn(&T) -> I, most: usize) -> Result<(), T> {
+    match all.binary_search_by_key(&id(&new), id) {
+        Ok(at) => {
+            if let Some(known) = all.get_mut(at) {
+                *known = new;
+            }
+            Ok(())
+        }
+        Err(_) if all.len() >= most => Err(new),
+        Err(at) => all.insert(at, new),
     }
 }
 

@@ -1,26 +1,6 @@
 //! Records: objects and regions as bytes of fixed length, each with its own checksum.
 //!
-//! | offset | type | object |
-//! |---|---|---|
-//! | 0 | u32 | id |
-//! | 4 | u32 | version: changes whenever anything else does |
-//! | 8 | u8 | kind: 1 wall, 2 body, 3 strip, 4 block |
-//! | 9 | u8 × 3 | 0 |
-//! | 12 | f32 × 11 | numbers in the order of [`Shape::ALL`], 0 where unused |
-//! | 56 | u64 | checksum of bytes 0 to 55 |
-//!
-//! | offset | type | region |
-//! |---|---|---|
-//! | 0 | u8 | id |
-//! | 1 | u8 | server: who holds it |
-//! | 2 | u16 | 0 |
-//! | 4 | f32 × 4 | least x, least y, largest x, largest y, m |
-//! | 20 | u32 | 0 |
-//! | 24 | u64 | checksum of bytes 0 to 23 |
-//!
 //! A checksum is the first 8 bytes of `D(0³², "record", bytes)` (`FORMAT.md`): it finds accidents, not enemies.
-
-use core::fmt;
 
 use super::shape::{Bounds, Refused, Shape};
 use crate::bytes::{Reader, Writer, layout};
@@ -33,38 +13,23 @@ pub const MAX_OBJECTS: usize = 4096;
 pub const MAX_REGIONS: usize = 32;
 
 /// Why bytes are no record.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// The bytes are not what was summed up.
+    #[error("the checksum of a record is wrong")]
     Checksum,
     /// There is no shape of this kind.
+    #[error("there is no shape of kind {kind}")]
     UnknownKind {
         /// The kind found.
         kind: u8,
     },
     /// A number of the shape is out of its range.
+    #[error(transparent)]
     Refused(Refused),
     /// The bytes do not have the layout.
-    Wire(Error),
-}
-
-impl fmt::Display for RecordError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Checksum => f.write_str("the checksum of a record is wrong"),
-            Self::UnknownKind { kind } => write!(f, "there is no shape of kind {kind}"),
-            Self::Refused(refused) => refused.fmt(f),
-            Self::Wire(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for RecordError {}
-
-impl From<Error> for RecordError {
-    fn from(error: Error) -> Self {
-        Self::Wire(error)
-    }
+    #[error(transparent)]
+    Wire(#[from] Error),
 }
 
 /// The checksum of `bytes`.

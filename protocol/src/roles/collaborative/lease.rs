@@ -1,24 +1,14 @@
 //! Lease: a right that runs out by itself when it is not renewed, at its holder before at its giver.
 
-use core::fmt;
-
-use heapless::Deque;
+use crate::notices::Notices;
 
 /// A lease may not be that long.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a lease of {us} us is not allowed: it must be from {} to {} us", Lease::SHORTEST_US, Lease::LONGEST_US)]
 pub struct OutOfRange {
     /// What was asked for, µs.
     pub us: u32,
 }
-
-impl fmt::Display for OutOfRange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (least, most) = (Lease::SHORTEST_US, Lease::LONGEST_US);
-        write!(f, "a lease of {} us is not allowed: it must be from {least} to {most} us", self.us)
-    }
-}
-
-impl core::error::Error for OutOfRange {}
 
 /// A right that runs out by itself when it is not renewed.
 ///
@@ -66,18 +56,14 @@ const REMEMBERED: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Requests {
     newest: u32,
-    sent: Deque<(u32, u64), REMEMBERED>,
+    sent: Notices<(u32, u64), REMEMBERED>,
 }
 
 impl Requests {
     /// Number of the request that is sent now: 1, 2, 3 …
     pub(super) fn send(&mut self, now: u64) -> u32 {
         self.newest = self.newest.saturating_add(1);
-        if self.sent.is_full() {
-            self.sent.pop_front();
-        }
-        // There is room now.
-        let _ = self.sent.push_back((self.newest, now));
+        self.sent.put((self.newest, now));
         self.newest
     }
 

@@ -19,8 +19,6 @@
 //!
 //! A *lost update* is one that its author was told is published and that a later state does not build on.
 
-use core::fmt;
-
 mod approach;
 mod lease;
 pub mod lock;
@@ -34,13 +32,6 @@ pub use lease::{Lease, OutOfRange};
 pub type Value = [u8; 24];
 
 /// Only the owner can publish.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("only the owner of the object can publish it, and this peer is not, or no longer")]
 pub struct NotOwner;
-
-impl fmt::Display for NotOwner {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("only the owner of the object can publish it, and this peer is not, or no longer")
-    }
-}
-
-impl core::error::Error for NotOwner {}

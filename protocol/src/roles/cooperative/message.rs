@@ -2,9 +2,7 @@
 //! client's clock.
 
 use crate::bytes::{layout, messages};
-use crate::error::Error;
-use crate::roles::{Carried, code};
-use crate::wire;
+use crate::roles::{carried_by_events, code};
 
 layout! {
     /// Motion of the object along two axes as it is handed over: position (m) and velocity (m/s).
@@ -67,20 +65,12 @@ messages! {
     }
 }
 
-impl Carried for Message {
-    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
-        self.event(object).map(wire::Message::Event)
-    }
-
-    fn read(message: &wire::Message) -> Option<(u16, Self)> {
-        let wire::Message::Event(event) = message else { return None };
-        Self::parse(event).ok()
-    }
-}
+carried_by_events!(Message);
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
     use crate::wire::Event;
 
     const AT: Body = Body { axes: [[1.0, -0.5], [0.25, 0.0]] };

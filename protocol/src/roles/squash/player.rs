@@ -1,12 +1,11 @@
 //! A player: hits when it is active, knows where the ball is when it is not.
 
-use heapless::Deque;
-
 use super::{
     Ball, BallBounds, Court, Ending, Game, Impact, Message, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, Racket,
     RoundTrips, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
 };
 use crate::clock::Clock;
+use crate::notices::Notices;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
@@ -101,7 +100,7 @@ pub struct Player {
     next_place_us: u64,
     next_again_us: u64,
     leaving: bool,
-    notices: Deque<Notice, 8>,
+    notices: Notices<Notice, 8>,
 }
 
 impl Player {
@@ -120,7 +119,7 @@ impl Player {
             next_place_us: 0,
             next_again_us: 0,
             leaving: false,
-            notices: Deque::new(),
+            notices: Notices::default(),
         }
     }
 
@@ -238,7 +237,7 @@ impl Player {
         if newer {
             if game.last.rally > self.game.last.rally {
                 let seen = if self.flight.turn.rally == game.last.rally { self.flight.turn.stroke } else { 0 };
-                self.notify(Notice::Ends { verdict: game.last, score: game.score, seen });
+                self.notices.put(Notice::Ends { verdict: game.last, score: game.score, seen });
             }
             if game.phase == Phase::Rally && game.rally > self.game.rally {
                 let turn = Turn { rally: game.rally, stroke: 0 };
@@ -247,7 +246,7 @@ impl Player {
                     self.flight = Flight { turn, ..Flight::default() };
                 }
                 self.lost = None;
-                self.notify(Notice::Begins { rally: game.rally });
+                self.notices.put(Notice::Begins { rally: game.rally });
             }
         }
         if newer || game.revision == self.game.revision {
@@ -274,7 +273,7 @@ impl Player {
             }
             _ => [0.0; 2],
         };
-        self.notify(Notice::Hit { turn, corrected_m });
+        self.notices.put(Notice::Hit { turn, corrected_m });
     }
 
     /// What nobody has answered: a hit to each who does not know it, a miss to a server that has not said so.
@@ -325,14 +324,6 @@ impl Player {
             let round_trip = u32::try_from(now.saturating_sub(other.pinged_us)).unwrap_or(u32::MAX);
             self.trips.add(now, round_trip.max(1));
         }
-    }
-
-    fn notify(&mut self, notice: Notice) {
-        if self.notices.is_full() {
-            self.notices.pop_front();
-        }
-        // There is room now.
-        let _ = self.notices.push_back(notice);
     }
 }
 
@@ -396,6 +387,6 @@ impl Role for Player {
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
+        self.notices.take()
     }
 }

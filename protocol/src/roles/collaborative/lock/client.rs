@@ -1,8 +1,7 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
-use heapless::Deque;
-
 use super::{Copy, Lease, Message, Value};
+use crate::notices::Notices;
 use crate::roles::collaborative::NotOwner;
 use crate::roles::collaborative::lease::Requests;
 use crate::roles::{Out, Role};
@@ -69,7 +68,7 @@ pub struct Client {
     /// The highest fence that is over. A release that is still on its way may not meet an owner of the same fence.
     spent: u32,
     next_us: u64,
-    notices: Deque<Notice, 8>,
+    notices: Notices<Notice, 8>,
 }
 
 impl Client {
@@ -85,7 +84,7 @@ impl Client {
             first: 1,
             spent: 0,
             next_us: 0,
-            notices: Deque::new(),
+            notices: Notices::default(),
         }
     }
 
@@ -149,7 +148,7 @@ impl Client {
             (Phase::Asking, Some(until_us)) if now < until_us => {
                 self.learn(copy);
                 self.phase = Phase::Owner { fence, until_us };
-                self.notify(Notice::Granted);
+                self.notices.put(Notice::Granted);
             }
             (Phase::Owner { fence: held, until_us: before }, Some(until_us)) if fence == held => {
                 self.phase = Phase::Owner { fence, until_us: before.max(until_us) };
@@ -169,9 +168,9 @@ impl Client {
                 if fence > self.copy.version {
                     self.copy = Copy { version: fence, value };
                 }
-                self.notify(Notice::Published { version: fence });
+                self.notices.put(Notice::Published { version: fence });
             }
-            Some(_) => self.notify(Notice::TooLate { fence }),
+            Some(_) => self.notices.put(Notice::TooLate { fence }),
             None => {}
         }
     }
@@ -179,7 +178,7 @@ impl Client {
     fn learn(&mut self, copy: Copy) {
         if copy.version > self.copy.version {
             self.copy = copy;
-            self.notify(Notice::Changed { version: copy.version });
+            self.notices.put(Notice::Changed { version: copy.version });
         }
     }
 
@@ -189,16 +188,8 @@ impl Client {
         {
             self.phase = Phase::Idle;
             self.spent = self.spent.max(fence);
-            self.notify(Notice::Expired);
+            self.notices.put(Notice::Expired);
         }
-    }
-
-    fn notify(&mut self, notice: Notice) {
-        if self.notices.is_full() {
-            self.notices.pop_front();
-        }
-        // There is room now.
-        let _ = self.notices.push_back(notice);
     }
 }
 
@@ -242,6 +233,6 @@ impl Role for Client {
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
+        self.notices.take()
     }
 }

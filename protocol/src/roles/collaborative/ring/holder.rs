@@ -157,7 +157,7 @@ impl Ring {
                 }
                 holding.stage = Stage::Done;
                 if publishes {
-                    self.notify(Notice::Published { version: self.record.state.version });
+                    self.notices.put(Notice::Published { version: self.record.state.version });
                 }
             }
             Stage::Editing { since_us } => {
@@ -166,7 +166,7 @@ impl Ring {
                 }
                 self.end_turn();
                 self.wants = false;
-                self.notify(Notice::Overdue);
+                self.notices.put(Notice::Overdue);
             }
             Stage::Done => {}
         }
@@ -189,7 +189,7 @@ impl Ring {
         if self.wants && !(holding.used && next.is_some()) {
             if live {
                 holding.stage = Stage::Editing { since_us: now };
-                self.notify(Notice::Granted);
+                self.notices.put(Notice::Granted);
             }
         } else if self.is_between() || self.next_roster(now) != self.record.state.roster {
             // Somebody comes or goes; or has, and then once more, so that who has gone counts no more.

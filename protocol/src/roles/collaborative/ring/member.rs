@@ -62,7 +62,7 @@ impl Ring {
         let told = matches!(&self.part, Part::Holder(holding) if holding.is_at_work());
         self.part = Part::Member;
         if told {
-            self.notify(Notice::Lost);
+            self.notices.put(Notice::Lost);
         }
     }
 

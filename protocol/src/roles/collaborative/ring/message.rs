@@ -2,9 +2,7 @@
 
 use super::{Ballot, State};
 use crate::bytes::messages;
-use crate::error::Error;
-use crate::roles::{Carried, code};
-use crate::wire;
+use crate::roles::{carried_by_events, code};
 
 messages! {
     /// A message about one object.
@@ -66,13 +64,4 @@ messages! {
     }
 }
 
-impl Carried for Message {
-    fn carry(&self, object: u16) -> Result<wire::Message, Error> {
-        self.event(object).map(wire::Message::Event)
-    }
-
-    fn read(message: &wire::Message) -> Option<(u16, Self)> {
-        let wire::Message::Event(event) = message else { return None };
-        Self::parse(event).ok()
-    }
-}
+carried_by_events!(Message);

@@ -24,11 +24,10 @@
 //! **Limits**: [`SEATS`] members; epochs are 28 bits; turns, versions and a member's holds between two starts 32 (6 years of
 //! having the token under a lease of 300 ms, 82 days under the shortest).
 
-use heapless::Deque;
-
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};
 use crate::bytes::layout;
+use crate::notices::Notices;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
@@ -182,7 +181,7 @@ pub struct Ring {
     holds: Requests,
     others: [Other; SEATS as usize],
     random: u64,
-    notices: Deque<Notice, 8>,
+    notices: Notices<Notice, 8>,
 }
 
 impl Ring {
@@ -203,7 +202,7 @@ impl Ring {
             holds: Requests::default(),
             others: [Other::default(); SEATS as usize],
             random: config.seed,
-            notices: Deque::new(),
+            notices: Notices::default(),
         };
         ring.be_patient(now);
         ring
@@ -303,14 +302,6 @@ impl Ring {
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         mixed.checked_rem(end).unwrap_or(0)
     }
-
-    fn notify(&mut self, notice: Notice) {
-        if self.notices.is_full() {
-            self.notices.pop_front();
-        }
-        // There is room now.
-        let _ = self.notices.push_back(notice);
-    }
 }
 
 impl Role for Ring {
@@ -361,7 +352,7 @@ impl Role for Ring {
     }
 
     fn take_notice(&mut self) -> Option<Notice> {
-        self.notices.pop_front()
+        self.notices.take()
     }
 }
 

@@ -1,0 +1,34 @@
+//! Notices: what is told once, oldest first, in bounded memory; of a teller that nobody asks the oldest go.
+
+use heapless::Deque;
+
+/// Up to `N` that wait.
+#[derive(Clone, Debug)]
+pub(crate) struct Notices<T, const N: usize>(Deque<T, N>);
+
+impl<T, const N: usize> Default for Notices<T, N> {
+    fn default() -> Self {
+        Self(Deque::new())
+    }
+}
+
+impl<T, const N: usize> Notices<T, N> {
+    /// One more; the oldest goes where there is no room.
+    pub(crate) fn put(&mut self, notice: T) {
+        if self.0.is_full() {
+            self.0.pop_front();
+        }
+        // There is room now.
+        let _ = self.0.push_back(notice);
+    }
+
+    /// The oldest, once.
+    pub(crate) fn take(&mut self) -> Option<T> {
+        self.0.pop_front()
+    }
+
+    /// All that wait, oldest first.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
+        self.0.iter()
+    }
+}
