@@ -42,6 +42,7 @@ Chores of the project.
 Usage: cargo xtask COMMAND [--help]
 
   setup        install what building and testing need and this machine lacks
+  quick        what tells soonest whether a small change is good: format, lints, unit tests, golden traces
   test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
   board-test   the release image on virtual boards: same bits as the simulator, budgets, faults (builds an emulator)
   bench        measure one tick of every scene and the two-peer simulation, print the README's tables
@@ -80,6 +81,13 @@ Usage: cargo xtask test
   host-sim/cases/benches/instructions.txt (needs valgrind, which apt-get installs if it can), the memory that interrupt and tasks
   share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on virtual boards
   (board-test), whose emulator takes minutes to build.
+";
+
+const QUICK_HELP: &str = "\
+What tells soonest whether a small change is good: format, lints, unit tests and golden traces, all in debug. Stops at the
+first failure. Before a change is taken, `cargo xtask test` must pass.
+
+Usage: cargo xtask quick
 ";
 
 const BENCH_HELP: &str = "\
@@ -235,6 +243,8 @@ fn main() -> ExitCode {
                 return ExitCode::from(2);
             }
         },
+        ["quick", "--help" | "-h"] => print(QUICK_HELP),
+        ["quick"] => test::quick(),
         ["readme", "--help" | "-h"] => print(README_HELP),
         ["readme"] => readme::readme(false),
         ["readme", "--check"] => readme::readme(true),

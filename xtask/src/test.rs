@@ -18,11 +18,9 @@ pub(crate) fn test() -> Result<(), Failure> {
     let start = Instant::now();
     let ready = step("set-up", setup::setup)?;
 
-    step("format", || {
-        run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
-    })?;
+    step("format", format)?;
 
-    step("lints", || run(&mut cargo(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"])))?;
+    step("lints", lints)?;
 
     step("rooms of the microcontroller", || {
         let mut build = cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
@@ -62,12 +60,36 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     step("second opinion", || second_opinion(&ready))?;
 
-    step("lints of image and bench", || lints(&ready))?;
+    step("lints of image and bench", || lints_of_image(&ready))?;
 
     virtual_board(&ready)?;
 
-    eprintln!("every step passed in {:.0} s", start.elapsed().as_secs_f64());
+    passed(start);
     Ok(())
+}
+
+/// Runs what tells soonest whether a small change is good: format, lints, who leans on whom, unit tests, golden traces.
+pub(crate) fn quick() -> Result<(), Failure> {
+    let start = Instant::now();
+    step("format", format)?;
+    step("lints", lints)?;
+    step("unit tests", || run(&mut cargo(&["test", "--locked", "--lib", "--bins"])))?;
+    step("golden traces", || run(&mut cargo(&["test", "--locked", "--package", "haptic-sim", "--test", "golden"])))?;
+    passed(start);
+    Ok(())
+}
+
+fn passed(start: Instant) {
+    let spent = run::processor_s().map_or(String::new(), |spent| format!(", {spent:.0} s of processor time"));
+    eprintln!("every step passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
+}
+
+fn format() -> Result<(), Failure> {
+    run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
+}
+
+fn lints() -> Result<(), Failure> {
+    run(&mut cargo(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"]))
 }
 
 /// What of the image needs no chip.
@@ -94,7 +116,7 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
 }
 
 /// What the workspace's own lints do not reach: the image, and the bench, which is a workspace of its own.
-fn lints(ready: &Ready) -> Result<(), Failure> {
+fn lints_of_image(ready: &Ready) -> Result<(), Failure> {
     let mut image = cargo(&["clippy", "--locked", "--release", "--package", "firmware", "--bin", "firmware"]);
     image.args(["--target", THUMB_TARGET]);
     if ready.fallback {
