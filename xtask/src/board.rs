@@ -86,34 +86,23 @@ pub(crate) fn board(plan: &Plan<'_>) -> Result<ExitCode, Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    let mut build = cargo(&[
-        "build",
-        "--locked",
-        "--release",
-        "--package",
-        "firmware",
-        "--bin",
-        "firmware",
-        "--target",
-        THUMB_TARGET,
-    ]);
+    let mut build = cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
+    build.args(["--bin", "firmware", "--target", THUMB_TARGET]);
     if ready.fallback {
         build.arg("--ignore-rust-version");
     }
     run(build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
-    Ok(target().join(THUMB_TARGET).join("release/firmware"))
+    Ok(target().join(THUMB_TARGET).join("firmware/firmware"))
 }
 
 /// Cargo on the bench, with the image that it is to run.
 pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
     let mut bench = cargo(arguments);
     // The emulator asks for a newer compiler than it needs.
-    bench.args(["--release", "--locked", "--ignore-rust-version", "--manifest-path"]);
+    bench.args(["--locked", "--ignore-rust-version", "--manifest-path"]);
     bench.arg(run::root().join("tests/board/Cargo.toml"));
-    bench.env("HAPTIC_FIRMWARE", image);
-    if let Some(shared) = env::var_os("CARGO_TARGET_DIR") {
-        bench.env("CARGO_TARGET_DIR", run::root().join(shared).join("board"));
-    }
+    // What the workspace has built is not built again.
+    bench.env("HAPTIC_FIRMWARE", image).env("CARGO_TARGET_DIR", target());
     bench
 }
 

@@ -12,7 +12,8 @@ use crate::setup::{Ready, THUMB_TARGET};
 const NOWHERE: &str = "undefined symbol: a_panic_is_reachable_from_the_tick";
 
 fn build(ready: &Ready, feature: &str) -> Command {
-    let mut build = cargo(&["build", "--locked", "--release", "--package", "firmware", "--bin", "no-panic"]);
+    let mut build =
+        cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "no-panic"]);
     build.args(["--features", feature, "--target", THUMB_TARGET]);
     if ready.fallback {
         build.arg("--ignore-rust-version");

@@ -117,7 +117,8 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
 
 /// What the workspace's own lints do not reach: the image, and the bench, which is a workspace of its own.
 fn lints_of_image(ready: &Ready) -> Result<(), Failure> {
-    let mut image = cargo(&["clippy", "--locked", "--release", "--package", "firmware", "--bin", "firmware"]);
+    let mut image =
+        cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "firmware"]);
     image.args(["--target", THUMB_TARGET]);
     if ready.fallback {
         // Debian's toolchain has no clippy of its own.

@@ -23,10 +23,11 @@ pub(crate) fn write(sheet: &Sheet, path: &Path) -> Result<(), String> {
     let mut painter = Painter { backend: BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)) };
     sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;
     drop(painter);
-    let mut picture = BitMapBackend::new(path, (width, height));
-    let pixels = averaged(&large, width as usize);
-    picture.blit_bitmap((0, 0), (width, height), &pixels).map_err(|e| e.to_string())?;
-    picture.present().map_err(|e| e.to_string())
+    let file = std::fs::File::create(path).map_err(|e| e.to_string())?;
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    writer.write_image_data(&averaged(&large, width as usize)).and_then(|()| writer.finish()).map_err(|e| e.to_string())
 }
 
 /// Each pixel the mean of its `ZOOM` × `ZOOM` pixels of the large sheet.

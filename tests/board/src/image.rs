@@ -24,7 +24,7 @@ pub struct Firmware {
 /// Where `cargo build --release -p firmware --target thumbv7em-none-eabihf` leaves it; `HAPTIC_FIRMWARE` names another.
 pub fn path() -> PathBuf {
     std::env::var_os("HAPTIC_FIRMWARE").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/release/firmware"),
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/thumbv7em-none-eabihf/firmware/firmware"),
         PathBuf::from,
     )
 }
