@@ -1,39 +1,47 @@
-//! `cargo xtask readme`: writes what the commands named in README.md print into it, so that no figure there is older than
-//! the code.
+//! `cargo xtask readme`: writes what commands print and draw into README.md and the pages under docs/, so that no figure
+//! there is older than the code.
 //!
-//! A block begins with `<!-- host-sim ARGUMENTS -->`, the command whose standard output the next fenced block holds, or with
-//! `<!-- file PATH -->`, a reviewed file of the repository; a picture with `<!-- PATH from host-sim ARGUMENTS -->`: the
-//! command is run and the file it wrote copied to docs/. Only commands whose output does not depend on the clock belong
-//! there. `--check` changes nothing, draws no pictures, and fails where the text would change.
+//! | marker, a line of its own | what it holds |
+//! |---|---|
+//! | `<!-- host-sim ARGUMENTS -->` | before a fenced block: the command's standard output |
+//! | `<!-- table host-sim ARGUMENTS -->` | before a Markdown table: the output as Markdown (`--format markdown`) |
+//! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
+//! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to docs/ |
+//!
+//! Commands run in an empty folder, so that what they name does not depend on what others have written. Only commands whose
+//! output does not depend on the clock belong there. `--check` changes nothing, compares no pictures, and fails where a text
+//! would change.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::run::{self, Failure, cargo, output};
 
-/// Refreshes README.md, or checks that it is fresh.
+/// Refreshes the pages, or checks that they are fresh.
 pub(crate) fn readme(check: bool) -> Result<(), Failure> {
-    let file = run::root().join("README.md");
-    let old =
-        std::fs::read_to_string(&file).map_err(|cause| Failure::new(format!("cannot read README.md: {cause}")))?;
-    let new = refresh(&old, check)?;
-    if check {
-        return if old == new {
-            Ok(())
-        } else {
-            Err(Failure::new("README.md does not say what its commands print; `cargo xtask readme` mends it"))
-        };
+    let empty = run::root().join("target/pages");
+    let stale = pages()?.iter().map(|page| refresh(page, &empty, check)).collect::<Result<Vec<_>, _>>()?;
+    match stale.into_iter().flatten().collect::<Vec<_>>() {
+        stale if check && !stale.is_empty() => Err(Failure::new(format!(
+            "{} does not say what its commands print; `cargo xtask readme` mends it",
+            stale.join(", ")
+        ))),
+        _ => Ok(()),
     }
-    std::fs::write(&file, new).map_err(|cause| Failure::new(format!("cannot write README.md: {cause}")))?;
-    for line in old.lines() {
-        if let Some((picture, _)) = marker(line).and_then(|text| text.split_once(" from host-sim ")) {
-            let (from, name) = (run::root().join(picture), Path::new(picture).file_name().unwrap_or_default());
-            let to = run::root().join("docs").join(name);
-            std::fs::copy(&from, &to).map_err(|cause| {
-                Failure::new(format!("cannot copy {} to {}: {cause}", from.display(), to.display()))
-            })?;
-        }
-    }
-    Ok(())
+}
+
+/// README.md and the pages of docs/, in the order of their names.
+fn pages() -> Result<Vec<PathBuf>, Failure> {
+    let docs = run::root().join("docs");
+    let listed = std::fs::read_dir(&docs).map_err(|cause| failed("read", &docs, &cause))?;
+    let mut pages: Vec<PathBuf> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    pages.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
+    pages.sort();
+    pages.insert(0, run::root().join("README.md"));
+    Ok(pages)
+}
+
+fn failed(what: &str, path: &Path, cause: &std::io::Error) -> Failure {
+    Failure::new(format!("cannot {what} {}: {cause}", path.display()))
 }
 
 /// What stands in an HTML comment that is a line of its own.
@@ -41,40 +49,60 @@ fn marker(line: &str) -> Option<&str> {
     line.trim().strip_prefix("<!-- ")?.strip_suffix(" -->")
 }
 
-/// The text with every block replaced by what its command prints now.
-fn refresh(text: &str, check: bool) -> Result<String, Failure> {
+/// Replaces every block of a page by what its command prints now; its name, if that changes it.
+fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Failure> {
+    let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
+    let old = std::fs::read_to_string(page).map_err(|cause| failed("read", page, &cause))?;
     let mut fresh = String::new();
-    let mut lines = text.lines();
+    let mut lines = old.lines().peekable();
     while let Some(line) = lines.next() {
         fresh += line;
         fresh += "\n";
         let Some(command) = marker(line) else { continue };
-        let printed = if let Some((_, arguments)) = command.split_once(" from host-sim ") {
+        if let Some((picture, arguments)) = command.split_once(" from host-sim ") {
             if !check {
-                host_sim(arguments)?;
+                host_sim(empty, arguments)?;
+                let (from, name) = (empty.join(picture), Path::new(picture).file_name().unwrap_or_default());
+                std::fs::copy(&from, run::root().join("docs").join(name))
+                    .map_err(|cause| failed("copy", &from, &cause))?;
             }
-            continue;
-        } else if let Some(arguments) = command.strip_prefix("host-sim") {
-            host_sim(arguments)?
-        } else if let Some(path) = command.strip_prefix("file ") {
-            std::fs::read_to_string(run::root().join(path))
-                .map_err(|cause| Failure::new(format!("README.md: cannot read {path}: {cause}")))?
-        } else {
-            continue;
-        };
-        fresh += &format!("```text\n{}\n```\n", printed.trim_end());
-        // The block that is replaced: from its opening fence to its closing one.
-        if lines.next().is_none_or(|line| line != "```text") || !lines.by_ref().any(|line| line == "```") {
-            return Err(Failure::new(format!("README.md: `{line}` is not followed by a ```text block")));
+        } else if let Some(arguments) = command.strip_prefix("table host-sim ") {
+            fresh += &format!("{}\n", host_sim(empty, &format!("{arguments} --format markdown"))?.trim_end());
+            if !lines.peek().is_some_and(|line| line.starts_with('|')) {
+                return Err(Failure::new(format!("{name}: `{line}` is not followed by a table")));
+            }
+            while lines.next_if(|line| line.starts_with('|')).is_some() {}
+        } else if command.starts_with("host-sim ") || command.starts_with("file ") {
+            let printed = match command.strip_prefix("file ") {
+                Some(path) => std::fs::read_to_string(run::root().join(path))
+                    .map_err(|cause| failed("read", Path::new(path), &cause))?,
+                None => host_sim(empty, command.trim_start_matches("host-sim "))?,
+            };
+            fresh += &format!("```text\n{}\n```\n", printed.trim_end());
+            // The block that is replaced: from its opening fence to its closing one.
+            if lines.next().is_none_or(|line| line != "```text") || !lines.by_ref().any(|line| line == "```") {
+                return Err(Failure::new(format!("{name}: `{line}` is not followed by a ```text block")));
+            }
         }
     }
-    Ok(fresh)
+    if fresh == old {
+        return Ok(None);
+    }
+    if !check {
+        std::fs::write(page, fresh).map_err(|cause| failed("write", page, &cause))?;
+    }
+    Ok(Some(name))
 }
 
-/// Standard output of host-sim, blanks at line ends removed; warnings it gave come first.
-fn host_sim(arguments: &str) -> Result<String, Failure> {
+/// Standard output of host-sim, run in this folder after it was emptied, blanks at line ends removed.
+fn host_sim(empty: &Path, arguments: &str) -> Result<String, Failure> {
+    if empty.exists() {
+        std::fs::remove_dir_all(empty).map_err(|cause| failed("empty", empty, &cause))?;
+    }
+    std::fs::create_dir_all(empty).map_err(|cause| failed("make", empty, &cause))?;
     // The build that the tests have made: the golden traces show that any build computes the same bits.
-    let mut command = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--"]);
-    let printed = output(command.args(arguments.split_whitespace()))?;
+    let mut command = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--manifest-path"]);
+    command.arg(run::root().join("Cargo.toml")).arg("--").args(arguments.split_whitespace());
+    let printed = output(command.current_dir(empty))?;
     Ok(printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n"))
 }

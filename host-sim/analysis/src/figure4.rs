@@ -11,8 +11,7 @@ use super::limit::Effort;
 use super::map::{Axis, Map, map};
 use super::sweep::Range;
 use crate::error::AnalysisError;
-use haptic_sim::report::ReportError;
-use haptic_sim::report::table::Table;
+use haptic_sim::report::Columns;
 use haptic_sim::scene::Scene;
 
 /// The panels, in the paper's order (a), (b), (c).
@@ -67,18 +66,21 @@ pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError
 }
 
 /// One row for every crossing: comm (0, 1, 2 for panels a, b, c), n_t, K_LC, K_T, and whether it is stable just below.
-pub fn table(curves: &[(Curve, Map)]) -> Result<Table, ReportError> {
-    let names = ["panel", "one_way_delay_packets", "contact_n_per_m", "coordination_n_per_m", "stable_below"];
-    let mut table = Table::with_names(&names)?;
+pub fn table(curves: &[(Curve, Map)]) -> Columns {
+    let mut rows = Vec::new();
     for (at, (curve, map)) in curves.iter().enumerate() {
-        let panel = (at / DELAYS.len()) as f64;
         for column in &map.columns {
-            for (at, crossing) in column.limit.crossings.iter().enumerate() {
-                let below = column.limit.stable_at_start == (at % 2 == 0);
-                let delay = f64::from(curve.one_way_delay_packets);
-                table.push_row(&[panel, delay, column.x, *crossing, f64::from(u8::from(below))])?;
+            for (crossing, y) in column.limit.crossings.iter().enumerate() {
+                let below = column.limit.stable_at_start == (crossing % 2 == 0);
+                rows.push((at / DELAYS.len(), curve.one_way_delay_packets, column.x, *y, below));
             }
         }
     }
-    Ok(table)
+    Columns::of(&rows)
+        .value("panel", |row| row.0)
+        .value("one_way_delay_packets", |row| row.1)
+        .value("contact_n_per_m", |row| row.2)
+        .value("coordination_n_per_m", |row| row.3)
+        .value("stable_below", |row| row.4)
+        .done()
 }

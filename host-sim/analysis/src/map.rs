@@ -9,8 +9,7 @@ use serde::Serialize;
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use crate::error::AnalysisError;
-use haptic_sim::report::ReportError;
-use haptic_sim::report::table::Table;
+use haptic_sim::report::Columns;
 use haptic_sim::scene::Scene;
 
 /// A range and how many values of it.
@@ -86,22 +85,22 @@ pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Syn
 
 impl Map {
     /// One row for every crossing: x, y, and whether the scene is stable just below and just above it. A column without
-    /// crossings is one row with NaN for y.
-    pub fn table(&self) -> Result<Table, ReportError> {
+    /// crossings is one row with nothing for y.
+    pub fn table(&self) -> Columns {
+        let crossings = |column: &Column| -> Vec<(f64, Option<f64>, bool, bool)> {
+            let (x, start) = (column.x, column.limit.stable_at_start);
+            let crossing = |(at, y): (usize, &f64)| (x, Some(*y), start == (at % 2 == 0), start != (at % 2 == 0));
+            let found: Vec<_> = column.limit.crossings.iter().enumerate().map(crossing).collect();
+            if found.is_empty() { vec![(x, None, start, start)] } else { found }
+        };
+        let rows: Vec<_> = self.columns.iter().flat_map(crossings).collect();
         let [x, y] = self.axes.each_ref().map(|axis| axis.range.key.as_str());
-        let mut table = Table::with_names(&[x, y, "stable_below", "stable_above"])?;
-        for column in &self.columns {
-            let Limit { stable_at_start, crossings, .. } = &column.limit;
-            let flag = |stable: bool| f64::from(u8::from(stable));
-            if crossings.is_empty() {
-                table.push_row(&[column.x, f64::NAN, flag(*stable_at_start), flag(*stable_at_start)])?;
-            }
-            for (at, crossing) in crossings.iter().enumerate() {
-                let below = *stable_at_start == (at % 2 == 0);
-                table.push_row(&[column.x, *crossing, flag(below), flag(!below)])?;
-            }
-        }
-        Ok(table)
+        Columns::of(&rows)
+            .value(x, |row| row.0)
+            .value(y, |row| row.1)
+            .value("stable_below", |row| row.2)
+            .value("stable_above", |row| row.3)
+            .done()
     }
 
     /// Whether the scene is stable at every x (columns) and y (rows) of the axes, row by row.

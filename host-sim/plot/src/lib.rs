@@ -19,7 +19,6 @@
 mod bars;
 mod dots;
 mod error;
-mod folder;
 mod font;
 mod layout;
 mod legend;
@@ -36,8 +35,7 @@ mod trace;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-pub use error::ReportError;
-pub use folder::create_folder;
+pub use error::{ReportError, write_file};
 pub use number::significant;
 pub use sheet::{Dash, PALETTE, WIDTH};
 
@@ -177,7 +175,23 @@ impl Series {
     }
 }
 
+/// The figure as an SVG document.
+pub fn svg(figure: &Figure) -> String {
+    svg::render(&layout::sheet(figure))
+}
+
+/// The figure as a PNG file.
+///
+/// # Errors
+/// What the encoder says, in words.
+pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
+    png::render(&layout::sheet(figure))
+}
+
 /// Draws the figure to `base` with `.svg` and with `.png` appended, creating the folder if needed. Returns both paths.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let [svg_path, png_path] = [".svg", ".png"].map(|extension| {
         // Appended, not replaced: the base may contain a dot (`fig.6`).
@@ -185,10 +199,8 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
         name.push(extension);
         PathBuf::from(name)
     });
-    create_folder(base, "SVG")?;
-    let sheet = layout::sheet(figure);
-    std::fs::write(&svg_path, svg::render(&sheet)).map_err(ReportError::write(&svg_path, "SVG"))?;
-    png::write(&sheet, &png_path).map_err(ReportError::write(&png_path, "PNG"))?;
+    write_file(&svg_path, "SVG", svg(figure).as_bytes())?;
+    write_file(&png_path, "PNG", &png(figure).map_err(ReportError::write(&png_path, "PNG"))?)?;
     Ok(vec![svg_path, png_path])
 }
 

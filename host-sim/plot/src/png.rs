@@ -5,8 +5,6 @@
 //! that dense signals become, where joined outlines grow spikes. The built-in font is light: letters are painted twice,
 //! a third of a pixel apart.
 
-use std::path::Path;
-
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle};
 
@@ -16,18 +14,20 @@ use super::{font, trace};
 /// Pixels of the large sheet for one of the picture, in each direction.
 const ZOOM: u32 = 3;
 
-/// Writes the sheet to a file.
-pub(crate) fn write(sheet: &Sheet, path: &Path) -> Result<(), String> {
+/// The sheet as a PNG file.
+pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let (width, height) = (WIDTH as u32, sheet.height.max(1.0) as u32);
     let mut large = vec![PAPER.0; 3 * (width * ZOOM) as usize * (height * ZOOM) as usize];
     let mut painter = Painter { backend: BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)) };
     sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;
     drop(painter);
-    let file = std::fs::File::create(path).map_err(|e| e.to_string())?;
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    writer.write_image_data(&averaged(&large, width as usize)).and_then(|()| writer.finish()).map_err(|e| e.to_string())
+    let mut writer = encoder.write_header().map_err(|cause| cause.to_string())?;
+    let written = writer.write_image_data(&averaged(&large, width as usize)).and_then(|()| writer.finish());
+    written.map_err(|cause| cause.to_string())?;
+    Ok(bytes)
 }
 
 /// Each pixel the mean of its `ZOOM` × `ZOOM` pixels of the large sheet.

@@ -8,9 +8,10 @@ use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde::Serialize;
 
+use crate::measure::{LastHalf, Statistics};
 use crate::pair::{HASH_SEED, Pair};
 use crate::peers::Number;
-use crate::report::table::{Column, Table};
+use crate::report::{Column, Columns};
 use crate::scene::Scene;
 
 /// How to run.
@@ -29,15 +30,6 @@ impl Options {
     }
 }
 
-/// Mean and standard deviation.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation.
-    pub sd: f64,
-}
-
 /// Energy that crossed one peer's network port, J.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PortEnergy {
@@ -49,7 +41,7 @@ pub struct PortEnergy {
 
 /// Impacts between one device and its copy of the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Struck {
+pub struct ImpactTotals {
     /// Impacts.
     pub count: u32,
     /// Impulse exchanged with the object, N·s.
@@ -74,7 +66,7 @@ pub struct Outcome {
     /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
     pub decoded_discrepancy_mm: f64,
     /// F_T at peer 2 over the last half, N.
-    pub coordination_force_n: Spread,
+    pub coordination_force_n: Statistics,
     /// Mean of |F_LC| over both peers and the last half, N.
     pub contact_force_n: f64,
     /// Largest |F_T| of either peer, N.
@@ -84,13 +76,13 @@ pub struct Outcome {
     /// Energy through both network ports.
     pub energy: [PortEnergy; 2],
     /// Impacts at both peers, where contact is impulsive.
-    pub impacts: Option<[Struck; 2]>,
+    pub impacts: Option<[ImpactTotals; 2]>,
     /// Ticks done.
     pub ticks: u64,
     /// Hash of both peers' states over every tick.
     pub hash: u64,
     /// What was recorded; empty if nothing was.
-    pub table: Table,
+    pub table: Columns,
 }
 
 impl Outcome {
@@ -126,7 +118,8 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + 2 * PEER_COLUMNS.len() + 2];
-    let mut merits = Merits::default();
+    let mut halves = LastHalf::new(ticks);
+    let mut peak = 0.0_f64;
     let mut growth = Growth::new(ticks);
     let mut hash = HASH_SEED;
     let mut fault_time_s = None;
@@ -143,10 +136,9 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         let forces = [first, second].map(|seen| seen.coordination_force.to_f64());
         let contacts = [first, second].map(|seen| seen.contact_force.to_f64());
         growth.see(tick, forces);
-        merits.peak = merits.peak.max(forces[0].abs()).max(forces[1].abs());
-        if tick >= ticks / 2 {
-            merits.see(true_m, decoded_m, forces[1], 0.5 * (contacts[0].abs() + contacts[1].abs()));
-        }
+        peak = peak.max(forces[0].abs()).max(forces[1].abs());
+        let contact = 0.5 * (contacts[0].abs() + contacts[1].abs());
+        halves.see(tick, [true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
         if options.record_every > 0 && tick % options.record_every == 0 {
             let peers = pair.sides.iter().flat_map(|side| {
                 let (seen, ledger) = (side.peer.observed(), side.peer.ledger());
@@ -170,17 +162,16 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         }
     }
     let fault = pair.fault();
-    let count = merits.count.max(1) as f64;
-    let mean = merits.force / count;
+    let [true_m, decoded_m, force, force_squared, contact] = halves.means();
     Ok(Outcome {
         bounded: fault.is_none() && !growth.grew(),
         fault,
         fault_time_s,
-        true_discrepancy_mm: 1e3 * merits.true_m / count,
-        decoded_discrepancy_mm: 1e3 * merits.decoded_m / count,
-        coordination_force_n: Spread { mean, sd: (merits.force_squared / count - mean * mean).max(0.0).sqrt() },
-        contact_force_n: merits.contact / count,
-        peak_coordination_force_n: merits.peak,
+        true_discrepancy_mm: 1e3 * true_m,
+        decoded_discrepancy_mm: 1e3 * decoded_m,
+        coordination_force_n: Statistics::of_moments(force, force_squared),
+        contact_force_n: contact,
+        peak_coordination_force_n: peak,
         largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
         energy: pair.sides.each_ref().map(|side| PortEnergy {
             received_j: side.peer.ledger().received_j().to_f64(),
@@ -190,7 +181,7 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
             pair.sides.each_ref().map(|side| {
                 let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts();
                 let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
-                Struck { count, wanted_n_s, delivered_n_s, lost_j }
+                ImpactTotals { count, wanted_n_s, delivered_n_s, lost_j }
             })
         }),
         ticks,
@@ -199,36 +190,14 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
     })
 }
 
-fn table(columns: Vec<Vec<f64>>) -> Table {
+fn table(columns: Vec<Vec<f64>>) -> Columns {
     let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
     let names = core::iter::once("time_s".to_owned())
         .chain(peers)
         .chain(["true_discrepancy_m".to_owned(), "decoded_discrepancy_2_m".to_owned()]);
-    Table::new(names.zip(columns).map(|(name, values)| Column { name, values }).collect())
-        .expect("every column gets one value a row")
-}
-
-/// Sums over the last half of a run.
-#[derive(Default)]
-struct Merits {
-    count: u64,
-    true_m: f64,
-    decoded_m: f64,
-    force: f64,
-    force_squared: f64,
-    contact: f64,
-    peak: f64,
-}
-
-impl Merits {
-    fn see(&mut self, true_m: f64, decoded_m: f64, force: f64, contact: f64) {
-        self.count += 1;
-        self.true_m += true_m;
-        self.decoded_m += decoded_m;
-        self.force += force;
-        self.force_squared += force * force;
-        self.contact += contact;
-    }
+    let mut table = Columns::default();
+    names.zip(columns).for_each(|(name, values)| table.push(Column::numbers(name, values)));
+    table
 }
 
 /// Whether an oscillation grows: the largest change of F_T from tick to tick, in each eighth of the run.

@@ -160,6 +160,27 @@ impl Scene {
         shared.chain(users).filter(|(name, _)| name != "contact.side").collect()
     }
 
+    /// Every key that has a value, and that value as TOML: with them a scene file says all of the scene.
+    pub fn settings(&self) -> Vec<(String, String)> {
+        let value = |name: String| self.get(&name).map(|value| (name, value.to_string()));
+        let mut settings: Vec<_> = Self::keys().into_iter().filter_map(|(name, _)| value(name)).collect();
+        let users = (1..)
+            .zip(&self.users)
+            .filter_map(|(user, own)| Some((format!("user.{user}.trace"), own.trace.as_ref()?.file())));
+        let network = self.network_trace.iter().map(|trace| ("network.trace".to_owned(), trace.file()));
+        settings.extend(users.chain(network).map(|(key, file)| (key, format!("{:?}", file.display().to_string()))));
+        settings
+    }
+
+    /// A number that tells these settings from others, whatever the seed.
+    pub fn fingerprint(&self) -> u32 {
+        let settings = self.settings();
+        let bytes = settings.iter().filter(|(key, _)| key != "network.seed").flat_map(|(key, value)| [key, value]);
+        // FNV-1a.
+        let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        bytes.flat_map(|text| text.bytes()).fold(0xcbf2_9ce4_8422_2325, mix) as u32
+    }
+
     /// The scene in `path`, or the default scene, with the overrides (`table.key=value`) applied in order, then checked.
     ///
     /// # Errors
@@ -183,13 +204,15 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong; see [`SceneError`].
     pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
-        let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
+        let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             SceneError::Syntax {
                 place: line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}")),
                 message: error.message().replace('\n', " "),
             }
         })?;
+        // What made a file of results stands in its scene file too, and changes nothing.
+        table.remove("made");
         self.apply_table("", &table, text, place, folder)
     }
 

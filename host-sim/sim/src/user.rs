@@ -4,7 +4,7 @@
 //! reach with tremor, pulled through the impedance of an arm. All of them add up. Forces are sampled at the start of a
 //! tick and held for it; the arm's impedance belongs to the plant and acts continuously ([`crate::plant`]).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use haptic_core::settings::number;
 
@@ -94,6 +94,7 @@ pub fn minimum_jerk(distance_m: f64, duration_s: f64, time_s: f64) -> (f64, f64)
 /// A force recorded over time, interpolated linearly, constant before its first and after its last sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
+    file: PathBuf,
     samples: Vec<(f64, f64)>,
 }
 
@@ -173,12 +174,21 @@ impl Trace {
                 }
             }
         }
-        if samples.is_empty() { Err(TraceError::Empty { path }) } else { Ok(Self { samples }) }
+        if samples.is_empty() {
+            Err(TraceError::Empty { path })
+        } else {
+            Ok(Self { file: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()), samples })
+        }
+    }
+
+    /// The file it was read from; empty for none.
+    pub fn file(&self) -> &Path {
+        &self.file
     }
 
     /// A straight line from 0 N at 0 s to `force_n` at `until_s`.
     pub fn line(until_s: f64, force_n: f64) -> Self {
-        Self { samples: vec![(0.0, 0.0), (until_s, force_n)] }
+        Self { file: PathBuf::default(), samples: vec![(0.0, 0.0), (until_s, force_n)] }
     }
 
     /// Force at `time_s`, N.

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::ui::pictures;
 use super::{Failure, Ui};
 use crate::studies::accuracy::counts::{Processor, SCALARS};
-use crate::studies::accuracy::{self, Comparison, Family, Point, cost, picture};
-use haptic_sim::report::text::{TextTable, significant};
+use crate::studies::accuracy::{self, Family, cost, picture};
 
 /// Arguments of `accuracy`.
 #[derive(Debug, Args)]
@@ -41,12 +41,17 @@ impl Accuracy {
         let bar = ui.progress(2, "errors, pictures");
         let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor));
         bar.inc(1);
+        let made = ui.made().with("instructions_of", self.processor.label());
+        let figures = || picture::all(&families, &cost_per_scene, self.processor);
         let folder = ui.folder(self.out.as_deref(), "out/accuracy");
-        let pictures = folder
-            .map_or(Ok(Vec::new()), |folder| picture::write(&families, &cost_per_scene, self.processor, &folder))?;
+        let files = ui.files(folder.as_deref(), "accuracy", &made, |files| {
+            files.csv(&accuracy::columns(&families, true))?;
+            figures().iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
+        })?;
         bar.finish_and_clear();
+        let pictures = pictures(files);
         let document = Document { processor: self.processor, families, scalars: SCALARS, cost_per_scene, pictures };
-        ui.document(&document)?;
+        ui.document_of(&made, &document)?;
         document.print(ui);
         Ok(())
     }
@@ -56,50 +61,14 @@ impl Document {
     fn print(&self, ui: &Ui) {
         writeln!(ui, "Speed against error; instructions of {}\n", self.processor.label());
         for family in &self.families {
-            print_family(ui, family);
+            writeln!(ui, "{}\n\n  {}\n  Against {}.\n", family.title, family.motion, family.reference);
+            writeln!(ui, "{}\n{}\n", accuracy::columns([family], false), family.insight);
         }
         writeln!(
             ui,
             "Cost per scene: instructions of one tick, and what the scene adds to the one it is compared with\n"
         );
-        let mut table = TextTable::new(["scene", "adds", "to", "f32", "f64", "i32f32", "+f32", "+f64", "+i32f32"]);
-        for row in &self.cost_per_scene {
-            let mut cells = vec![row.scene.to_owned(), row.adds.to_owned(), row.over.unwrap_or("-").to_owned()];
-            cells.extend(row.instructions.map(|count| count.to_string()));
-            cells.extend(row.added.map(|count| format!("{count:+}")));
-            table.push(cells);
-        }
-        ui.table(&table);
-        writeln!(ui, "Pictures (SVG, and PNG beside each):");
-        for picture in self.pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "svg")) {
-            writeln!(ui, "  {}", picture.display());
-        }
+        ui.table(&cost::columns(&self.cost_per_scene));
+        ui.pictures(&self.pictures);
     }
-}
-
-fn print_family(ui: &Ui, family: &Family) {
-    writeln!(ui, "{}\n\n  {}\n  Against {}.\n", family.title, family.motion, family.reference);
-    let instructions = format!("instructions per {}", family.instructions_per.split(':').next().unwrap_or_default());
-    let mut table = TextTable::new(["", "choice", "error", "unit", &instructions, "on Pareto front"]);
-    for comparison in &family.comparisons {
-        let told = comparison.points.iter().filter(|point| point.on_front || leads(comparison, point));
-        for (at, point) in told.enumerate() {
-            let title = format!("{}: {}", comparison.title, comparison.error);
-            table.push([
-                if at == 0 { title } else { String::new() },
-                point.choice.clone(),
-                significant(point.error, 3),
-                comparison.unit.to_owned(),
-                point.instructions.map_or_else(|| "not counted".to_owned(), |count| count.to_string()),
-                if point.on_front { "yes" } else { "no" }.to_owned(),
-            ]);
-        }
-    }
-    writeln!(ui, "{table}\n{}\n", family.insight);
-}
-
-/// The first of its series, or in none: the others of a series are told only when they are on the front.
-fn leads(comparison: &Comparison, point: &Point) -> bool {
-    let first = comparison.points.iter().find(|other| other.series == point.series);
-    point.series.is_empty() || first == Some(point)
 }

@@ -6,13 +6,11 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::ui::save;
 use super::{Failure, Ui};
 use crate::studies::architectures::together::unbounded_radius;
-use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, picture, rows};
-use haptic_plot::draw;
-use haptic_sim::report::table::Table;
-use haptic_sim::report::text::{TextTable, significant};
+use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
+use haptic_core::num::Scalar;
+use haptic_sim::report::{Columns, significant};
 
 /// Arguments of `architectures`.
 #[derive(Debug, Args)]
@@ -31,7 +29,7 @@ struct Packets {
 
 #[derive(Serialize)]
 struct Report {
-    rows: Vec<Row>,
+    rows: Columns,
     unbounded: Vec<Packets>,
     wall_s: f64,
     files: Vec<PathBuf>,
@@ -47,82 +45,39 @@ impl Architectures {
         let bar = ui.progress((Architecture::ALL.len() * DELAYS_MS.len()) as u64, "architectures");
         let rows = rows(&|| bar.inc(1))?;
         bar.finish_and_clear();
-        let mut written = Vec::new();
-        if let Some(folder) = ui.folder(self.out.as_deref(), "out/architectures") {
-            let base = folder.join("architectures");
-            let figure = picture::figure(&rows);
-            written = save(&base, &table(&rows)?, || draw(&figure, &base))?;
-        }
+        let made = ui.made().with("number_type", f64::NAME).with("seconds", TASK.duration_s);
+        let table = columns(&rows);
+        let folder = ui.folder(self.out.as_deref(), "out/architectures");
+        let files = ui.files(folder.as_deref(), "architectures", &made, |files| {
+            files.csv(&table)?;
+            files.figure(None, &picture::figure(&rows))
+        })?;
         let packets =
             |packet_ms| unbounded_radius(packet_ms).map(|spectral_radius| Packets { packet_ms, spectral_radius });
         let unbounded = (1..=8).map(packets).collect::<Result<_, _>>()?;
-        let report = Report { rows, unbounded, wall_s: start.elapsed().as_secs_f64(), files: written };
-        ui.document(&report)?;
-        report.print(ui);
+        let report = Report { rows: table, unbounded, wall_s: start.elapsed().as_secs_f64(), files };
+        ui.document_of(&made, &report)?;
+        report.print(ui, &rows);
         ui.wrote(&report.files);
         Ok(())
     }
 }
 
-/// All numbers, one row for each; architectures by their place in the list, from 1.
-fn table(rows: &[Row]) -> Result<Table, Failure> {
-    let mut table = Table::with_names(&[
-        "architecture",
-        "delay_ms",
-        "stable",
-        "spectral_radius",
-        "contact_1_n_per_m",
-        "contact_2_n_per_m",
-        "true_discrepancy_mm",
-        "peak_discrepancy_mm",
-        "felt_n",
-        "peak_n",
-        "rests_1_mm",
-        "rests_2_mm",
-        "placed_s",
-        "user_bytes_per_s",
-        "server_bytes_per_s",
-    ])?;
-    for row in rows {
-        let number = Architecture::ALL.iter().position(|known| *known == row.architecture).map_or(0, |at| at + 1);
-        table.push_row(&[
-            number as f64,
-            row.delay_ms,
-            f64::from(u8::from(row.stable)),
-            row.spectral_radius,
-            row.contact_n_per_m[0],
-            row.contact_n_per_m[1],
-            row.true_discrepancy_mm,
-            row.peak_discrepancy_mm,
-            row.felt_n,
-            row.peak_n,
-            row.rests_mm[0],
-            row.rests_mm[1],
-            row.placed_s,
-            row.user_bytes_per_s,
-            row.server_bytes_per_s,
-        ])?;
-    }
-    Ok(table)
-}
-
 impl Report {
-    fn print(&self, ui: &Ui) {
+    fn print(&self, ui: &Ui, rows: &[Row]) {
         writeln!(
             ui,
             "Two users carry and place a body; delay from user to user, one way, ms; NO: unstable, or not done in time\n"
         );
-        let all = &Architecture::ALL;
-        across(
-            ui,
-            &self.rows,
-            all,
-            "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period",
-            |row| {
-                let [mean, largest] = [row.true_discrepancy_mm, row.peak_discrepancy_mm].map(|mm| significant(mm, 3));
-                if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
-            },
-        );
+        let told = |title: &str, architectures: &[Architecture], cell: &dyn Fn(&Row) -> String| {
+            writeln!(ui, "{title}\n\n{}", across(rows, architectures, cell));
+        };
+        let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
+        let title = "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period";
+        told(title, &Architecture::ALL, &|row| {
+            let [mean, largest] = [row.true_discrepancy_mm, row.peak_discrepancy_mm].map(|mm| significant(mm, 3));
+            if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
+        });
         writeln!(
             ui,
             "Lock and ring: only who carries feels the body; the other is shown where it was released last. So the two are apart by\n\
@@ -132,25 +87,18 @@ impl Report {
             TASK.duration_s
         );
         writeln!(ui, "{}\n", self.slowest_packets());
-        let bounded = &[Architecture::CooperativeServer, Architecture::CooperativeClient];
-        across(
-            ui,
-            &self.rows,
-            bounded,
-            "What the bounder has left of 1000 N/m of contact, either user's (N/m)",
-            |row| {
-                let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
-                format!("{one} {two}")
-            },
-        );
-        let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
-        across(ui, &self.rows, all, "Mean / largest force felt (N)", |row| {
+        let bounded = [Architecture::CooperativeServer, Architecture::CooperativeClient];
+        told("What the bounder has left of 1000 N/m of contact, either user's (N/m)", &bounded, &|row| {
+            let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
+            format!("{one} {two}")
+        });
+        told("Mean / largest force felt (N)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.2} / {:.1}", row.felt_n, row.peak_n))
         });
-        across(ui, &self.rows, all, "Placed after (s), and where (mm, both users)", |row| {
+        told("Placed after (s), and where (mm, both users)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1]))
         });
-        across(ui, &self.rows, all, "Bytes a second: one user / server (kB/s, sealed)", |row| {
+        told("Bytes a second: one user / server (kB/s, sealed)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s))
         });
         writeln!(ui, "{:.1} s", self.wall_s);
@@ -167,15 +115,4 @@ impl Report {
             radii.join(", ")
         )
     }
-}
-
-/// One number, architectures down and delays across.
-fn across(ui: &Ui, rows: &[Row], architectures: &[Architecture], title: &str, cell: impl Fn(&Row) -> String) {
-    let delays = DELAYS_MS.map(|delay| delay.to_string());
-    let mut table = TextTable::new(std::iter::once(String::new()).chain(delays));
-    for architecture in architectures {
-        let of_this = rows.iter().filter(|row| row.architecture == *architecture);
-        table.push(std::iter::once(architecture.name().to_owned()).chain(of_this.map(&cell)));
-    }
-    writeln!(ui, "{title}\n\n{table}");
 }

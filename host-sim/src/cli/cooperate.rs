@@ -4,15 +4,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use haptic_core::num::Fixed;
+use haptic_core::num::{Fixed, Scalar};
 use serde::Serialize;
 
 use super::{Failure, SceneArgs, Ui};
 use crate::studies::figures;
-use haptic_sim::measure::apparent_mass;
-use haptic_sim::report::files;
-use haptic_sim::report::text::TextTable;
-use haptic_sim::run::{Options, Outcome, PortEnergy, Spread, Struck, run};
+use haptic_sim::measure::{Statistics, apparent_mass};
+use haptic_sim::report::Columns;
+use haptic_sim::run::{ImpactTotals, Options, Outcome, PortEnergy, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
@@ -56,12 +55,12 @@ struct Report {
     decoded_discrepancy_mm: f64,
     /// True discrepancy over the mean contact force.
     true_discrepancy_mm_per_n: Option<f64>,
-    coordination_force_n: Spread,
+    coordination_force_n: Statistics,
     peak_coordination_force_n: f64,
     apparent_object_mass_kg: Option<f64>,
     energy: [PortEnergy; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
-    impacts: Option<[Struck; 2]>,
+    impacts: Option<[ImpactTotals; 2]>,
     ticks: u64,
     wall_s: f64,
     seed: u32,
@@ -96,35 +95,41 @@ impl Cooperate {
             return Err(message.into());
         }
         let folder = ui.folder(self.out.as_deref(), "out/cooperate");
-        let mut options = Options::recorded(self.duration_s, period_s);
-        if folder.is_none() {
-            options.record_every = 0;
-        }
+        let options = match folder {
+            Some(_) => Options::recorded(self.duration_s, period_s),
+            None => Options { duration_s: self.duration_s, record_every: 0 },
+        };
         let bar = ui.progress((self.duration_s / period_s) as u64, "cooperate");
         let start = Instant::now();
-        let outcome = match self.scalar {
-            ScalarName::F32 => run::<f32>(&scene, options, &|tick| bar.set_position(tick)),
-            ScalarName::F64 => run::<f64>(&scene, options, &|tick| bar.set_position(tick)),
-            ScalarName::I32f32 => run::<Fixed>(&scene, options, &|tick| bar.set_position(tick)),
-        }?;
-        let wall_s = start.elapsed().as_secs_f64();
+        let (outcome, scalar) = match self.scalar {
+            ScalarName::F32 => (run::<f32>(&scene, options, &|tick| bar.set_position(tick)), f32::NAME),
+            ScalarName::F64 => (run::<f64>(&scene, options, &|tick| bar.set_position(tick)), f64::NAME),
+            ScalarName::I32f32 => (run::<Fixed>(&scene, options, &|tick| bar.set_position(tick)), Fixed::NAME),
+        };
+        let (outcome, wall_s) = (outcome?, start.elapsed().as_secs_f64());
         bar.finish_and_clear();
 
         let mut report = Report::new(self.scene.name(), &scene, &outcome, wall_s)?;
-        if let Some(folder) = folder {
-            let name = self.scene.name();
-            let base = folder.join(&name);
-            // Appended, not replaced: a scene's name may contain a dot.
-            report.files = ["csv", "parquet"].map(|kind| folder.join(format!("{name}.{kind}"))).to_vec();
-            files::write_csv(&outcome.table, &report.files[0])?;
-            files::write_parquet(&outcome.table, &report.files[1])?;
-            report.files.extend(figures::run(&name, &outcome, &base)?);
+        if options.record_every > 1 {
+            let every = options.record_every;
+            report.warnings.push(format!("a long run: the files hold every {every}th tick, the figures of merit all"));
         }
+        let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.duration_s);
+        let made = made.with("seed", report.seed).with("state_hash", report.state_hash.as_str());
+        let made = made.with("recorded_every_ticks", options.record_every);
+        let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };
+        let name = self.scene.run_name(&scene) + &number;
+        report.files = ui.files(folder.as_deref(), &name, &made, |files| {
+            files.csv(&outcome.table)?;
+            files.parquet(&outcome.table)?;
+            files.figure(None, &figures::run(&name, &outcome))
+        })?;
         for warning in &report.warnings {
             ui.warn(warning);
         }
-        ui.document(&report)?;
-        report.print(ui);
+        ui.document_of(&made, &report)?;
+        write!(ui, "{}\n", report.columns().down(&[&report.scene]));
+        ui.wrote(&report.files);
         Ok(())
     }
 }
@@ -164,36 +169,45 @@ impl Report {
         })
     }
 
-    fn print(&self, ui: &Ui) {
-        let mut table = TextTable::new(["", self.scene.as_str()]);
-        let mut line = |name: &str, value: String| table.push([name.to_owned(), value]);
-        line("stable", if self.stable { "yes" } else { "no" }.to_owned());
-        if let Some(fault) = &self.fault {
-            line("fault", fault.clone());
+    /// Line by line, for people.
+    fn columns(&self) -> Columns {
+        let mut columns = Columns::of(std::slice::from_ref(self))
+            .value("stable", |one| one.stable)
+            .value("fault", |one| one.fault.clone())
+            .number("spectral_radius", 6, |one| one.spectral_radius)
+            .number("true_discrepancy_mm", 4, |one| one.true_discrepancy_mm)
+            .head("true discrepancy |x_o1 - x_o2|")
+            .number("true_discrepancy_mm_per_n", 4, |one| one.true_discrepancy_mm_per_n)
+            .head("true discrepancy per newton of contact")
+            .number("decoded_discrepancy_mm", 4, |one| one.decoded_discrepancy_mm)
+            .head("decoded discrepancy |x_o - x_d|, peer 2")
+            .number("coordination_force.mean_n", 4, |one| one.coordination_force_n.mean)
+            .head("coordination force, peer 2: mean")
+            .number("coordination_force.sd_n", 4, |one| one.coordination_force_n.sd)
+            .head("coordination force, peer 2: standard deviation")
+            .number("peak_coordination_force_n", 4, |one| one.peak_coordination_force_n)
+            .number("apparent_object_mass_kg", 3, |one| one.apparent_object_mass_kg)
+            .head("apparent mass of the shared object");
+        for (peer, at) in [(1, 0), (2, 1)] {
+            columns = columns
+                .number("received_j", 4, move |one| one.energy[at].received_j)
+                .head(&format!("energy from the network, peer {peer}"))
+                .number("sent_j", 4, move |one| one.energy[at].sent_j)
+                .head(&format!("energy to the network, peer {peer}"));
         }
-        line("spectral radius", format!("{:.6}", self.spectral_radius));
-        line("true discrepancy |x_o1 - x_o2|", format!("{:.4} mm", self.true_discrepancy_mm));
-        if let Some(per_newton) = self.true_discrepancy_mm_per_n {
-            line("true discrepancy per newton of contact", format!("{per_newton:.4} mm/N"));
+        for (peer, at) in [(1, 0), (2, 1)] {
+            let of = move |one: &Self| one.impacts.map(|impacts| impacts[at]);
+            columns = columns
+                .value("impacts", move |one| of(one).map(|impacts| impacts.count))
+                .head(&format!("impacts at peer {peer}"))
+                .number("wanted_n_s", 4, move |one| of(one).map(|impacts| impacts.wanted_n_s))
+                .head(&format!("impulse exchanged with the object, peer {peer}"))
+                .number("delivered_n_s", 4, move |one| of(one).map(|impacts| impacts.delivered_n_s))
+                .head(&format!("impulse delivered to the device, peer {peer}"))
+                .number("lost_j", 5, move |one| of(one).map(|impacts| impacts.lost_j))
+                .head(&format!("energy that restitution took, peer {peer}"));
         }
-        line("decoded discrepancy |x_o - x_d|, peer 2", format!("{:.4} mm", self.decoded_discrepancy_mm));
-        let Spread { mean, sd } = self.coordination_force_n;
-        line("coordination force, peer 2", format!("{mean:.4} N, standard deviation {sd:.4} N"));
-        line("peak coordination force", format!("{:.4} N", self.peak_coordination_force_n));
-        if let Some(mass) = self.apparent_object_mass_kg {
-            line("apparent mass of the shared object", format!("{mass:.3} kg"));
-        }
-        let [first, second] = self.energy;
-        line("energy from / to the network, peer 1", format!("{:.4} / {:.4} J", first.received_j, first.sent_j));
-        line("energy from / to the network, peer 2", format!("{:.4} / {:.4} J", second.received_j, second.sent_j));
-        for (at, struck) in self.impacts.iter().flatten().enumerate() {
-            let Struck { count, wanted_n_s, delivered_n_s, lost_j } = struck;
-            let text = format!("{count}, {delivered_n_s:.4} of {wanted_n_s:.4} N s, {lost_j:.5} J lost");
-            line(&format!("impacts at peer {}, impulse delivered", at + 1), text);
-        }
-        line("ticks, wall time", format!("{}, {:.3} s", self.ticks, self.wall_s));
-        line("state hash", self.state_hash.clone());
-        ui.table(&table);
-        ui.wrote(&self.files);
+        let columns = columns.value("ticks", |one| one.ticks).number("wall_s", 3, |one| one.wall_s).head("wall time");
+        columns.value("state_hash", |one| one.state_hash.as_str()).done()
     }
 }

@@ -14,8 +14,7 @@ use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
 use crate::shared::cooperative::waves::{self, Waves};
 use crate::shared::cooperative::{Collision, Engine, Setup};
-use haptic_plot::draw;
-use haptic_sim::report::files;
+use haptic_sim::report::Made;
 use haptic_sim::report::text::{TextTable, significant};
 use haptic_sim::scene::Scene;
 
@@ -183,12 +182,16 @@ impl Cooperative {
             .collect::<Result<Vec<_>, String>>()?;
         bar.finish_and_clear();
         let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
-        let mut written = Vec::new();
-        if let Some(folder) = self.out.as_ref() {
-            written = self.write(folder, &rows)?;
-        }
+        let made = self.made(ui)?;
+        let written = ui.files(self.out.as_deref(), "cooperative", &made, |files| match &rows[..] {
+            [row] => {
+                files.csv(&row.outcome.table)?;
+                files.figure(None, &picture::over_time(row))
+            }
+            rows => files.figure(None, &picture::sweep(rows)),
+        })?;
         let report = Report { rows, limits, wall_s: start.elapsed().as_secs_f64(), files: written };
-        ui.document(&report)?;
+        ui.document_of(&made, &report)?;
         report.print(ui);
         Ok(())
     }
@@ -228,16 +231,12 @@ impl Cooperative {
         Ok(())
     }
 
-    fn write(&self, folder: &std::path::Path, rows: &[Row]) -> Result<Vec<PathBuf>, Failure> {
-        let base = folder.join("cooperative");
-        if let [row] = rows {
-            let csv = base.with_extension("csv");
-            files::write_csv(&row.outcome.table, &csv)?;
-            let mut written = vec![csv];
-            written.extend(draw(&picture::over_time(row), &base)?);
-            return Ok(written);
-        }
-        Ok(draw(&picture::sweep(rows), &base)?)
+    fn made(&self, ui: &Ui) -> Result<Made, Failure> {
+        let scene = self.load(self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
+        let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.duration_s);
+        let made = made.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
+        let places = [("collision", format!("{:?}", self.collision)), ("engine", format!("{:?}", self.engine))];
+        Ok(places.into_iter().fold(made, |made, (name, place)| made.with(name, place.to_lowercase())))
     }
 }
 

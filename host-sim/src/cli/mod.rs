@@ -37,6 +37,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
+use haptic_sim::report::Made;
 use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
 use ui::Ui;
@@ -175,6 +176,17 @@ impl SceneArgs {
         self.name_or("scene")
     }
 
+    /// Name of the files of a run: the scene's, and where keys were overridden what tells these settings from others; the
+    /// seed, where it is another one than usual.
+    pub(super) fn run_name(&self, scene: &Scene) -> String {
+        let mut name = self.name();
+        if !self.set.is_empty() {
+            name += &format!("-{:08x}", scene.fingerprint());
+        }
+        let seed = scene.world.network.seed;
+        if seed == Scene::default().world.network.seed { name } else { format!("{name}-seed{seed}") }
+    }
+
     /// As [`Self::name`]; without a scene, `name`.
     pub fn name_or(&self, name: &str) -> String {
         if let Some(name) = self.built_in() {
@@ -242,6 +254,11 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// This program, from now on: what its files say of what made them.
+pub fn made() -> Made {
+    Made::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
 }
 
 /// Whether the system granted real-time priority, in a report's words.

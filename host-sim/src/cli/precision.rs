@@ -4,8 +4,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::precision::measure;
-use haptic_sim::report::text::TextTable;
+use crate::studies::precision::{columns, measure};
 use haptic_sim::scenes;
 
 /// Arguments of `precision`.
@@ -41,27 +40,7 @@ impl Precision {
             .par_iter()
             .map(|(name, scene)| measure(name, scene, self.duration_s))
             .collect::<Result<Vec<_>, _>>()?;
-        ui.document(&rows)?;
         writeln!(ui, "Largest difference from f64 over {} s\n", self.duration_s);
-        let mut table = TextTable::new([
-            "scene",
-            "f32 position um",
-            "f32 force mN",
-            "i32f32 position um",
-            "i32f32 force mN",
-            "why",
-        ]);
-        for row in rows {
-            table.push([
-                row.scene,
-                format!("{:.3}", 1e6 * row.f32.position_m),
-                format!("{:.3}", 1e3 * row.f32.force_n),
-                format!("{:.3}", 1e6 * row.i32f32.position_m),
-                format!("{:.3}", 1e3 * row.i32f32.force_n),
-                row.explanation,
-            ]);
-        }
-        ui.table(&table);
-        Ok(())
+        ui.result(&columns(&rows))
     }
 }

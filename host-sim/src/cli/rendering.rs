@@ -6,13 +6,12 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::ui::save;
 use super::{Failure, Ui};
 use haptic_analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
-use haptic_plot::draw;
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_core::num::Scalar;
+use haptic_sim::report::{Cell, Columns, significant};
 
 /// Masses for which the paper's device is found, kg.
 const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];
@@ -93,12 +92,18 @@ impl Rendering {
             .map(|(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, || bar.inc(1)))
             .collect::<Result<Vec<_>, _>>()?;
         bar.finish_and_clear();
-        let mut written = Vec::new();
-        if let Some(folder) = ui.folder(self.out.as_deref(), "out/stability") {
-            let base = folder.join("rendering");
-            let figure = picture::figure(&setup, &curves);
-            written = save(&base, &maps::table(&curves)?, || draw(&figure, &base))?;
-        }
+        let made = ui.made().with("number_type", f64::NAME).with("device_mass_kg", setup.device.mass_kg);
+        let made = made.with("device_damping_n_s_per_m", setup.device.damping_n_s_per_m);
+        let made = made.with("object_mass_kg", self.object_mass_kg);
+        let made = made.with("object_damping_n_s_per_m", self.object_damping_n_s_per_m);
+        let made = made.with("contact_damping_n_s_per_m", setup.contact_damping_n_s_per_m);
+        let made =
+            made.with("computing_ticks", setup.computing_ticks).with("sampling_period_s", self.sampling_period_s);
+        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let files = ui.files(folder.as_deref(), "rendering", &made, |files| {
+            files.csv(&maps::table(&curves))?;
+            files.figure(None, &picture::figure(&setup, &curves))
+        })?;
         let report = Report {
             device: setup.device,
             object: setup.object.unwrap_or(setup.device),
@@ -108,9 +113,9 @@ impl Rendering {
             identified,
             curves,
             wall_s: start.elapsed().as_secs_f64(),
-            files: written,
+            files,
         };
-        ui.document(&report)?;
+        ui.document_of(&made, &report)?;
         report.print(ui);
         ui.wrote(&report.files);
         Ok(())
@@ -139,17 +144,16 @@ impl Report {
             or_none(delay_s.map(|delay_s| 1e3 * delay_s))
         );
         writeln!(ui, "Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
-        let mut table =
-            TextTable::new(["mass (kg)", "damping (N·s/m)", "computing (periods)", "K at 200 Hz", "K at 5 ms"]);
-        for found in &self.identified {
-            table.push([
-                found.mass_kg.to_string(),
-                format!("{:.3}", found.damping_n_s_per_m),
-                format!("{:.3}", found.computing_ticks),
-                format!("{:.1}", found.at_200_hz_n_per_m),
-                format!("{:.1}", found.at_5_ms_n_per_m),
-            ]);
-        }
+        let table = Columns::of(&self.identified)
+            .value("mass_kg", |found| found.mass_kg)
+            .number("damping_n_s_per_m", 3, |found| found.damping_n_s_per_m)
+            .number("computing_ticks", 3, |found| found.computing_ticks)
+            .head("computing (periods)")
+            .number("at_200_hz_n_per_m", 1, |found| found.at_200_hz_n_per_m)
+            .head("K at 200 Hz")
+            .number("at_5_ms_n_per_m", 1, |found| found.at_5_ms_n_per_m)
+            .head("K at 5 ms")
+            .done();
         writeln!(ui, "{table}\n{:.1} s", self.wall_s);
     }
 
@@ -166,17 +170,17 @@ impl Report {
             ui,
             "Largest stable stiffness (N/m), where it is stable again and ends behind it, at these delays or periods (ms)\n"
         );
-        let times = self.curves.first().map(|curve| curve.points.iter().step_by(5)).into_iter().flatten();
-        let header = times.map(|point| significant(1e3 * point.time_s, 3));
-        let mut table = TextTable::new(std::iter::once(String::new()).chain(header));
-        for curve in &self.curves {
-            let cells = curve.points.iter().step_by(5).map(|point| {
-                let crossings = point.edges().into_iter().map(|crossing| significant(crossing, 3));
-                let crossings = crossings.collect::<Vec<_>>().join(" ");
-                if point.largest_stiffness_n_per_m.is_none() { "all".to_owned() } else { crossings }
-            });
-            table.push(std::iter::once(name(curve)).chain(cells));
+        let crossings = |curve: &Curve, at: usize| match curve.points.get(at) {
+            Some(point) if point.largest_stiffness_n_per_m.is_none() => Cell::from("all"),
+            Some(point) => point.edges().into(),
+            None => Cell::Empty,
+        };
+        let mut table = Columns::of(&self.curves).value("", name);
+        let points = self.curves.first().map_or(&[][..], |curve| &curve.points);
+        for (at, point) in points.iter().enumerate().step_by(5) {
+            let head = significant(1e3 * point.time_s, 3);
+            table = table.significant(head.clone(), 3, |curve| crossings(curve, at)).head(&head);
         }
-        ui.table(&table);
+        ui.table(&table.done());
     }
 }

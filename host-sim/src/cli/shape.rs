@@ -6,7 +6,6 @@ use clap::Args;
 use haptic_protocol::world::{Block, Shape};
 use serde::Serialize;
 
-use super::ui::save;
 use super::{Failure, Ui};
 use crate::shared::world::stroke::{Energy, Options, Part, stroke};
 use crate::shared::world::{self, picture};
@@ -86,11 +85,12 @@ impl ShapeArgs {
         }
         let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
         let stroke = stroke(&self.shape()?, &options)?;
-        let mut files = Vec::new();
-        if let Some(folder) = ui.folder(self.out.as_deref(), "out/shape") {
-            let base = folder.join("shape");
-            files = save(&base, &picture::table(&stroke)?, || picture::draw_stroke(&stroke, &base))?;
-        }
+        let made = ui.made().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
+        let made = made.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
+        let files = ui.files(ui.folder(self.out.as_deref(), "out/shape").as_deref(), "shape", &made, |files| {
+            files.csv(&picture::table(&stroke))?;
+            files.figure(None, &picture::figure(&stroke))
+        })?;
         let way = stroke.samples.iter().flat_map(|sample| sample.object_m).fold(0.0_f64, |most, at| most.max(at.abs()));
         let report = Report {
             remainder_j: stroke.energy.remainder_j(),
@@ -99,7 +99,7 @@ impl ShapeArgs {
             largest_way_of_the_object_m: way,
             files,
         };
-        ui.document(&report)?;
+        ui.document_of(&made, &report)?;
         report.print(ui);
         ui.wrote(&report.files);
         Ok(())

@@ -151,10 +151,13 @@ impl Squash {
         let folder = ui.folder(self.out.as_deref(), "out/squash");
         options.record_every = if folder.is_some() { 5 } else { 0 };
         let game = play(&options);
-        let files = match folder {
-            Some(folder) => picture::draw_game(&game, &options, &folder.join("squash"))?,
-            None => Vec::new(),
-        };
+        let made = ui.made().settings(scene.settings()).with("players", options.players).with("seed", self.seed);
+        let made = made.with("round_trip_ms", self.rtt_ms).with("seconds", seconds);
+        let made = made.with("bounder", bounder).with("motion_bounder", motion_bounder);
+        let name = self.scene.run_name(&scene);
+        let files = ui.files(folder.as_deref(), &format!("squash-{name}-{}", self.seed), &made, |files| {
+            files.figure(None, &picture::figure(&game, &options))
+        })?;
         let document = Document {
             players: options.players,
             rtt_ms: self.rtt_ms,
@@ -165,7 +168,7 @@ impl Squash {
             report: game.report,
             files,
         };
-        ui.document(&document)?;
+        ui.document_of(&made, &document)?;
         document.print(ui);
         Ok(())
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Failure, SceneArgs, Ui};
 use haptic_analysis::tune::{self, BEYOND, Proposal};
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::report::{Cell, Columns, significant};
 
 /// Simulated time that a proposal is tried for, s: eight of the paper's pulses.
 const TRIAL_S: f64 = 20.0;
@@ -65,7 +65,7 @@ impl Tune {
         });
         let set = proposal.map(|proposal| proposal.overrides().map(|set| format!("--set {set}")).join(" "));
         let report = Report { proposal, set, trial };
-        ui.document(&report)?;
+        ui.document_of(&ui.made().settings(scene.settings()), &report)?;
         report.print(ui, &self.scene.name());
         Ok(())
     }
@@ -78,14 +78,17 @@ impl Report {
             return;
         };
         let limit =
-            |limit: Option<f64>| limit.map_or_else(|| format!("none up to {BEYOND} times"), |k| significant(k, 4));
-        let mut table = TextTable::new(["", "proposal", "limit with the other as proposed"]);
-        for (name, gain, crossing) in [
+            |limit: Option<f64>| limit.map_or_else(|| Cell::from(format!("none up to {BEYOND} times")), Cell::from);
+        let gains = [
             ("K_LC (N/m)", proposal.contact_stiffness_n_per_m, proposal.contact_limit_n_per_m),
             ("K_T (N/m)", proposal.coordination_stiffness_n_per_m, proposal.coordination_limit_n_per_m),
-        ] {
-            table.push([name.to_owned(), gain.to_string(), limit(crossing)]);
-        }
+        ];
+        let table = Columns::of(&gains)
+            .value("", |gain| gain.0)
+            .value("proposal", |gain| gain.1)
+            .significant("limit", 4, |gain| limit(gain.2))
+            .head("limit with the other as proposed")
+            .done();
         let percent = 100.0 * proposal.margin;
         let (radius, raised) = (proposal.spectral_radius, proposal.raised_spectral_radius);
         ui.table(&table);

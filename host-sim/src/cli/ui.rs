@@ -11,21 +11,29 @@ use std::path::{Path, PathBuf};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use haptic_sim::report::table::Table;
-use haptic_sim::report::{ReportError, files};
+use haptic_sim::report::{Files, Made, ReportError};
 
 use super::Failure;
 
 /// Where a command's output goes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Ui {
     json: bool,
+    made: Made,
+}
+
+/// A document, and what made it.
+#[derive(Serialize)]
+struct Told<'a, D> {
+    #[serde(flatten)]
+    document: &'a D,
+    made: &'a Made,
 }
 
 impl Ui {
     /// Prints JSON, or text.
     pub(super) fn new(json: bool) -> Self {
-        Self { json }
+        Self { json, made: super::made() }
     }
 
     /// The result as the one JSON document.
@@ -37,6 +45,28 @@ impl Ui {
             print(format_args!("{}\n", serde_json::to_string_pretty(document)?));
         }
         Ok(())
+    }
+
+    /// Rows, or anything else that is a text for people and a document for programs: as the one that was asked for.
+    ///
+    /// # Errors
+    /// It cannot be written as JSON.
+    pub(super) fn result(&self, result: &(impl Serialize + fmt::Display)) -> Result<(), Failure> {
+        self.table(result);
+        self.document(result)
+    }
+
+    /// This program, since it began: what a run adds its settings to.
+    pub(super) fn made(&self) -> Made {
+        self.made.clone()
+    }
+
+    /// The result as the one JSON document, with what made it.
+    ///
+    /// # Errors
+    /// It cannot be written as JSON.
+    pub(super) fn document_of(&self, made: &Made, document: &impl Serialize) -> Result<(), Failure> {
+        self.document(&Told { document, made })
     }
 
     /// Text of the result: what `write!` and `writeln!` call.
@@ -58,9 +88,33 @@ impl Ui {
         }
     }
 
+    /// Names the pictures.
+    pub(super) fn pictures(&self, pictures: &[PathBuf]) {
+        writeln!(self, "Pictures (SVG, and PNG beside each):");
+        let svg = pictures.iter().filter(|path| path.extension().is_some_and(|ending| ending == "svg"));
+        svg.for_each(|picture| writeln!(self, "  {}", picture.display()));
+    }
+
     /// Where files go: into the folder asked for, or into the usual one where the result is for a person.
     pub(super) fn folder(&self, out: Option<&Path>, usual: &str) -> Option<PathBuf> {
         out.or((!self.json).then_some(Path::new(usual))).map(Path::to_path_buf)
+    }
+
+    /// Has files of this name written into that folder, if there is one; returns their paths.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(super) fn files(
+        &self,
+        folder: Option<&Path>,
+        name: &str,
+        made: &Made,
+        fill: impl FnOnce(&mut Files) -> Result<(), ReportError>,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let Some(folder) = folder else { return Ok(Vec::new()) };
+        let mut files = Files::new(folder, name, made.clone());
+        fill(&mut files)?;
+        Ok(files.write()?)
     }
 
     /// What is going on, on standard error.
@@ -81,23 +135,10 @@ impl Ui {
     }
 }
 
-/// Writes the table and draws the picture beside it; names all files.
-///
-/// # Errors
-/// A file that cannot be written.
-pub(super) fn save(
-    base: &Path,
-    table: &Table,
-    draw: impl FnOnce() -> Result<Vec<PathBuf>, ReportError>,
-) -> Result<Vec<PathBuf>, Failure> {
-    // Appended, not replaced: a scene's name may contain a dot.
-    let mut csv = base.as_os_str().to_owned();
-    csv.push(".csv");
-    let csv = PathBuf::from(csv);
-    files::write_csv(table, &csv)?;
-    let mut written = vec![csv];
-    written.extend(draw()?);
-    Ok(written)
+/// The pictures among these files.
+pub(super) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
+    let is_picture = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+    files.into_iter().filter(is_picture).collect()
 }
 
 /// Prints on standard output; ends the program quietly where nobody reads on (`host-sim cooperate | head -3`).

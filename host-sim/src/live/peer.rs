@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
+use haptic_sim::measure::LastHalf;
 use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 
@@ -108,9 +109,7 @@ struct Peer<'a> {
     options: &'a Options,
     /// Ticks of the experiment.
     ticks: u64,
-    discrepancy: f64,
-    force: f64,
-    counted: u64,
+    halves: LastHalf<2>,
 }
 
 impl Actor<SocketAddr> for Peer<'_> {
@@ -124,11 +123,10 @@ impl Actor<SocketAddr> for Peer<'_> {
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let node = &mut self.node;
         node.beat(now_ns / 1_000, |bytes| out(self.options.connect, bytes));
-        if node.armed_ticks() > self.ticks / 2 {
+        if let Some(tick) = node.armed_ticks().checked_sub(1) {
             let seen = node.observed();
-            self.discrepancy += f64::from((seen.object.position - seen.desired.position).abs());
-            self.force += f64::from(seen.coordination_force);
-            self.counted += 1;
+            let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
+            self.halves.see(tick, [discrepancy_m, f64::from(seen.coordination_force)]);
         }
     }
 }
@@ -162,17 +160,18 @@ pub(crate) fn run(scene: &Scene, key: Key, options: &Options, stop: &Stop) -> Re
     let node = Node::new(scene, options.number, key, entropy()?)?;
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (options.duration_s / period_s).round() as u64;
-    let mut peer = Peer { node, options, ticks, discrepancy: 0.0, force: 0.0, counted: 0 };
+    let mut peer = Peer { node, options, ticks, halves: LastHalf::new(ticks) };
     let endpoint = Endpoint::polled(options.listen)?;
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, options.patience_s, stop, &mut peer)?;
-    let Peer { node, discrepancy, force, counted, .. } = peer;
+    let Peer { node, halves, .. } = peer;
+    let [discrepancy_m, coordination_force_n] = halves.means();
     let (link, counts) = (node.link(), node.link().counts());
     Ok(Report {
         peer: options.number,
         ticks: node.armed_ticks(),
-        decoded_discrepancy_mm: 1e3 * discrepancy / counted.max(1) as f64,
-        coordination_force_n: force / counted.max(1) as f64,
+        decoded_discrepancy_mm: 1e3 * discrepancy_m,
+        coordination_force_n,
         fault: match node.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,

@@ -12,8 +12,8 @@ use haptic_core::law::Sends;
 use haptic_core::schema::Schema;
 use haptic_core::settings::Refused;
 use rayon::prelude::*;
-use serde::Serialize;
 
+use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
@@ -103,7 +103,7 @@ pub const IMPAIRMENTS: [(&str, &[&str]); 29] = [
 ];
 
 /// One comm over one network.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Cell {
     /// Communications.
     pub comm: String,
@@ -170,4 +170,25 @@ fn cell(scene: &Scene, comm: &str, passive: bool, impairment: &str) -> Result<Ce
         largest_jump_n: outcome.largest_jump_n,
         true_discrepancy_mm: outcome.true_discrepancy_mm,
     })
+}
+
+/// The campaign as a table.
+pub fn columns(cells: &[Cell]) -> Columns {
+    Columns::of(cells)
+        .value("comm", |cell| cell.comm.as_str())
+        .value("passive", |cell| cell.passive)
+        .data_only()
+        .value("impairment", |cell| cell.impairment.as_str())
+        .head("network")
+        .value("stable", |cell| cell.stable)
+        .number("energy_out_over_in", 4, |cell| cell.energy_out_over_in)
+        .head("energy out/in")
+        .number("peak_force_n", 2, |cell| cell.peak_force_n)
+        .head("peak")
+        .number("largest_jump_n", 3, |cell| cell.largest_jump_n)
+        .head("jump")
+        .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm)
+        .head("true")
+        .value("fault", |cell| cell.fault.clone())
+        .done()
 }

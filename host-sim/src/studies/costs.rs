@@ -13,10 +13,10 @@
 //! (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::campaign::{DURATION_S, scene, with_unnamed};
 use haptic_sim::measure::swing::felt;
+use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, run};
 
 /// Ways to hold the copies together: name and settings.
@@ -62,7 +62,7 @@ pub const NETWORKS: [(&str, &[&str]); 2] = [("no loss", &[]), ("20 % lost", &["n
 const PERIODS: u32 = 60;
 
 /// One way to hold the copies together over one network.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Cost {
     /// Which way.
     pub choice: String,
@@ -111,4 +111,22 @@ pub fn costs() -> Result<Vec<Cost>, Box<dyn std::error::Error + Send + Sync>> {
             })
         })
         .collect()
+}
+
+/// The costs as a table.
+pub fn columns(costs: &[Cost]) -> Columns {
+    Columns::of(costs)
+        .value("network", |cost| cost.network.as_str())
+        .value("choice", |cost| cost.choice.as_str())
+        .head("comm")
+        .value("stable", |cost| cost.stable)
+        .number("energy_out_over_in", 4, |cost| cost.energy_out_over_in)
+        .head("energy out/in")
+        .number("added_delay_ms", 1, |cost| cost.added_delay_ms)
+        .number("true_discrepancy_mm", 2, |cost| cost.true_discrepancy_mm)
+        .head("true")
+        .number("apparent_mass_kg", 3, |cost| cost.apparent_mass_kg)
+        .head("mass")
+        .number("drag_n_s_per_m", 2, |cost| cost.drag_n_s_per_m)
+        .done()
 }

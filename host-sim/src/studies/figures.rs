@@ -1,10 +1,7 @@
 //! Pictures of runs: the cooperation paper's Figures 6–9, and one sheet for any scene.
 
-use std::path::{Path, PathBuf};
-
 use super::paper::Experiment;
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY, draw};
-use haptic_sim::report::ReportError;
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 use haptic_sim::run::Outcome;
 
 /// One column of a table over time, scaled.
@@ -88,22 +85,17 @@ fn side_by_side(title: &str, caption: &str, columns: &[(String, &Outcome)], wind
     }
 }
 
-/// The sheet of one run, as `base`.svg and `base`.png.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn run(name: &str, outcome: &Outcome, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// The sheet of one run.
+pub fn run(name: &str, outcome: &Outcome) -> Figure {
     let end = outcome.table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
     let columns = [1, 2].map(|peer| column(&format!("{name}, peer {peer}"), outcome, peer, (0.0, end), peer == 1));
-    let panels = (0..4).flat_map(|row| columns.iter().map(move |sheet| sheet[row].clone())).collect();
-    let figure = Figure {
+    Figure {
         title: format!("Two peers, one object: {name}"),
         columns: 2,
         share_y: ShareY::Rows,
-        panels,
+        panels: (0..4).flat_map(|row| columns.iter().map(move |sheet| sheet[row].clone())).collect(),
         ..Figure::default()
-    };
-    draw(&figure, base)
+    }
 }
 
 /// How a figure calls one kind of communications.
@@ -117,44 +109,34 @@ fn title(experiment: &Experiment) -> String {
     format!("{name}, K_T = {} N/m", experiment.coordination_stiffness_n_per_m)
 }
 
-/// Figures 6 to 9 of the cooperation paper in `folder`.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn paper(experiments: &[Experiment], folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// Figures 6 to 9 of the cooperation paper and one of position coherency, each with its name.
+pub fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
     let of = |section: &str, round_trip_ms: f64| -> Vec<&Experiment> {
         experiments.iter().filter(|one| one.section == section && one.round_trip_ms == round_trip_ms).collect()
     };
-    let mut pictures = Vec::new();
-    for (number, round_trip_ms) in [(6, 16.0), (7, 32.0)] {
-        let runs = of("5.1", round_trip_ms);
-        let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome)).collect();
+    let gains = |number, round_trip_ms| {
+        let columns: Vec<_> = of("5.1", round_trip_ms).into_iter().map(|one| (title(one), &one.outcome)).collect();
         let heading = format!("Figure {number}: largest coordination gains, {round_trip_ms} ms round trip (peer 2)");
         let caption = "Each user pushes 0.1 N toward the other; user 1 adds 1 N for 25 ms every 2.5 s. The paper plots the \
                        remote copy as decoded at the same peer; the true one stands beside it. An unstable run is shown \
                        as it comes to a fault, cut at the others' scale.";
         // Two pulses, after the start has settled; an unstable run shows how it begins.
-        let figure = side_by_side(&heading, caption, &columns, (9.5, 13.5));
-        pictures.extend(draw(&figure, &folder.join(format!("figure-{number}")))?);
-    }
+        side_by_side(&heading, caption, &columns, (9.5, 13.5))
+    };
     let runs = of("5.2", 16.0);
-    pictures.extend(draw(&forces(&runs), &folder.join("figure-8"))?);
-    pictures.extend(draw(&discrepancies(&runs), &folder.join("figure-9"))?);
-    let columns: Vec<_> = runs
-        .iter()
-        .copied()
-        .chain(experiments.iter().filter(|one| one.section == "matched-line"))
-        .map(|one| {
-            let name = if one.section == "matched-line" { "Matched line".to_owned() } else { title(one) };
-            (name, &one.outcome)
-        })
-        .collect();
+    let matched = experiments.iter().filter(|one| one.section == "matched-line");
+    let matched = matched.map(|one| ("Matched line".to_owned(), &one.outcome));
+    let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome)).chain(matched).collect();
     let caption = "Each user pushes 1 N toward the other; user 2 adds 0.25 sin 3t N. The matched line puts the object's mass \
                    into the wave line (b = 40 N s/m) and leaves 20 g to each copy.";
-    let figure =
-        side_by_side("Section 5.2: position coherency, 16 ms round trip (peer 2)", caption, &columns, (10.0, 16.0));
-    pictures.extend(draw(&figure, &folder.join("coherency"))?);
-    Ok(pictures)
+    let heading = "Section 5.2: position coherency, 16 ms round trip (peer 2)";
+    vec![
+        ("figure-6", gains(6, 16.0)),
+        ("figure-7", gains(7, 32.0)),
+        ("figure-8", forces(&runs)),
+        ("figure-9", discrepancies(&runs)),
+        ("coherency", side_by_side(heading, caption, &columns, (10.0, 16.0))),
+    ]
 }
 
 /// Figure 8: coordination forces at peer 2.

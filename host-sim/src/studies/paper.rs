@@ -5,11 +5,11 @@
 //! stands beside it.
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use haptic_analysis::{Effort, Range};
-use haptic_sim::measure::apparent_mass;
-use haptic_sim::run::{Options, Outcome, Spread, run};
+use haptic_sim::measure::{Statistics, apparent_mass};
+use haptic_sim::report::Columns;
+use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
@@ -33,7 +33,7 @@ const PRINTED: [Printed; 3] = [
 ];
 
 /// One experiment and what came of it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Experiment {
     /// Scene, without the folder.
     pub scene: String,
@@ -58,16 +58,15 @@ pub struct Experiment {
     /// The same over the mean contact force, mm/N.
     pub true_discrepancy_mm_per_n: f64,
     /// F_T at peer 2 over the last half.
-    pub coordination_force_n: Spread,
+    pub coordination_force_n: Statistics,
     /// Apparent mass of the shared object, kg, where the scene is stable.
     pub apparent_object_mass_kg: Option<f64>,
     /// What was recorded.
-    #[serde(skip)]
     pub outcome: Outcome,
 }
 
 /// Largest coordination gain of one kind of communications at 16 ms round trip.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Gain {
     /// What is sent.
     pub comm: String,
@@ -143,4 +142,54 @@ pub fn gains() -> Result<Vec<Gain>, Box<dyn std::error::Error + Send + Sync>> {
             })
         })
         .collect()
+}
+
+/// The experiments as a table.
+pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
+    Columns::of(experiments)
+        .value("scene", |one| one.scene.as_str())
+        .data_only()
+        .value("section", |one| one.section.as_str())
+        .head("experiment")
+        .value("comm", |one| one.comm.as_str())
+        .number("round_trip_ms", 0, |one| one.round_trip_ms)
+        .number("coordination_stiffness_n_per_m", 0, |one| one.coordination_stiffness_n_per_m)
+        .head("K_T")
+        .value("stable", |one| one.stable)
+        .value("spectral_radius", |one| one.spectral_radius)
+        .data_only()
+        .number("decoded_discrepancy_mm", 4, |one| one.decoded_discrepancy_mm)
+        .head("decoded")
+        .where_true(|one| one.stable)
+        .means("|x_o - x_d| at peer 2, what the paper plots")
+        .value("paper_discrepancy_mm", |one| one.paper_discrepancy_mm)
+        .head("paper")
+        .number("true_discrepancy_mm", 4, |one| one.true_discrepancy_mm)
+        .head("true")
+        .where_true(|one| one.stable)
+        .means("|x_o1 - x_o2| at one instant")
+        .number("true_discrepancy_mm_per_n", 3, |one| one.true_discrepancy_mm_per_n)
+        .head("true")
+        .where_true(|one| one.stable)
+        .number("coordination_force_n.mean", 3, |one| one.coordination_force_n.mean)
+        .head("F_T N")
+        .where_true(|one| one.stable)
+        .number("coordination_force_n.sd", 3, |one| one.coordination_force_n.sd)
+        .head("sd N")
+        .where_true(|one| one.stable)
+        .number("apparent_object_mass_kg", 3, |one| one.apparent_object_mass_kg)
+        .head("object")
+        .means("apparent mass of the shared object, copies and line together")
+        .done()
+}
+
+/// The gains as a table.
+pub fn gain_columns(gains: &[Gain]) -> Columns {
+    Columns::of(gains)
+        .value("comm", |gain| gain.comm.as_str())
+        .number("paper_n_per_m", 0, |gain| gain.paper_n_per_m)
+        .head("paper's experiment")
+        .number("crossings_n_per_m", 0, |gain| gain.crossings_n_per_m.clone())
+        .head("this model's boundaries")
+        .done()
 }

@@ -7,14 +7,14 @@
 
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
-use serde::Serialize;
 
 use haptic_sim::pair::Pair;
+use haptic_sim::report::Columns;
 use haptic_sim::scene::Scene;
 
 /// Largest differences from f64 over a run.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct Strays {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Differences {
     /// Largest difference of either copy's position, m.
     pub position_m: f64,
     /// Largest difference of either coordination force, N.
@@ -26,7 +26,7 @@ pub struct Strays {
 }
 
 /// What a run of a scene in three number types gave.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Precision {
     /// Which scene.
     pub scene: String,
@@ -35,9 +35,9 @@ pub struct Precision {
     /// Largest position of either copy in f64, m.
     pub largest_position_m: f64,
     /// f32 against f64.
-    pub f32: Strays,
+    pub f32: Differences,
     /// I32F32 against f64.
-    pub i32f32: Strays,
+    pub i32f32: Differences,
     /// Where f64 itself faulted: differences were taken until then.
     pub faulted_after_s: Option<f64>,
     /// Why the differences are what they are.
@@ -52,7 +52,7 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, 
     let (mut double, mut single, mut fixed) =
         (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
     let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
-    let (mut f32, mut i32f32, mut largest) = (Strays::default(), Strays::default(), 0.0_f64);
+    let (mut f32, mut i32f32, mut largest) = (Differences::default(), Differences::default(), 0.0_f64);
     let mut faulted_after_s = None;
     for _ in 0..ticks {
         double.step();
@@ -72,8 +72,8 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, 
     // Steps: 2^(exponent − 23) for f32, 2^−32 for I32F32.
     f32.position_step_m = if largest > 0.0 { (largest.log2().floor() - 23.0).exp2() } else { 0.0 };
     i32f32.position_step_m = (-32.0_f64).exp2();
-    for strays in [&mut f32, &mut i32f32] {
-        strays.force_step_n = stiffness * strays.position_step_m;
+    for differences in [&mut f32, &mut i32f32] {
+        differences.force_step_n = stiffness * differences.position_step_m;
     }
     Ok(Precision {
         scene: name.to_owned(),
@@ -86,7 +86,7 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, 
     })
 }
 
-impl Strays {
+impl Differences {
     fn see<S: Scalar>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
         for (exact, rounded) in reference.sides.iter().zip(&other.sides) {
             let (exact, rounded) = (exact.peer.observed(), rounded.peer.observed());
@@ -103,7 +103,7 @@ impl Strays {
     }
 }
 
-fn explain(scene: &Scene, f32: &Strays, i32f32: &Strays, faulted_after_s: Option<f64>) -> String {
+fn explain(scene: &Scene, f32: &Differences, i32f32: &Differences, faulted_after_s: Option<f64>) -> String {
     if let Some(time_s) = faulted_after_s {
         return format!("unstable: rounding grows with the oscillation until the peers fault at {time_s:.2} s");
     }
@@ -118,4 +118,27 @@ fn explain(scene: &Scene, f32: &Strays, i32f32: &Strays, faulted_after_s: Option
         "a step of position is {:.1e} N of spring in f32, {:.1e} N in I32F32; the rest modes integrate it",
         f32.force_step_n, i32f32.force_step_n
     )
+}
+
+/// The table of these scenes.
+pub fn columns(rows: &[Precision]) -> Columns {
+    let mut columns = Columns::of(rows)
+        .value("scene", |row| row.scene.as_str())
+        .value("duration_s", |row| row.duration_s)
+        .data_only()
+        .value("largest_position_m", |row| row.largest_position_m)
+        .data_only();
+    for (name, of) in [("f32", (|row| &row.f32) as fn(&Precision) -> &Differences), ("i32f32", |row| &row.i32f32)] {
+        columns = columns
+            .number(format!("{name}.position_m"), 3, |row| of(row).position_m)
+            .shown_in("µm", 1e6)
+            .number(format!("{name}.force_n"), 3, |row| of(row).force_n)
+            .shown_in("mN", 1e3)
+            .value(format!("{name}.position_step_m"), |row| of(row).position_step_m)
+            .data_only()
+            .value(format!("{name}.force_step_n"), |row| of(row).force_step_n)
+            .data_only();
+    }
+    let columns = columns.value("faulted_after_s", |row| row.faulted_after_s).data_only();
+    columns.value("explanation", |row| row.explanation.as_str()).head("why").done()
 }

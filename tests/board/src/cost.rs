@@ -24,14 +24,14 @@ pub struct Meter {
 
 /// Median and largest of some counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spread {
+pub struct MedianAndMost {
     /// Half of them are at most this.
     pub median: u32,
     /// None is more.
     pub max: u32,
 }
 
-impl Spread {
+impl MedianAndMost {
     /// Of these; zero of none.
     pub fn of(counts: impl IntoIterator<Item = u32>) -> Self {
         let mut sorted: Vec<u32> = counts.into_iter().collect();

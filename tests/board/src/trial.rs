@@ -10,8 +10,9 @@ use firmware_parts::record::{RECEIVED, Record, SENT};
 use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 use haptic_sim::network::rule::{Direction, of_scene};
-use haptic_sim::report::table::{Column, Table};
-use haptic_sim::run::{Options, Outcome, PortEnergy, Spread};
+use haptic_sim::measure::Statistics;
+use haptic_sim::report::Columns;
+use haptic_sim::run::{Options, Outcome, PortEnergy};
 use haptic_sim::scene::Scene;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
@@ -45,7 +46,7 @@ pub struct Trial {
     /// The same of each board's recorded inputs, run again here.
     pub replayed: [Equal; 2],
     /// Instructions of an armed tick, over both boards.
-    pub instructions: cost::Spread,
+    pub instructions: cost::MedianAndMost,
     /// Every armed tick of both boards.
     pub records: [Vec<Record>; 2],
     /// What the emulator could not do.
@@ -111,7 +112,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
         bench.step();
     }
     let due = (bench.now_ns() - counted_from) / PERIOD_NS;
-    let instructions = cost::Spread::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
+    let instructions = cost::MedianAndMost::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
     let late = bench.meters.iter().map(|meter| due.abs_diff(meter.ticks.len() as u64)).sum::<u64>();
     // What is still in the boards comes out.
     bench.run_for_ms(24);
@@ -154,7 +155,7 @@ fn columns(record: &Record) -> [f64; 8] {
     [x, o, d, object.velocity, contact_force, coordination_force, received, sent].map(f64::from)
 }
 
-/// Figures of merit as host-sim forms them (host-sim/src/experiment/run.rs), from what the boards recorded. Names of the
+/// Figures of merit as host-sim forms them (host-sim/sim/src/run.rs), from what the boards recorded. Names of the
 /// columns are those of `like`.
 fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
     let ticks = first.len().min(second.len());
@@ -180,22 +181,20 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
         })
     });
     let every = (ticks / like.table.len().max(1)).max(1);
-    let rows: Vec<Vec<f64>> = (pairs().enumerate().step_by(every))
-        .map(|(tick, (one, two))| {
-            let peers = [one, two].into_iter().flat_map(columns);
-            std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect()
-        })
-        .collect();
-    let named =
-        |(at, column): (usize, &Column)| Column::new(column.name.clone(), rows.iter().map(|row| row[at]).collect());
-    let table = Table::new(like.table.columns().iter().enumerate().map(named).collect()).expect("one value a row");
+    let mut table = Columns::named(like.table.data().map(|column| column.name()));
+    for (tick, (one, two)) in pairs().enumerate().step_by(every) {
+        let peers = [one, two].into_iter().flat_map(columns);
+        let row: Vec<f64> =
+            std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect();
+        table.push_row(&row);
+    }
     Outcome {
         bounded: fault.is_none(),
         fault: fault.map(|(_, peer, fault)| (peer, fault)),
         fault_time_s: fault.map(|(tick, ..)| tick as f64 * 1e-3),
         true_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[0]),
         decoded_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[1]),
-        coordination_force_n: Spread { mean: force, sd: variance.sqrt() },
+        coordination_force_n: Statistics { mean: force, sd: variance.sqrt() },
         contact_force_n: mean(&|one, two| 0.5 * (forces(one)[0].abs() + forces(two)[0].abs())),
         peak_coordination_force_n: pairs()
             .flat_map(|(one, two)| [forces(one)[1], forces(two)[1]])

@@ -15,8 +15,7 @@ use super::closed::largest_stiffness;
 use super::{Place, Renderer, Rendering};
 use crate::error::AnalysisError;
 use crate::limit::{Limit, crossings};
-use haptic_sim::report::ReportError;
-use haptic_sim::report::table::Table;
+use haptic_sim::report::Columns;
 
 /// Samples in a delay, where the sampling shall not matter.
 pub const SAMPLES_PER_DELAY: f64 = 40.0;
@@ -171,21 +170,23 @@ pub fn sweeps(base: &Rendering) -> Vec<(Rendering, Sweep)> {
 
 /// One row for every crossing: place (1…4, 0 for the sampling period), wall, delay or period, stiffness, whether it is
 /// stable just below, and the closed form. Where even the softest contact is unstable, a first row says so with stiffness 0.
-pub fn table(curves: &[Curve]) -> Result<Table, ReportError> {
-    let names = ["place", "wall", "time_s", "stiffness_n_per_m", "stable_below", "closed_form_n_per_m"];
-    let mut table = Table::with_names(&names)?;
-    for Curve { sweep, wall, points } in curves {
-        let place = match sweep {
-            Sweep::Delay(place) => *place as usize as f64 + 1.0,
-            Sweep::Period => 0.0,
-        };
-        let flag = |yes: bool| f64::from(u8::from(yes));
-        for point in points {
-            for (at, crossing) in point.edges().into_iter().enumerate() {
-                let (stable_below, closed) = (flag(at % 2 == 0), point.closed_form_n_per_m);
-                table.push_row(&[place, flag(*wall), point.time_s, crossing, stable_below, closed])?;
-            }
+pub fn table(curves: &[Curve]) -> Columns {
+    let mut rows = Vec::new();
+    for curve in curves {
+        for point in &curve.points {
+            rows.extend(point.edges().into_iter().enumerate().map(|(at, crossing)| (curve, point, at, crossing)));
         }
     }
-    Ok(table)
+    let place = |curve: &Curve| match curve.sweep {
+        Sweep::Delay(place) => place as usize + 1,
+        Sweep::Period => 0,
+    };
+    Columns::of(&rows)
+        .value("place", |row| place(row.0))
+        .value("wall", |row| row.0.wall)
+        .value("time_s", |row| row.1.time_s)
+        .value("stiffness_n_per_m", |row| row.3)
+        .value("stable_below", |row| row.2 % 2 == 0)
+        .value("closed_form_n_per_m", |row| row.1.closed_form_n_per_m)
+        .done()
 }

@@ -6,8 +6,7 @@
 
 use haptic_core::device::AXES;
 
-use crate::report::ReportError;
-use crate::report::table::Table;
+use crate::report::Columns;
 
 /// Columns, with their units.
 pub const COLUMNS: [&str; 19] = [
@@ -53,22 +52,19 @@ pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
 }
 
 /// A table of the records among these payloads.
-///
-/// # Errors
-/// None that a record could cause.
-pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) -> Result<Table, ReportError> {
-    let mut table = Table::with_names(&COLUMNS)?;
+pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) -> Columns {
+    let mut table = Columns::named(COLUMNS);
     let mut first_s = None;
     for mut row in payloads.into_iter().filter_map(|payload| row(payload, period_s)) {
         row[0] -= *first_s.get_or_insert(row[0]);
-        table.push_row(&row)?;
+        table.push_row(&row);
     }
-    Ok(table)
+    table
 }
 
 /// When the longest gap in a recording began and how long it was, s; `None` where the ticks come evenly. One or two that the
 /// network lost are none.
-pub fn longest_gap(table: &Table) -> Option<(f64, f64)> {
+pub fn longest_gap(table: &Columns) -> Option<(f64, f64)> {
     let times = table.column("time_s").unwrap_or_default();
     // Backwards: a record that came late, or a board that started anew.
     let gaps = || times.windows(2).map(|two| (two[0], two[1] - two[0])).filter(|(_, gap)| *gap > 0.0);
@@ -77,7 +73,7 @@ pub fn longest_gap(table: &Table) -> Option<(f64, f64)> {
 }
 
 /// The row, counted from 1, before which the board started anew; the last if it did so more than once.
-pub fn started_anew(table: &Table) -> Option<usize> {
+pub fn started_anew(table: &Columns) -> Option<usize> {
     /// More ticks than a record can come late.
     const LATE: f64 = 1000.0;
     let ticks = table.column("tick").unwrap_or_default();
@@ -88,7 +84,7 @@ pub fn started_anew(table: &Table) -> Option<usize> {
 mod tests {
     use super::*;
 
-    fn recorded(ticks: &[u32]) -> Table {
+    fn recorded(ticks: &[u32]) -> Columns {
         let records: Vec<[u8; 88]> = (ticks.iter())
             .map(|tick| {
                 let mut record = [0; 88];
@@ -96,7 +92,7 @@ mod tests {
                 record
             })
             .collect();
-        table(records.iter().map(|record| &record[..]), 0.001).unwrap()
+        table(records.iter().map(|record| &record[..]), 0.001)
     }
 
     #[test]

@@ -13,7 +13,7 @@
 //! `direction` is the sender (1 or 2), `delay_s` what is added to the constant delay; a packet with two rows arrives twice.
 //! After its end a trace begins anew.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::rng::Rng;
@@ -225,6 +225,7 @@ impl Rule for SeededRule {
 /// A recording of what a network did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NetworkTrace {
+    file: PathBuf,
     packets: [Vec<Vec<Arrival>>; 2],
 }
 
@@ -237,7 +238,7 @@ impl NetworkTrace {
             let fate = |number: u64| rule.as_mut().map_or(Fate::Pass, |rule| rule.decide(number, number * packet_ns));
             (0..packets).map(fate).map(Fate::copies).collect()
         };
-        Self { packets: [half(Direction::OneToTwo), half(Direction::TwoToOne)] }
+        Self { file: PathBuf::default(), packets: [half(Direction::OneToTwo), half(Direction::TwoToOne)] }
     }
 
     fn of(&self, direction: Direction, packet: u64) -> &[Arrival] {
@@ -286,7 +287,12 @@ impl NetworkTrace {
         if packets.iter().any(Vec::is_empty) {
             return Err(format!("{place}: both directions need at least one packet"));
         }
-        Ok(Self { packets })
+        Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
+    }
+
+    /// The file it was read from; empty for none.
+    pub fn file(&self) -> &Path {
+        &self.file
     }
 
     /// Writes the trace.

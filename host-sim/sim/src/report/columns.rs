@@ -256,8 +256,8 @@ pub struct Rows<'a, R> {
     columns: Columns,
 }
 
-impl<R> Rows<'_, R> {
-    fn with<C: Into<Cell>>(mut self, name: impl Into<String>, digits: Digits, cell: impl Fn(&R) -> C) -> Self {
+impl<'a, R> Rows<'a, R> {
+    fn with<C: Into<Cell>>(mut self, name: impl Into<String>, digits: Digits, cell: impl Fn(&'a R) -> C) -> Self {
         let cells = self.rows.iter().map(|row| cell(row).into()).collect();
         self.columns.push(Column::new(name.into(), digits, Values::Cells(cells)));
         self
@@ -272,31 +272,31 @@ impl<R> Rows<'_, R> {
 
     /// A column of texts, flags, counts, or numbers with as many digits as they have.
     #[must_use]
-    pub fn value<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&R) -> C) -> Self {
+    pub fn value<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::All, cell)
     }
 
     /// A column of numbers with so many digits behind the point.
     #[must_use]
-    pub fn number<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+    pub fn number<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Fixed(digits), cell)
     }
 
     /// A column of numbers with at least so many digits that count.
     #[must_use]
-    pub fn significant<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+    pub fn significant<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Significant(digits), cell)
     }
 
     /// A column of powers of ten with so many digits behind the point.
     #[must_use]
-    pub fn power<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&R) -> C) -> Self {
+    pub fn power<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Power(digits), cell)
     }
 
     /// A column of differences, always with a sign.
     #[must_use]
-    pub fn signed<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&R) -> C) -> Self {
+    pub fn signed<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Signed, cell)
     }
 

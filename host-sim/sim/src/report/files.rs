@@ -1,186 +1,428 @@
-//! A table as a file: CSV for people, Parquet for programs.
+//! Files of a run: CSV for people, Parquet for programs, figures; each beside the settings that made it.
 //!
-//! Both keep every number exactly. CSV writes the shortest decimal that reads back to the same `f64` (`NaN`, `inf` and
-//! `-inf` by name; the payload of a NaN is not kept). Parquet stores each column as REQUIRED DOUBLE, bit for bit,
-//! compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows. Missing folders are created; an existing file is
-//! replaced.
+//! CSV and Parquet keep every number exactly. CSV writes the shortest decimal that reads back to the same `f64` (`NaN`,
+//! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as REQUIRED DOUBLE, bit for bit, or
+//! as text, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows.
+//!
+//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and as metadata in Parquet. It
+//! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
+//! not give the same bytes. The file holds every setting as a scene file does, so that it is one: who loads it runs the same
+//! again; its table `[made]`, which a scene ignores, holds version, commit, start and the rest.
+//!
+//! **Nothing is overwritten**: where a file of a name exists with other content, all files of the run get the next free
+//! number (`NAME-2.csv`). Where they exist with the same content, they stay.
 
-use std::fs::File;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
-use parquet::basic::{Compression, Repetition, Type as PhysicalType};
-use parquet::data_type::DoubleType;
+use haptic_plot::{Figure, ReportError, png, svg, write_file};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
+use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use haptic_plot::{ReportError, create_folder};
-
-use super::table::Table;
+use super::columns::{Cell, Column, Columns};
 
 /// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.
 pub const ROW_GROUP_ROWS: usize = 1 << 16;
 
-/// Writes the table as CSV: one header line with the column names, then one line for each row.
-pub fn write_csv(table: &Table, path: &Path) -> Result<(), ReportError> {
-    create_folder(path, "CSV")?;
-    csv_rows(table, path).map_err(ReportError::write(path, "CSV"))
+/// What made a file: the program, when it began, and everything it was told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    facts: Vec<(String, Cell)>,
+    settings: Vec<(String, String)>,
 }
 
-/// Writes the table as Parquet.
-pub fn write_parquet(table: &Table, path: &Path) -> Result<(), ReportError> {
-    create_folder(path, "Parquet")?;
-    parquet_groups(table, path).map_err(ReportError::write(path, "Parquet"))
-}
-
-fn csv_rows(table: &Table, path: &Path) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_path(path)?;
-    if table.columns().is_empty() {
-        return Ok(writer.flush()?);
+impl Made {
+    /// By this version and commit, beginning now.
+    pub fn now(version: &str, commit: &str) -> Self {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let facts = [("version", version.to_owned()), ("commit", commit.to_owned()), ("started", utc(since.as_secs()))];
+        Self { facts: facts.map(|(name, text)| (name.to_owned(), text.into())).to_vec(), settings: Vec::new() }
     }
-    writer.write_record(table.columns().iter().map(|c| c.name.as_str()))?;
-    for row in 0..table.len() {
-        // `{:?}` is the shortest text that parses back to the same value; `{}` would spell out 1e300.
-        writer.write_record(table.columns().iter().filter_map(|c| c.values.get(row)).map(|v| format!("{v:?}")))?;
+
+    /// And with this.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: impl Into<Cell>) -> Self {
+        self.facts.push((name.to_owned(), value.into()));
+        self
     }
-    Ok(writer.flush()?)
+
+    /// With these settings: keys of a scene, and values as TOML writes them.
+    #[must_use]
+    pub fn settings(mut self, settings: Vec<(String, String)>) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// As TOML: a scene file with a table `[made]`.
+    pub fn toml(&self) -> String {
+        let mut text =
+            "# What made the files of this name. It is a scene file as well: loading it runs the same again.\n"
+                .to_owned();
+        for (key, value) in &self.settings {
+            let _ = writeln!(text, "{key} = {value}");
+        }
+        text += "\n[made]\n";
+        for (name, cell) in &self.facts {
+            let _ = match cell {
+                Cell::Text(words) => writeln!(text, "{name} = {words:?}"),
+                Cell::Number(number) => writeln!(text, "{name} = {number:?}"),
+                Cell::Whole(count) => writeln!(text, "{name} = {count}"),
+                Cell::Flag(flag) => writeln!(text, "{name} = {flag}"),
+                Cell::List(numbers) => writeln!(text, "{name} = {numbers:?}"),
+                Cell::Empty => Ok(()),
+            };
+        }
+        text
+    }
 }
 
-fn parquet_groups(table: &Table, path: &Path) -> Result<(), ParquetError> {
-    let field = |name: &str| {
-        let builder = Type::primitive_type_builder(name, PhysicalType::DOUBLE).with_repetition(Repetition::REQUIRED);
-        builder.build().map(Arc::new)
-    };
-    let fields = table.columns().iter().map(|c| field(&c.name)).collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut writer = SerializedFileWriter::new(File::create(path)?, schema, Arc::new(properties))?;
-    for start in (0..table.len()).step_by(ROW_GROUP_ROWS) {
-        let mut group = writer.next_row_group()?;
-        for column in table.columns() {
-            let values: Vec<f64> = column.values.iter().skip(start).take(ROW_GROUP_ROWS).copied().collect();
-            if let Some(mut chunk) = group.next_column()? {
-                chunk.typed::<DoubleType>().write_batch(&values, None, None)?;
-                chunk.close()?;
+impl Serialize for Made {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (name, cell) in &self.facts {
+            map.serialize_entry(name, cell)?;
+        }
+        let settings: std::collections::BTreeMap<_, _> =
+            self.settings.iter().map(|(key, value)| (key, value.trim_matches('"'))).collect();
+        map.serialize_entry("settings", &settings)?;
+        map.end()
+    }
+}
+
+/// Seconds since 1970 as date and time of day, UTC (RFC 3339); the date after Hinnant's `civil_from_days`.
+fn utc(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, of_era) = (days / 146_097, days % 146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let shifted = (5 * of_year + 2) / 153;
+    let (day, month) = (of_year - (153 * shifted + 2) / 5 + 1, (shifted + 2) % 12 + 1);
+    let year = year + 400 * era + u64::from(month <= 2);
+    format!("{year}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
+}
+
+/// Files of one run, collected and then written together.
+#[derive(Debug)]
+pub struct Files {
+    folder: PathBuf,
+    name: String,
+    made: Made,
+    parts: Vec<Part>,
+}
+
+#[derive(Debug)]
+struct Part {
+    name: String,
+    ending: &'static str,
+    bytes: Vec<u8>,
+}
+
+impl Files {
+    /// Files in this folder; what made them will stand in `NAME.toml`.
+    pub fn new(folder: &Path, name: &str, made: Made) -> Self {
+        Self { folder: folder.to_owned(), name: name.to_owned(), made, parts: Vec::new() }
+    }
+
+    /// This table as `NAME.csv`.
+    pub fn csv(&mut self, columns: &Columns) -> Result<(), ReportError> {
+        let bytes = csv(columns).map_err(self.failed("csv", "CSV"))?;
+        self.add(self.name.clone(), "csv", bytes);
+        Ok(())
+    }
+
+    /// This table as `NAME.parquet`.
+    pub fn parquet(&mut self, columns: &Columns) -> Result<(), ReportError> {
+        let bytes = parquet(columns, &self.made).map_err(self.failed("parquet", "Parquet"))?;
+        self.add(self.name.clone(), "parquet", bytes);
+        Ok(())
+    }
+
+    /// This figure as `FIGURE.svg` and `FIGURE.png`; under the name of the files where it has none of its own.
+    pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
+        let name = name.unwrap_or(&self.name).to_owned();
+        self.add(name.clone(), "svg", svg(figure).into_bytes());
+        let bytes = png(figure).map_err(self.failed("png", "PNG"))?;
+        self.add(name, "png", bytes);
+        Ok(())
+    }
+
+    fn add(&mut self, name: String, ending: &'static str, bytes: Vec<u8>) {
+        self.parts.push(Part { name, ending, bytes });
+    }
+
+    fn failed<E: std::fmt::Display>(&self, ending: &str, format: &'static str) -> impl Fn(E) -> ReportError + use<E> {
+        ReportError::write(&self.path(&self.name, ending, 1), format)
+    }
+
+    /// Appended, not replaced: a name may contain a dot.
+    fn path(&self, name: &str, ending: &str, number: u32) -> PathBuf {
+        let number = if number > 1 { format!("-{number}") } else { String::new() };
+        self.folder.join(format!("{name}{number}.{ending}"))
+    }
+
+    /// Writes them all; returns their paths, that of what made them last.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
+        // Parquet says when it was made: whether the data are the same, CSV tells.
+        let compared = || self.parts.iter().filter(|part| part.ending != "parquet");
+        let there = |part: &Part, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
+        let mut number = 1;
+        while compared().any(|part| there(part, number).is_some_and(|bytes| bytes != part.bytes)) {
+            number += 1;
+        }
+        let mut paths = Vec::new();
+        for part in &self.parts {
+            let path = self.path(&part.name, part.ending, number);
+            if !path.exists() {
+                write_file(&path, part.ending, &part.bytes)?;
             }
+            paths.push(path);
+        }
+        let path = self.path(&self.name, "toml", number);
+        if !path.exists() {
+            write_file(&path, "TOML", self.made.toml().as_bytes())?;
+        }
+        paths.push(path);
+        Ok(paths)
+    }
+}
+
+/// Writes one table as CSV, in place of what is there: one line with the names of the columns, then one for each row.
+///
+/// # Errors
+/// Two columns of one name; a file that cannot be written.
+pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
+    let bytes = csv(columns).map_err(ReportError::write(path, "CSV"))?;
+    write_file(path, "CSV", &bytes)
+}
+
+fn distinct(columns: &Columns) -> Result<Vec<&Column>, String> {
+    let mut names = BTreeSet::new();
+    match columns.data().find(|column| !names.insert(column.name())) {
+        Some(column) => Err(format!("two columns are named `{}`: every column needs a name of its own", column.name())),
+        None => Ok(columns.data().collect()),
+    }
+}
+
+fn csv(columns: &Columns) -> Result<Vec<u8>, String> {
+    let data = distinct(columns)?;
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut line = |cells: Vec<String>| if cells.is_empty() { Ok(()) } else { writer.write_record(cells) };
+    line(data.iter().map(|column| column.name().to_owned()).collect()).map_err(|cause| cause.to_string())?;
+    for row in 0..columns.len() {
+        line(data.iter().map(|column| csv_cell(column.cell(row))).collect()).map_err(|cause| cause.to_string())?;
+    }
+    writer.into_inner().map_err(|cause| cause.to_string())
+}
+
+fn csv_cell(cell: Cell) -> String {
+    match cell {
+        Cell::Empty => String::new(),
+        Cell::Flag(flag) => u8::from(flag).to_string(),
+        Cell::Whole(count) => count.to_string(),
+        // `{:?}` is the shortest text that parses back to the same value; `{}` would spell out 1e300.
+        Cell::Number(number) => format!("{number:?}"),
+        Cell::List(numbers) => numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" "),
+        Cell::Text(text) => text,
+    }
+}
+
+/// A number, if there is one or nothing.
+fn number(cell: &Cell) -> Option<f64> {
+    match cell {
+        Cell::Empty => Some(f64::NAN),
+        Cell::Flag(flag) => Some(f64::from(u8::from(*flag))),
+        Cell::Whole(count) => Some(*count as f64),
+        Cell::Number(number) => Some(*number),
+        Cell::List(_) | Cell::Text(_) => None,
+    }
+}
+
+/// A table as Parquet, with what made it and what its columns mean.
+fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ParquetError> {
+    let data = distinct(columns).map_err(ParquetError::General)?;
+    let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
+    let field = |column: &&Column| {
+        let (kind, logical) = match is_text(column) {
+            true => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
+            false => (PhysicalType::DOUBLE, None),
+        };
+        let field = Type::primitive_type_builder(column.name(), kind).with_repetition(Repetition::REQUIRED);
+        field.with_logical_type(logical).build().map(Arc::new)
+    };
+    let fields = data.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
+    let meanings = data.iter().filter(|column| !column.meaning().is_empty());
+    let meanings =
+        meanings.map(|column| KeyValue::new(format!("meaning.{}", column.name()), column.meaning().to_owned()));
+    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.toml())).chain(meanings).collect();
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
+    let properties = properties.set_key_value_metadata(Some(metadata)).build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
+    for start in (0..columns.len()).step_by(ROW_GROUP_ROWS) {
+        let mut group = writer.next_row_group()?;
+        for column in &data {
+            let cells = || (start..columns.len().min(start + ROW_GROUP_ROWS)).map(|row| column.cell(row));
+            let Some(mut chunk) = group.next_column()? else { continue };
+            if is_text(column) {
+                let texts: Vec<ByteArray> = cells().map(|cell| csv_cell(cell).into_bytes().into()).collect();
+                chunk.typed::<ByteArrayType>().write_batch(&texts, None, None)?;
+            } else {
+                let numbers: Vec<f64> = cells().filter_map(|cell| number(&cell)).collect();
+                chunk.typed::<DoubleType>().write_batch(&numbers, None, None)?;
+            }
+            chunk.close()?;
         }
         group.close()?;
     }
-    writer.close()?;
-    Ok(())
+    writer.into_inner()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::Column;
     use super::*;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
     use tempfile::tempdir;
 
-    fn awkward() -> Table {
+    fn awkward() -> Columns {
         let values = vec![0.0, -0.0, 0.1 + 0.2, 1e300, f64::MIN_POSITIVE / 8.0, -1.0 / 3.0, f64::INFINITY, f64::NAN];
-        let time = (0..values.len()).map(|i| i as f64 * 1e-3).collect();
-        Table::new(vec![Column::new("time_s", time), Column::new("force, \"odd\"_n", values)]).unwrap()
+        let mut columns = Columns::named(["time_s"]);
+        (0..values.len()).for_each(|i| columns.push_row(&[i as f64 * 1e-3]));
+        columns.push(Column::numbers("force, \"odd\"_n", values));
+        columns
     }
 
-    fn bits(table: &Table) -> Vec<(String, Vec<u64>)> {
-        table.columns().iter().map(|c| (c.name.clone(), c.values.iter().map(|v| v.to_bits()).collect())).collect()
+    fn bits(columns: &Columns) -> Vec<(String, Vec<u64>)> {
+        let values = |column: &Column| columns.column(column.name()).unwrap().iter().map(|v| v.to_bits()).collect();
+        columns.data().map(|column| (column.name().to_owned(), values(column))).collect()
     }
 
-    fn read_csv(path: &Path) -> Table {
-        let mut reader = csv::Reader::from_path(path).unwrap();
-        let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-        let mut table = Table::with_names(&names.iter().map(String::as_str).collect::<Vec<_>>()).unwrap();
+    fn read_csv(bytes: &[u8]) -> Columns {
+        let mut reader = csv::Reader::from_reader(bytes);
+        let mut columns = Columns::named(reader.headers().unwrap());
         for record in reader.records() {
-            table.push_row(&record.unwrap().iter().map(|v| v.parse().unwrap()).collect::<Vec<f64>>()).unwrap();
+            columns.push_row(&record.unwrap().iter().map(|v| v.parse().unwrap()).collect::<Vec<f64>>());
         }
-        table
+        columns
     }
 
-    fn read_parquet(path: &Path) -> Table {
-        let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
-        let schema = reader.metadata().file_metadata().schema_descr_ptr();
-        let names: Vec<String> = schema.columns().iter().map(|c| c.name().to_owned()).collect();
-        let mut table = Table::with_names(&names.iter().map(String::as_str).collect::<Vec<_>>()).unwrap();
+    fn read_parquet(bytes: &[u8]) -> (Columns, Option<Vec<KeyValue>>) {
+        let folder = tempdir().unwrap();
+        let path = folder.path().join("x.parquet");
+        std::fs::write(&path, bytes).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+        assert_eq!(
+            reader.num_row_groups(),
+            (reader.metadata().file_metadata().num_rows() as usize).div_ceil(ROW_GROUP_ROWS)
+        );
+        let about = reader.metadata().file_metadata();
+        let mut columns = Columns::named(about.schema_descr_ptr().columns().iter().map(|c| c.name().to_owned()));
         for row in reader.get_row_iter(None).unwrap() {
             let row = row.unwrap();
             let values = row.get_column_iter().map(|(name, field)| match field {
                 Field::Double(value) => *value,
                 other => panic!("{name} is {other:?}"),
             });
-            table.push_row(&values.collect::<Vec<_>>()).unwrap();
+            columns.push_row(&values.collect::<Vec<_>>());
         }
-        table
+        (columns, about.key_value_metadata().cloned())
+    }
+
+    fn made() -> Made {
+        let settings = vec![("coordination.comm".to_owned(), "\"wave\"".to_owned())];
+        Made::now("1.2.3", "abc").with("seed", 7_u32).with("number_type", "f64").settings(settings)
     }
 
     #[test]
     fn csv_round_trips_every_bit() {
-        let folder = tempdir().unwrap();
-        let folder = folder.path();
-        let path = folder.join("new folder/awkward.csv");
-        write_csv(&awkward(), &path).unwrap();
-        assert_eq!(bits(&read_csv(&path)), bits(&awkward()));
-        assert!(std::fs::read_to_string(&path).unwrap().contains("0.002,0.30000000000000004\n"));
+        let written = csv(&awkward()).unwrap();
+        assert_eq!(bits(&read_csv(&written)), bits(&awkward()));
+        assert!(String::from_utf8(written).unwrap().contains("0.002,0.30000000000000004\n"));
     }
 
     #[test]
-    fn parquet_round_trips_every_bit() {
-        let folder = tempdir().unwrap();
-        let folder = folder.path();
-        let path = folder.join("new folder/awkward.parquet");
-        write_parquet(&awkward(), &path).unwrap();
-        assert_eq!(bits(&read_parquet(&path)), bits(&awkward()));
-    }
-
-    #[test]
-    fn parquet_starts_a_new_row_group_after_its_limit() {
-        let values: Vec<f64> = (0..ROW_GROUP_ROWS + 3).map(|i| (i as f64).sin()).collect();
-        let table = Table::new(vec![Column::new("x_m", values)]).unwrap();
-        let folder = tempdir().unwrap();
-        let folder = folder.path();
-        let path = folder.join("long.parquet");
-        write_parquet(&table, &path).unwrap();
-        assert_eq!(SerializedFileReader::new(File::open(&path).unwrap()).unwrap().num_row_groups(), 2);
-        assert_eq!(bits(&read_parquet(&path)), bits(&table));
-    }
-
-    #[test]
-    fn the_same_table_gives_the_same_bytes() {
-        let folder = tempdir().unwrap();
-        let folder = folder.path();
-        for (name, write) in [("same.csv", write_csv as fn(&Table, &Path) -> _), ("same.parquet", write_parquet)] {
-            let read = || {
-                write(&awkward(), &folder.join(name)).unwrap();
-                std::fs::read(folder.join(name)).unwrap()
-            };
-            assert_eq!(read(), read(), "{name}");
+    fn parquet_round_trips_every_bit_and_says_what_made_it() {
+        let mut long = Columns::named(["x_m"]);
+        (0..ROW_GROUP_ROWS + 3).for_each(|i| long.push_row(&[(i as f64).sin()]));
+        for columns in [awkward(), long, Columns::named(["time_s"]), Columns::default()] {
+            let (read, about) = read_parquet(&parquet(&columns, &made()).unwrap());
+            assert_eq!(bits(&read), bits(&columns));
+            let told =
+                about.unwrap().into_iter().find(|entry| entry.key == "made").and_then(|entry| entry.value).unwrap();
+            let table: toml::Table = told.parse().unwrap();
+            assert_eq!(
+                (table["made"]["seed"].as_integer(), table["coordination"]["comm"].as_str()),
+                (Some(7), Some("wave"))
+            );
         }
     }
 
     #[test]
-    fn tables_without_rows_or_columns_are_written() {
+    fn words_and_nothing_are_written_too() {
+        let rows = [("a", Some(true), Some(1.5)), ("b, c", None, None)];
+        let columns = Columns::of(&rows).value("name", |r| r.0).value("stable", |r| r.1).value("x_m", |r| r.2).done();
+        assert_eq!(String::from_utf8(csv(&columns).unwrap()).unwrap(), "name,stable,x_m\na,1,1.5\n\"b, c\",,\n");
+        assert!(!parquet(&columns, &made()).unwrap().is_empty());
+        assert_eq!(csv(&Columns::default()).unwrap(), b"");
+    }
+
+    #[test]
+    fn two_columns_of_one_name_are_refused() {
         let folder = tempdir().unwrap();
-        let folder = folder.path();
-        let no_rows = Table::with_names(&["time_s"]).unwrap();
-        for (i, table) in [no_rows, Table::default()].iter().enumerate() {
-            write_csv(table, &folder.join(format!("{i}.csv"))).unwrap();
-            write_parquet(table, &folder.join(format!("{i}.parquet"))).unwrap();
-            assert_eq!(&read_parquet(&folder.join(format!("{i}.parquet"))), table);
-        }
+        let text = write_csv(&Columns::named(["x_m", "x_m"]), &folder.path().join("x.csv")).unwrap_err().to_string();
+        assert!(text.contains("two columns are named `x_m`: every column needs a name of its own"), "{text}");
+    }
+
+    /// The same data keep their files; other data get the next number, and nothing is overwritten.
+    #[test]
+    fn nothing_is_overwritten() {
+        let folder = tempdir().unwrap();
+        let write = |value: f64| {
+            let mut columns = Columns::named(["x_m"]);
+            columns.push_row(&[value]);
+            let mut files = Files::new(&folder.path().join("new folder"), "a.b", made());
+            files.csv(&columns).unwrap();
+            files.parquet(&columns).unwrap();
+            files.figure(Some("picture"), &Figure::default()).unwrap();
+            let paths = files.write().unwrap();
+            paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect::<Vec<_>>()
+        };
+        let first = ["a.b.csv", "a.b.parquet", "picture.svg", "picture.png", "a.b.toml"];
+        let second = ["a.b-2.csv", "a.b-2.parquet", "picture-2.svg", "picture-2.png", "a.b-2.toml"];
+        assert_eq!(
+            (write(1.0), write(1.0), write(2.0)),
+            (first.map(str::to_owned).to_vec(), first.map(str::to_owned).to_vec(), second.map(str::to_owned).to_vec())
+        );
+        assert_eq!(std::fs::read_to_string(folder.path().join("new folder/a.b.csv")).unwrap(), "x_m\n1.0\n");
+        assert_eq!(write(2.0), second);
     }
 
     #[test]
     fn an_error_names_the_path_and_the_cause() {
         let folder = tempdir().unwrap();
-        let folder = folder.path();
-        let file = folder.join("a-file");
+        let file = folder.path().join("a-file");
         std::fs::write(&file, "").unwrap();
-        for result in [write_csv(&awkward(), &file.join("x.csv")), write_parquet(&awkward(), folder)] {
-            let text = result.unwrap_err().to_string();
-            assert!(text.starts_with("cannot write ") && text.contains(&*folder.to_string_lossy()), "{text}");
-        }
+        let text = write_csv(&awkward(), &file.join("x.csv")).unwrap_err().to_string();
+        assert!(text.starts_with("cannot write ") && text.contains(&*folder.path().to_string_lossy()), "{text}");
+    }
+
+    #[test]
+    fn instants_are_told_as_the_calendar_has_them() {
+        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
+        assert_eq!(utc(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(utc(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(utc(4_107_542_399), "2100-02-28T23:59:59Z");
     }
 }

@@ -1,12 +1,13 @@
 //! Reports: what an experiment found, as files that people and other programs can read.
 //!
-//! Nothing here knows about haptics. The same data give the same bytes on every run: no clock, no system font, no map
-//! with a random order. Empty tables, NaN and constant data are ordinary input everywhere.
+//! Nothing here knows about haptics. The same data give the same bytes on every run, but for what is told of when and by
+//! which program they were made: no system font, no map with a random order. Empty tables, NaN and constant data are
+//! ordinary input everywhere.
 
 mod columns;
 pub mod files;
-pub mod table;
 pub mod text;
 
 pub use columns::{Cell, Column, Columns, Rows};
-pub use haptic_plot::ReportError;
+pub use files::{Files, Made};
+pub use haptic_plot::{ReportError, significant};

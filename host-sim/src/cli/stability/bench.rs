@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::super::{Failure, Ui};
 use haptic_analysis::speed;
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `stability bench`.
 #[derive(Debug, Args)]
@@ -27,18 +27,16 @@ impl Bench {
             .into_iter()
             .map(|threads| speed::measure(self.radii as usize, threads))
             .collect::<Result<Vec<_>, _>>()?;
-        ui.document(&speeds)?;
-        let mut table = TextTable::new(["threads", "states", "radii/s", "radii/s and core", "checksum"]);
-        for speed in speeds {
-            table.push([
-                speed.threads.to_string(),
-                speed.states.to_string(),
-                format!("{:.0}", speed.radii_per_s),
-                format!("{:.0}", speed.radii_per_s_and_core),
-                format!("{:.9}", speed.checksum),
-            ]);
-        }
-        writeln!(ui, "{table}\nThe same work in NumPy: python3 tests/oracle/numpy_speed.py");
+        let table = Columns::of(&speeds)
+            .value("threads", |speed| speed.threads)
+            .value("states", |speed| speed.states)
+            .number("radii_per_s", 0, |speed| speed.radii_per_s)
+            .number("radii_per_s_and_core", 0, |speed| speed.radii_per_s_and_core)
+            .head("radii/s and core")
+            .number("checksum", 9, |speed| speed.checksum)
+            .done();
+        ui.result(&table)?;
+        writeln!(ui, "The same work in NumPy: python3 tests/oracle/numpy_speed.py");
         Ok(())
     }
 }

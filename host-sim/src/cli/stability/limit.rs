@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::super::{Failure, SceneArgs, Ui};
 use haptic_analysis::Range;
 use haptic_analysis::{Effort, Limit as Crossings, limit};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `stability limit`.
 #[derive(Debug, Args)]
@@ -47,17 +47,23 @@ impl Limit {
         let start = Instant::now();
         let limit = limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;
         let report = LimitReport { of, from, to, limit, wall_s: start.elapsed().as_secs_f64() };
-        ui.document(&report)?;
+        ui.document_of(&ui.made().settings(scene.settings()), &report)?;
         let word = |stable: bool| if stable { "stable" } else { "unstable" };
-        let mut table = TextTable::new([of, ""]);
-        table.push([from.to_string(), word(report.limit.stable_at_start).to_owned()]);
-        let mut stable = report.limit.stable_at_start;
-        for crossing in &report.limit.crossings {
-            stable = !stable;
-            table.push([format!("{crossing:.6}"), format!("{} from here on", word(stable))]);
-        }
-        table.push([to.to_string(), word(stable).to_owned()]);
-        ui.table(&table);
+        let crossings = &report.limit.crossings;
+        let after = |at: usize| report.limit.stable_at_start != (at % 2 == 1);
+        let mut rows = vec![(from.to_string(), word(after(0)).to_owned())];
+        rows.extend(
+            (1..).zip(crossings).map(|(at, key)| (format!("{key:.6}"), format!("{} from here on", word(after(at))))),
+        );
+        rows.push((to.to_string(), word(after(crossings.len())).to_owned()));
+        ui.table(
+            &Columns::of(&rows)
+                .value(of, |row| row.0.as_str())
+                .head(of)
+                .shown_in("", 1.0)
+                .value("", |row| row.1.as_str())
+                .done(),
+        );
         Ok(())
     }
 }

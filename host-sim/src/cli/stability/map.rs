@@ -6,14 +6,12 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::ui::save;
 use super::super::{Failure, SceneArgs, Ui};
 
 use haptic_analysis::Effort;
 use haptic_analysis::picture;
 use haptic_analysis::{Axis, Column, map};
-use haptic_plot::draw;
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `stability map`.
 #[derive(Debug, Args)]
@@ -56,12 +54,13 @@ impl Map {
         let found = map(&scene, [self.x.clone(), self.y.clone()], effort, || bar.inc(1))?;
         let wall_s = start.elapsed().as_secs_f64();
         bar.finish_and_clear();
-        let mut written = Vec::new();
-        if let Some(folder) = ui.folder(self.out.as_deref(), "out/stability") {
-            let base = folder.join(format!("map-{}", self.scene.name()));
-            let title = format!("Stability region of {}", self.scene.name());
-            written = save(&base, &found.table()?, || draw(&picture::region(&title, &found), &base))?;
-        }
+        let made = ui.made().settings(scene.settings());
+        let name = format!("map-{}-{}-{}", self.scene.run_name(&scene), self.x.range.key, self.y.range.key);
+        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let files = ui.files(folder.as_deref(), &name, &made, |files| {
+            files.csv(&found.table())?;
+            files.figure(None, &picture::region(&format!("Stability region of {}", self.scene.name()), &found))
+        })?;
         let report = MapReport {
             x: &self.x.range.key,
             y: &self.y.range.key,
@@ -70,15 +69,19 @@ impl Map {
             columns: &found.columns,
             evaluations: found.evaluations(),
             wall_s,
-            files: written,
+            files,
         };
-        ui.document(&report)?;
-        let mut table = TextTable::new([report.x, "at the lowest", report.y]);
-        for Column { x, limit } in report.columns {
-            let crossings: Vec<String> = limit.crossings.iter().map(|crossing| format!("{crossing:.5}")).collect();
-            let start = if limit.stable_at_start { "stable" } else { "unstable" };
-            table.push([format!("{x:.5}"), start.to_owned(), crossings.join(" ")]);
-        }
+        ui.document_of(&made, &report)?;
+        let table = Columns::of(report.columns)
+            .number(report.x, 5, |column| column.x)
+            .head(report.x)
+            .shown_in("", 1.0)
+            .value("start", |column| if column.limit.stable_at_start { "stable" } else { "unstable" })
+            .head("at the lowest")
+            .number(report.y, 5, |column| column.limit.crossings.clone())
+            .head(report.y)
+            .shown_in("", 1.0)
+            .done();
         writeln!(ui, "{table}\n{} spectral radii in {wall_s:.2} s", report.evaluations);
         ui.wrote(&report.files);
         Ok(())

@@ -6,13 +6,13 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::ui::save;
 use super::super::{Failure, Ui};
 
+use haptic_analysis::Column;
 use haptic_analysis::figure4::{self, Curve};
 use haptic_analysis::picture;
-use haptic_plot::draw;
-use haptic_sim::report::text::TextTable;
+use haptic_core::num::Scalar;
+use haptic_sim::report::Columns;
 
 /// Arguments of `stability paper`.
 #[derive(Debug, Args)]
@@ -42,28 +42,31 @@ impl Paper {
         let curves = figure4::curves(|| bar.inc(1))?;
         let wall_s = start.elapsed().as_secs_f64();
         bar.finish_and_clear();
-        let mut written = Vec::new();
-        if let Some(folder) = ui.folder(self.out.as_deref(), "out/stability") {
-            let base = folder.join("figure4");
-            let table = figure4::table(&curves)?;
-            written = save(&base, &table, || draw(&picture::figure4(&curves), &base))?;
-        }
+        let made = ui.made().with("number_type", f64::NAME);
+        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let files = ui.files(folder.as_deref(), "figure4", &made, |files| {
+            files.csv(&figure4::table(&curves))?;
+            files.figure(None, &picture::figure4(&curves))
+        })?;
         let evaluations = curves.iter().map(|(_, map)| map.evaluations()).sum();
         let curves = curves.into_iter().map(|(curve, _)| curve).collect();
-        let report = PaperReport { curves, evaluations, wall_s, files: written };
-        ui.document(&report)?;
+        let report = PaperReport { curves, evaluations, wall_s, files };
+        ui.document_of(&made, &report)?;
         writeln!(ui, "Largest stable K_T (N/m) up to 12000, from 0 upwards, and further crossings\n");
-        let mut table = TextTable::new(["comm", "n_t", "K_LC 250", "500", "1000", "1500"]);
-        for Curve { comm, one_way_delay_packets, columns } in &report.curves {
-            let near = |stiffness: f64| {
-                let nearest = columns.iter().min_by(|a, b| (a.x - stiffness).abs().total_cmp(&(b.x - stiffness).abs()));
-                let crossings = nearest.map(|column| column.limit.crossings.as_slice()).unwrap_or_default();
-                crossings.iter().map(|crossing| format!("{crossing:.0}")).collect::<Vec<_>>().join(" ")
-            };
-            let row = [250.0, 500.0, 1000.0, 1500.0].map(near);
-            table.push([(*comm).to_owned(), one_way_delay_packets.to_string()].into_iter().chain(row));
+        let near = |curve: &Curve, stiffness: f64| {
+            let distance = |column: &Column| (column.x - stiffness).abs();
+            let nearest = curve.columns.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.map(|column| column.limit.crossings.clone())
+        };
+        let mut table = Columns::of(&report.curves)
+            .value("comm", |curve| curve.comm)
+            .value("n_t", |curve| curve.one_way_delay_packets)
+            .head("n_t");
+        for stiffness in [250.0, 500.0, 1000.0, 1500.0] {
+            let head = format!("K_LC {stiffness}");
+            table = table.number(head.clone(), 0, |curve| near(curve, stiffness)).head(&head);
         }
-        writeln!(ui, "{table}\n{evaluations} spectral radii in {wall_s:.2} s");
+        writeln!(ui, "{}\n{evaluations} spectral radii in {wall_s:.2} s", table.done());
         ui.wrote(&report.files);
         Ok(())
     }

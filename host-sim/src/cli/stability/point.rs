@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::super::{Failure, SceneArgs, Ui};
 use haptic_analysis::{Agreement, agreement};
 use haptic_analysis::{Verdict, advice, verdict};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::{Cell, Columns};
 
 /// Arguments of `stability point`.
 #[derive(Debug, Args)]
@@ -36,20 +36,20 @@ impl Point {
             constructions: agreement(&scene.linear())?,
             advice: advice(&scene)?,
         };
-        ui.document(&report)?;
-        let Verdict { spectral_radius, stable, states, rest_modes, symmetric } = report.verdict;
-        let mut table = TextTable::new(["", &self.scene.name()]);
-        table.push(["stable", if stable { "yes" } else { "no" }]);
-        table.push(["spectral radius".to_owned(), format!("{spectral_radius:.9}")]);
-        table.push(["states".to_owned(), states.to_string()]);
-        table.push(["rest modes left out".to_owned(), rest_modes.to_string()]);
-        table.push(["taken apart into sum and difference", if symmetric { "yes" } else { "no" }]);
-        let second = match report.constructions {
-            Some(Agreement { matrix, spectral_radius }) => format!("{:.1e}", matrix.max(spectral_radius)),
-            None => "none: it has no equations for one of this scene's models".to_owned(),
+        ui.document_of(&ui.made().settings(scene.settings()), &report)?;
+        let second = |report: &PointReport| match report.constructions {
+            Some(Agreement { matrix, spectral_radius }) => Cell::Number(matrix.max(spectral_radius)),
+            None => "none: it has no equations for one of this scene's models".into(),
         };
-        table.push(["second construction differs by".to_owned(), second]);
-        writeln!(ui, "{table}\n{}", report.advice);
+        let table = Columns::of(std::slice::from_ref(&report))
+            .value("stable", |report| report.verdict.stable)
+            .number("spectral_radius", 9, |report| report.verdict.spectral_radius)
+            .value("states", |report| report.verdict.states)
+            .value("rest_modes_left_out", |report| report.verdict.rest_modes)
+            .value("taken_apart_into_sum_and_difference", |report| report.verdict.symmetric)
+            .power("second_construction_differs_by", 1, second)
+            .done();
+        writeln!(ui, "{}\n{}", table.down(&[&self.scene.name()]), report.advice);
         Ok(())
     }
 }

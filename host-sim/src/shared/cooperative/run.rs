@@ -9,7 +9,8 @@ use serde::Serialize;
 use super::client::Client;
 use super::world::{World, WorldError};
 use super::{Engine, Setup};
-use haptic_sim::report::table::Table;
+use haptic_sim::measure::LastHalf;
+use haptic_sim::report::Columns;
 use haptic_sim::run::Growth;
 
 /// What a run gave.
@@ -49,7 +50,7 @@ pub struct Outcome {
     pub ticks: u64,
     /// Recorded over time.
     #[serde(skip)]
-    pub table: Table,
+    pub table: Columns,
 }
 
 /// Columns of the record.
@@ -64,10 +65,10 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     let period_s = setup.scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     let record_every = ticks.div_ceil(20_000).max(1);
-    let mut table = Table::with_names(&COLUMNS).unwrap_or_default();
+    let mut table = Columns::named(COLUMNS);
     let mut growth = Growth::new(ticks);
     let mut before = vec![0.0; setup.users];
-    let (mut discrepancy, mut felt, mut counted) = (0.0, 0.0, 0_u64);
+    let mut halves = LastHalf::new(ticks);
     let (mut peak_m, mut peak_n, mut jump_n) = (0.0_f64, 0.0_f64, 0.0_f64);
     let (mut engine_ticks, mut hand_overs, mut last_holder) = ([0; 3], 0, 0);
     for tick in 0..ticks {
@@ -89,11 +90,7 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
         }
         growth.see_change(tick, change);
         (peak_m, jump_n) = (peak_m.max(apart), jump_n.max(change));
-        if tick >= ticks / 2 {
-            counted += 1;
-            discrepancy += apart;
-            felt += before.iter().map(|force| force.abs()).sum::<f64>() / setup.users as f64;
-        }
+        halves.see(tick, [apart, before.iter().map(|force| force.abs()).sum::<f64>() / setup.users as f64]);
         let holder = world.holders().first().copied();
         engine_ticks[holder.map_or(0, |holder| holder.min(1) + 1)] += 1;
         if let Some(holder) = holder {
@@ -105,13 +102,14 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
             let (first, last) = (views.first().copied(), views.last().copied());
             let engine = holder.map_or(f64::NAN, |holder| holder as f64);
             let row = [tick as f64 * period_s, object, first.unwrap_or(0.0), last.unwrap_or(0.0), before[0]];
-            let _ = table.push_row(&[&row[..], &[before[setup.users - 1], engine]].concat());
+            table.push_row(&[&row[..], &[before[setup.users - 1], engine]].concat());
         }
     }
     let fault = world
         .clients()
         .enumerate()
         .find_map(|(index, client)| client.fault.map(|fault| format!("client {}: {}", index + 1, fault.explain())));
+    let [discrepancy_m, felt_n] = halves.means();
     let rate = |bytes: u64| bytes as f64 / (ticks as f64 * period_s) / setup.users as f64;
     let [up, down] = world.bytes();
     let last = world.clients().last().map(|client| client.bound).unwrap_or_default();
@@ -119,9 +117,9 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     Ok(Outcome {
         stable: fault.is_none() && !growth.grew(),
         fault,
-        true_discrepancy_mm: 1e3 * discrepancy / counted.max(1) as f64,
+        true_discrepancy_mm: 1e3 * discrepancy_m,
         peak_discrepancy_mm: 1e3 * peak_m,
-        felt_n: felt / counted.max(1) as f64,
+        felt_n,
         peak_n,
         largest_jump_n: jump_n,
         round_trip_ms: first.and_then(|client| client.clock.round_trip_us()).map(|us| 1e-3 * f64::from(us)),

@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::MOST_USERS;
 use super::junction::Junction;
 use super::world::WorldError;
+use haptic_sim::measure::LastHalf;
 use haptic_sim::network::Way;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::peers::DynPeer;
@@ -133,23 +134,21 @@ impl Waves {
     /// Runs on for `duration_s`.
     pub fn run(&mut self, duration_s: f64) -> Outcome {
         let ticks = (duration_s / self.period_s).round() as u64;
-        let (mut discrepancy, mut felt, mut counted, mut peak_n) = (0.0, 0.0, 0_u64, 0.0_f64);
+        let (mut halves, mut peak_n) = (LastHalf::new(ticks), 0.0_f64);
         for tick in 0..ticks {
             self.step();
             peak_n = self.forces().map(f64::abs).fold(peak_n, f64::max);
-            if tick >= ticks / 2 {
-                counted += 1;
-                let places = || self.copies().map(|copy| copy.position);
-                discrepancy += places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
-                felt += self.forces().map(f64::abs).sum::<f64>() / self.seats.len() as f64;
-            }
+            let places = || self.copies().map(|copy| copy.position);
+            let apart_m = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+            halves.see(tick, [apart_m, self.forces().map(f64::abs).sum::<f64>() / self.seats.len() as f64]);
         }
+        let [discrepancy_m, felt_n] = halves.means();
         let energy = self.junction.energy();
         let out_over = |into: f64| if into > 0.0 { energy.sent_j / into } else { 1.0 };
         Outcome {
             stable: self.seats.iter().all(|seat| seat.peer.mode() == Mode::Armed),
-            true_discrepancy_mm: 1e3 * discrepancy / counted.max(1) as f64,
-            felt_n: felt / counted.max(1) as f64,
+            true_discrepancy_mm: 1e3 * discrepancy_m,
+            felt_n,
             peak_n,
             node_out_over_in: out_over(energy.taken_j),
             node_out_over_put_in: out_over(energy.put_in_j),

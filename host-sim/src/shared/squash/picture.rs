@@ -1,21 +1,15 @@
 //! A game as figures: the court from above, and where everybody thinks that the ball is.
 
-use std::path::{Path, PathBuf};
-
 use haptic_protocol::roles::squash::Court;
 
 use super::{Game, Moment, Options};
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY, draw};
-use haptic_sim::report::ReportError;
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 /// Time shown in the second figure, s.
 const SHOWN_S: f64 = 6.0;
 
-/// Draws the longest rally of a game.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn draw_game(game: &Game, options: &Options, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// The longest rally of a game.
+pub fn figure(game: &Game, options: &Options) -> Figure {
     let longest =
         game.moments.iter().map(|moment| moment.turn).max_by_key(|(rally, stroke)| (*stroke, u16::MAX - *rally));
     let rally = longest.map_or(0, |(rally, _)| rally);
@@ -49,7 +43,7 @@ pub fn draw_game(game: &Game, options: &Options, base: &Path) -> Result<Vec<Path
     } else {
         "no bound".to_owned()
     };
-    let figure = Figure {
+    Figure {
         title: format!("Squash, {players} players, round trip {:.0} ms, {bound}", options.round_trip_s * 1e3),
         caption: format!(
             "Rally {rally}, the longest of {}. Left: from above, the ball as the active player sees it. Right: the distance of the \
@@ -77,6 +71,5 @@ pub fn draw_game(game: &Game, options: &Options, base: &Path) -> Result<Vec<Path
                 ..Panel::default()
             },
         ],
-    };
-    draw(&figure, base)
+    }
 }

@@ -1,11 +1,8 @@
 //! A stroke as a figure: the forces around the outline, and their size along the way.
 
-use std::path::{Path, PathBuf};
-
 use super::stroke::Stroke;
-use haptic_plot::{Figure, Panel, Series, draw};
-use haptic_sim::report::ReportError;
-use haptic_sim::report::table::Table;
+use haptic_plot::{Figure, Panel, Series};
+use haptic_sim::report::Columns;
 
 /// Between two arrows, m of way.
 const APART_M: f64 = 0.002;
@@ -15,32 +12,21 @@ const SCALE_M_PER_N: f64 = 0.008;
 const ASPECT: f64 = 0.87;
 
 /// Every tick of the stroke.
-///
-/// # Errors
-/// None: the columns are equally long.
-pub fn table(stroke: &Stroke) -> Result<Table, ReportError> {
-    let mut table = Table::with_names(&[
-        "way_m",
-        "hand_x_m",
-        "hand_y_m",
-        "force_x_n",
-        "force_y_n",
-        "depth_m",
-        "object_x_m",
-        "object_y_m",
-    ])?;
-    for sample in &stroke.samples {
-        let ([x, y], [fx, fy], [u, v]) = (sample.hand_m, sample.force_n, sample.object_m);
-        table.push_row(&[sample.way_m, x, y, fx, fy, sample.depth_m, u, v])?;
-    }
-    Ok(table)
+pub fn table(stroke: &Stroke) -> Columns {
+    Columns::of(&stroke.samples)
+        .value("way_m", |sample| sample.way_m)
+        .value("hand_x_m", |sample| sample.hand_m[0])
+        .value("hand_y_m", |sample| sample.hand_m[1])
+        .value("force_x_n", |sample| sample.force_n[0])
+        .value("force_y_n", |sample| sample.force_n[1])
+        .value("depth_m", |sample| sample.depth_m)
+        .value("object_x_m", |sample| sample.object_m[0])
+        .value("object_y_m", |sample| sample.object_m[1])
+        .done()
 }
 
-/// Draws the stroke.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn draw_stroke(stroke: &Stroke, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// The stroke.
+pub fn figure(stroke: &Stroke) -> Figure {
     let millimetres = |[x, y]: [f64; 2]| (1e3 * x, 1e3 * y);
     let (mut arrows, mut next_m) = (Vec::new(), 0.0);
     for sample in &stroke.samples {
@@ -64,7 +50,7 @@ pub fn draw_stroke(stroke: &Stroke, base: &Path) -> Result<Vec<PathBuf>, ReportE
     let half = wide.max(high / ASPECT);
     let size = |sample: &super::stroke::Sample| libm::hypot(sample.force_n[0], sample.force_n[1]);
     let force = stroke.samples.iter().map(|sample| (1e3 * sample.way_m, size(sample))).collect();
-    let figure = Figure {
+    Figure {
         title: "A hand strokes along an object and pushes it about".to_owned(),
         caption: format!(
             "Left: the object's outline, the way of the hand as the object sees it, and every {} mm the force on the hand, {} mm \
@@ -95,6 +81,5 @@ pub fn draw_stroke(stroke: &Stroke, base: &Path) -> Result<Vec<PathBuf>, ReportE
             },
         ],
         ..Figure::default()
-    };
-    draw(&figure, base)
+    }
 }

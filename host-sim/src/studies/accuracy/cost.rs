@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::counts::{Processor, SCALARS};
 pub use haptic_cases::scenes::{NAMED, SCENES, Scene};
+use haptic_sim::report::Columns;
 
 /// What a scene costs, in the order of [`SCALARS`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,4 +39,17 @@ pub fn table(processor: Processor) -> Vec<Cost> {
         Some(Cost { scene: scene.name, adds: scene.adds, over: scene.over, instructions, added })
     };
     SCENES.iter().chain([&NAMED]).filter_map(row).collect()
+}
+
+/// The table for people.
+pub fn columns(costs: &[Cost]) -> Columns {
+    let mut columns = Columns::of(costs).value("scene", |cost| cost.scene).value("adds", |cost| cost.adds);
+    columns = columns.value("over", |cost| cost.over).head("to");
+    for (at, scalar) in SCALARS.into_iter().enumerate() {
+        columns = columns.value(scalar, move |cost| cost.instructions[at]);
+    }
+    for (at, scalar) in SCALARS.into_iter().enumerate() {
+        columns = columns.signed(format!("added.{at}"), move |cost| cost.added[at]).head(&format!("+{scalar}"));
+    }
+    columns.done()
 }

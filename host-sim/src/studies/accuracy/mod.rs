@@ -37,6 +37,7 @@ pub mod picture;
 pub mod whole_peer;
 
 use haptic_core::settings::Refused;
+use haptic_sim::report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -158,6 +159,35 @@ const FAMILIES: [Measure; 7] = [
 /// A scene that does not build.
 pub fn families(processor: counts::Processor) -> Result<Vec<Family>, Refused<'static>> {
     FAMILIES.par_iter().map(|measure| measure(processor)).collect()
+}
+
+/// The choices of these families: all, or only those that people are told, which are those on a front and the first of
+/// every series.
+pub fn columns<'a>(families: impl IntoIterator<Item = &'a Family>, all: bool) -> Columns {
+    let mut rows = Vec::new();
+    for family in families {
+        for comparison in &family.comparisons {
+            let leads = |point: &&Point| {
+                let first = comparison.points.iter().find(|other| other.series == point.series);
+                all || point.on_front || point.series.is_empty() || first == Some(*point)
+            };
+            rows.extend(comparison.points.iter().filter(leads).map(|point| (family, comparison, point)));
+        }
+    }
+    let per = rows.first().map_or("", |(family, ..)| family.instructions_per.split(':').next().unwrap_or_default());
+    Columns::of(&rows)
+        .value("family", |row| row.0.name)
+        .data_only()
+        .value("comparison", |row| row.1.title.as_str())
+        .value("measure", |row| row.1.error.as_str())
+        .value("choice", |row| row.2.choice.as_str())
+        .significant("error", 3, |row| row.2.error)
+        .value("unit", |row| row.1.unit)
+        .value("instructions", |row| row.2.instructions)
+        .head(&format!("instructions per {per}"))
+        .value("on_front", |row| row.2.on_front)
+        .head("on Pareto front")
+        .done()
 }
 
 /// Root of the mean square.

@@ -5,13 +5,10 @@
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
 //! error of exactly zero has no place on such an axis: a note says so. Nor has a choice whose instructions nobody has counted.
 
-use std::path::{Path, PathBuf};
-
 use super::cost::Cost;
 use super::counts::Processor;
 use super::{Comparison, Family, Point};
-use haptic_plot::{Dash, Figure, Panel, Series, draw};
-use haptic_sim::report::ReportError;
+use haptic_plot::{Dash, Figure, Panel, Series};
 
 /// Least ratio of the ends of an axis of instructions.
 const LEAST_X: f64 = 4.0;
@@ -189,20 +186,9 @@ pub fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Fi
     }
 }
 
-/// Draws all of them into a folder; returns the paths.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(
-    families: &[Family],
-    table: &[Cost],
-    processor: Processor,
-    folder: &Path,
-) -> Result<Vec<PathBuf>, ReportError> {
-    let mut written = draw(&overview(families, table, processor), &folder.join("speed-against-error"))?;
-    for one in families {
-        written.extend(draw(&family(one, processor), &folder.join(one.name))?);
-    }
-    written.extend(draw(&costs(table, processor), &folder.join("cost-per-scene"))?);
-    Ok(written)
+/// All of them, each with its name.
+pub fn all(families: &[Family], table: &[Cost], processor: Processor) -> Vec<(&'static str, Figure)> {
+    let each = families.iter().map(|one| (one.name, family(one, processor)));
+    let first = std::iter::once(("speed-against-error", overview(families, table, processor)));
+    first.chain(each).chain([("cost-per-scene", costs(table, processor))]).collect()
 }

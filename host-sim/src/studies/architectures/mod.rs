@@ -35,10 +35,10 @@ pub mod turns;
 use haptic_core::settings::Refused;
 use haptic_protocol::roles::collaborative::OutOfRange;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::shared::cooperative::world::WorldError;
 use haptic_analysis::AnalysisError;
+use haptic_sim::report::Columns;
 use haptic_sim::scene::{Scene, SceneError};
 
 /// Delays from user to user, one way, ms.
@@ -72,8 +72,7 @@ pub const TASK: Task = Task {
 };
 
 /// An architecture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Architecture {
     /// A copy each.
     Static,
@@ -112,6 +111,22 @@ impl Architecture {
         Self::DistributedPassiveMean,
     ];
 
+    /// For programs.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Static => "static",
+            Self::CollaborativeLock => "collaborative-lock",
+            Self::CollaborativeRing => "collaborative-ring",
+            Self::CooperativeServer => "cooperative-server",
+            Self::CooperativeServerUnbounded => "cooperative-server-unbounded",
+            Self::CooperativeClient => "cooperative-client",
+            Self::DistributedPower => "distributed-power",
+            Self::DistributedWave => "distributed-wave",
+            Self::DistributedPassiveWave => "distributed-passive-wave",
+            Self::DistributedPassiveMean => "distributed-passive-mean",
+        }
+    }
+
     /// For tables and legends.
     pub fn name(self) -> &'static str {
         match self {
@@ -130,7 +145,7 @@ impl Architecture {
 }
 
 /// One architecture at one delay.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Which.
     pub architecture: Architecture,
@@ -234,4 +249,34 @@ pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, ArchitectureError> {
             row
         })
         .collect()
+}
+
+/// All of it, a row for each architecture at each delay.
+pub fn columns(rows: &[Row]) -> Columns {
+    Columns::of(rows)
+        .value("architecture", |row| row.architecture.key())
+        .value("delay_ms", |row| row.delay_ms)
+        .value("stable", |row| row.stable)
+        .value("spectral_radius", |row| row.spectral_radius)
+        .value("contact_n_per_m.0", |row| row.contact_n_per_m[0])
+        .value("contact_n_per_m.1", |row| row.contact_n_per_m[1])
+        .value("true_discrepancy_mm", |row| row.true_discrepancy_mm)
+        .value("peak_discrepancy_mm", |row| row.peak_discrepancy_mm)
+        .value("felt_n", |row| row.felt_n)
+        .value("peak_n", |row| row.peak_n)
+        .value("rests_mm.0", |row| row.rests_mm[0])
+        .value("rests_mm.1", |row| row.rests_mm[1])
+        .value("placed_s", |row| row.placed_s)
+        .value("user_bytes_per_s", |row| row.user_bytes_per_s)
+        .value("server_bytes_per_s", |row| row.server_bytes_per_s)
+        .done()
+}
+
+/// One text of every row that is asked for: architectures down, delays across.
+pub fn across(rows: &[Row], architectures: &[Architecture], cell: impl Fn(&Row) -> String) -> Columns {
+    let of = |architecture: Architecture, delay: f64| {
+        rows.iter().find(|row| row.architecture == architecture && row.delay_ms == delay).map(&cell)
+    };
+    let names = Columns::of(architectures).value("", |architecture| architecture.name());
+    DELAYS_MS.iter().fold(names, |table, delay| table.value(delay.to_string(), |one| of(*one, *delay))).done()
 }

@@ -7,10 +7,9 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
-use haptic_sim::report::files;
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::{Columns, Files};
 use haptic_sim::run::Outcome;
-use host_sim::cli::SceneArgs;
+use host_sim::cli::{SceneArgs, made};
 use host_sim::studies::figures;
 use serde_json::json;
 
@@ -57,13 +56,16 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         (None, false) => Some(PathBuf::from("out/board")),
         (out, _) => out.clone(),
     };
-    let mut written = Vec::new();
-    if let Some(folder) = folder {
-        let base = folder.join(&name);
-        written.push(folder.join(format!("{name}.csv")));
-        files::write_csv(&trial.boards.table, &written[0])?;
-        written.extend(figures::run(&format!("{name}, two virtual boards"), &trial.boards, &base)?);
-    }
+    let made = made().settings(scene.settings()).with("number_type", "f32").with("seconds", arguments.seconds);
+    let written = match folder {
+        Some(folder) => {
+            let mut files = Files::new(&folder, &name, made);
+            files.csv(&trial.boards.table)?;
+            files.figure(None, &figures::run(&format!("{name}, two virtual boards"), &trial.boards))?;
+            files.write()?
+        }
+        None => Vec::new(),
+    };
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&document(&name, &trial, &written))?);
     } else {
@@ -110,31 +112,37 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
 }
 
 fn print(name: &str, trial: &Trial) {
-    let mut table = TextTable::new([name, "two boards", "host-sim, f32"]);
     let outcomes = [&trial.boards, &trial.host_sim];
-    let mut row = |what: &str, of: &dyn Fn(&Outcome) -> String| {
-        let [boards, host_sim] = outcomes.map(of);
-        table.push([what.to_owned(), boards, host_sim]);
-    };
-    row("true discrepancy |x_o1 - x_o2|", &|o| format!("{:.4} mm", o.true_discrepancy_mm));
-    row("decoded discrepancy |x_o - x_d|, peer 2", &|o| format!("{:.4} mm", o.decoded_discrepancy_mm));
-    row("coordination force, peer 2", &|o| {
-        format!("{:.4} N, standard deviation {:.4} N", o.coordination_force_n.mean, o.coordination_force_n.sd)
+    let of_both = Columns::of(&outcomes)
+        .number("true_discrepancy_mm", 4, |o| o.true_discrepancy_mm)
+        .head("true discrepancy |x_o1 - x_o2|")
+        .number("decoded_discrepancy_mm", 4, |o| o.decoded_discrepancy_mm)
+        .head("decoded discrepancy |x_o - x_d|, peer 2")
+        .number("mean_n", 4, |o| o.coordination_force_n.mean)
+        .head("coordination force, peer 2: mean")
+        .number("sd_n", 4, |o| o.coordination_force_n.sd)
+        .head("coordination force, peer 2: standard deviation")
+        .number("peak_coordination_force_n", 4, |o| o.peak_coordination_force_n)
+        .value("fault", |o| fault(o).unwrap_or_else(|| "none".to_owned()));
+    let of_both = [1, 2].into_iter().fold(of_both, |table, peer| {
+        table
+            .number("received_j", 4, move |o| o.energy[peer - 1].received_j)
+            .head(&format!("energy from the network, peer {peer}"))
+            .number("sent_j", 4, move |o| o.energy[peer - 1].sent_j)
+            .head(&format!("energy to the network, peer {peer}"))
     });
-    row("peak coordination force", &|o| format!("{:.4} N", o.peak_coordination_force_n));
-    row("fault", &|o| fault(o).unwrap_or_else(|| "none".to_owned()));
-    for peer in 0..2 {
-        row(&format!("energy from / to the network, peer {}", peer + 1), &|o| {
-            format!("{:.4} / {:.4} J", o.energy[peer].received_j, o.energy[peer].sent_j)
-        });
-    }
-    let mut line = |what: &str, value: String| table.push([what.to_owned(), value, String::new()]);
-    line("ticks of each board", trial.boards.ticks.to_string());
-    line("ticks whose bits equal host-sim's", trial.equal.ticks.to_string());
-    line("ticks missed", trial.ticks_missed.to_string());
-    line("packets sent / received", format!("{} / {}", trial.packets_sent, trial.packets_received));
-    line("packets dropped, lost by the wire", format!("{}, {}", trial.packets_dropped, trial.wire_lost));
-    line("instructions per tick", format!("median {}, most {}", trial.instructions.median, trial.instructions.max));
-    line("wall time", format!("{:.1} s", trial.wall_s));
-    println!("{table}");
+    println!("{name}\n\n{}", of_both.done().down(&["two boards", "host-sim, f32"]));
+    let of_boards = Columns::of(std::slice::from_ref(trial))
+        .value("ticks of each board", |trial| trial.boards.ticks)
+        .value("ticks whose bits equal host-sim's", |trial| trial.equal.ticks)
+        .value("ticks missed", |trial| trial.ticks_missed)
+        .value("packets sent", |trial| trial.packets_sent)
+        .value("packets received", |trial| trial.packets_received)
+        .value("packets dropped", |trial| trial.packets_dropped)
+        .value("frames lost by the wire", |trial| trial.wire_lost)
+        .value("instructions per tick, median", |trial| trial.instructions.median)
+        .value("instructions per tick, most", |trial| trial.instructions.max)
+        .number("wall_s", 1, |trial| trial.wall_s)
+        .head("wall time");
+    println!("{}", of_boards.done().down(&["two boards"]));
 }

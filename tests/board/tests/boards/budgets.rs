@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use board_bench::bench::{Bench, PERIOD_NS, for_boards};
 use board_bench::budget::Measured;
-use board_bench::cost::Spread;
+use board_bench::cost::MedianAndMost;
 use board_bench::image::{self, Firmware};
 use board_bench::part::CORE_HZ;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -68,7 +68,7 @@ fn flood(firmware: &Arc<Firmware>, measured: &mut Measured) {
         }
         let meter = &bench.meters[0];
         assert_eq!(meter.began.len(), 200, "ticks under a flood of port {port}");
-        println!("flood of port {port}: ticks {:?}", Spread::of(meter.ticks.iter().copied()));
+        println!("flood of port {port}: ticks {:?}", MedianAndMost::of(meter.ticks.iter().copied()));
         measured.add(format!("entry_delay_instructions.flood-{port}"), entry_delay(&meter.began));
     }
     measured.add("entry_delay_instructions.idle", idle);
