@@ -279,16 +279,6 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.axes
     }
 
-    /// The encoder, for whoever plays the device.
-    pub fn encoder(&self) -> &Encoder<S> {
-        &self.encoder
-    }
-
-    /// The motor, for whoever plays the device.
-    pub fn motor(&self) -> &Motor<S> {
-        &self.motor
-    }
-
     /// What [`Peer::exchange`] would send now. Only a network without delay needs to ask beforehand.
     pub fn outgoing(&self) -> Packet<S> {
         let packet =
@@ -410,7 +400,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 let mut joints = [Motion::REST; AXES];
                 for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(counts).take(self.axes) {
                     let first = !joint.encoder.primed;
-                    let position = self.encoder.step(&mut joint.encoder, counts).map_err(|_| Fault::EncoderJump)?;
+                    let position = self.encoder.step(&mut joint.encoder, counts).ok_or(Fault::EncoderJump)?;
                     *motion = Motion::at(position);
                     if first {
                         joint.velocity.start(*motion);

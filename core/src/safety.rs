@@ -8,44 +8,38 @@
 use crate::num::Scalar;
 use crate::settings::Settings;
 
-/// Why a peer stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Fault {
-    /// A sensor or a packet gave an infinity or NaN.
-    NonFiniteInput = 1,
-    /// An encoder moved further in one tick than the device can.
-    EncoderJump = 2,
-    /// The device moved faster than safety.max_speed_m_per_s.
-    Overspeed = 3,
-    /// The force stood at its limit, or a motor at that of its duty, for safety.saturated_ticks.
-    ForceSaturated = 4,
-    /// No packet for safety.peer_lost_packets packet periods.
-    PeerLost = 5,
-    /// A tick began before the last one ended.
-    TickOverrun = 6,
-    /// The object or the coordination left the range of numbers: the scene is unstable.
-    Diverged = 7,
-    /// A motor's force changed by more than safety.stuck_duty and its encoder did not count.
-    EncoderStuck = 8,
-    /// The hand seemed to feed the device more power than safety.max_hand_power_w.
-    Runaway = 9,
+macro_rules! faults {
+    ($( $number:literal $Fault:ident: $explained:literal, )+) => {
+        /// Why a peer stopped.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Fault { $( #[doc = $explained] $Fault = $number ),+ }
+
+        impl Fault {
+            /// Every fault, by number.
+            pub const ALL: [Self; [$($number),+].len()] = [$(Self::$Fault),+];
+
+            /// One sentence for a person.
+            pub fn explain(self) -> &'static str {
+                match self { $( Self::$Fault => $explained ),+ }
+            }
+        }
+    };
+}
+
+faults! {
+    1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
+    2 EncoderJump: "an encoder moved further in one tick than the device can",
+    3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
+    4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
+    5 PeerLost: "the other peer was silent for safety.peer_lost_packets",
+    6 TickOverrun: "a tick began before the last one ended",
+    7 Diverged: "the object or the coordination force left the range of numbers",
+    8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
+    9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
 }
 
 impl Fault {
-    /// Every fault, by number.
-    pub const ALL: [Self; 9] = [
-        Self::NonFiniteInput,
-        Self::EncoderJump,
-        Self::Overspeed,
-        Self::ForceSaturated,
-        Self::PeerLost,
-        Self::TickOverrun,
-        Self::Diverged,
-        Self::EncoderStuck,
-        Self::Runaway,
-    ];
-
     /// The fault called by `number`.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|fault| fault.number() == number)
@@ -59,23 +53,6 @@ impl Fault {
     /// The fault's number, for logs and telemetry.
     pub fn number(self) -> u8 {
         self as u8
-    }
-
-    /// One sentence for a person.
-    pub fn explain(self) -> &'static str {
-        match self {
-            Self::NonFiniteInput => "a sensor or a packet gave a value that is not a number",
-            Self::EncoderJump => "an encoder moved further in one tick than the device can",
-            Self::Overspeed => "the device moved faster than safety.max_speed_m_per_s",
-            Self::ForceSaturated => {
-                "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks"
-            }
-            Self::PeerLost => "the other peer was silent for safety.peer_lost_packets",
-            Self::TickOverrun => "a tick began before the last one ended",
-            Self::Diverged => "the object or the coordination force left the range of numbers",
-            Self::EncoderStuck => "a motor's force changed and its encoder did not count: safety.stuck_duty",
-            Self::Runaway => "the device ran away against its motor, or was struck: safety.max_hand_power_w",
-        }
     }
 }
 

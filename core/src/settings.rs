@@ -168,22 +168,12 @@ impl Own {
             _ => f64::parse(value, key.allowed),
         }
         .ok_or(key.refuses(value))?;
-        let own = self.0.iter_mut().find(|slot| slot.is_some_and(|(name, _)| name == key.name));
-        match own {
-            Some(slot) => *slot = Some((key.name, number)),
-            None if number == key.default => {}
-            None => {
-                let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
-                *self
-                    .0
-                    .iter_mut()
-                    .find(|slot| slot.is_none())
-                    .ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key.name, number));
-            }
-        }
         // One order and no defaults: settings that say the same are the same.
-        for slot in &mut self.0 {
-            slot.take_if(|(name, number)| *name == key.name && *number == key.default);
+        self.0.iter_mut().for_each(|slot| drop(slot.take_if(|(name, _)| *name == key.name)));
+        if number != key.default {
+            let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
+            let free = self.0.iter_mut().find(|slot| slot.is_none());
+            *free.ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key.name, number));
         }
         self.0.sort_unstable_by_key(|slot| slot.map_or((true, ""), |(name, _)| (false, name)));
         Ok(())
@@ -591,6 +581,12 @@ impl Settings {
     pub(crate) fn own_value(&self, key: &Key) -> Value<'static> {
         let number = self.own(key);
         if key.allowed == Allowed::Flag { Value::Flag(number != 0.0) } else { Value::Number(number) }
+    }
+
+    /// That the value of a key of these tables is not `allowed` beside the others.
+    pub(crate) fn refuses(&self, name: &'static str, allowed: Allowed) -> Refused<'static> {
+        let unit = <Self as Tables>::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
+        Refused { key: name, value: Tables::get(self, name).unwrap_or(Value::Flag(false)), allowed, unit }
     }
 
     /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by

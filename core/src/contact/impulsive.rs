@@ -20,7 +20,7 @@ use super::impact::{Exchange, exchange};
 use super::{Impacts, Rendering, Touch};
 use crate::model::Model;
 use crate::num::{Motion, Scalar, Sum};
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings};
 
 /// Ticks after an impact until the device's velocity tells of its pulse: one of delay, one of pulse.
 pub const SETTLING: u32 = 2;
@@ -72,7 +72,7 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         if !settings.contact.one_sided {
             let allowed = Allowed::Only("\"continuous\", unless contact.one_sided is true: an impact has a side");
-            return Err(Refused { key: "contact.rendering", value: Value::Text("impulsive"), allowed, unit: "" });
+            return Err(settings.refuses("contact.rendering", allowed));
         }
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
         Ok(Self {

@@ -20,23 +20,6 @@ use crate::settings::{Allowed, Refused, Settings};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts(pub u16);
 
-/// A step longer than the fastest plausible motion; the position stays what it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Jump {
-    /// The step that was not believed, counts, along the joint.
-    pub step_counts: i32,
-    /// The longest that would have been, counts.
-    pub max_step_counts: i32,
-}
-
-impl core::fmt::Display for Jump {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "encoder stepped by {} counts in one tick, more than {}", self.step_counts, self.max_step_counts)
-    }
-}
-
-impl core::error::Error for Jump {}
-
 /// Scale, direction and plausibility limit of every joint's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder<S> {
@@ -90,9 +73,9 @@ impl<S: Scalar> Encoder<S> {
         }
     }
 
-    /// Joint position (m or rad) after a reading; an implausible one is refused and changes nothing.
+    /// Joint position (m or rad) after a reading; none, and nothing changes, after an implausible one.
     #[inline]
-    pub fn step(&self, state: &mut EncoderState, counts: Counts) -> Result<S, Jump> {
+    pub fn step(&self, state: &mut EncoderState, counts: Counts) -> Option<S> {
         if !state.primed {
             *state = EncoderState { total: state.total, last: counts, primed: true };
         }
@@ -101,9 +84,9 @@ impl<S: Scalar> Encoder<S> {
         match state.total.checked_add(step_counts) {
             Some(total) if step_counts.abs() <= self.max_step_counts => {
                 *state = EncoderState { total, last: counts, primed: true };
-                Ok(S::from_i32(total).ratio(self.counts_per_unit))
+                Some(S::from_i32(total).ratio(self.counts_per_unit))
             }
-            _ => Err(Jump { step_counts, max_step_counts: self.max_step_counts }),
+            _ => None,
         }
     }
 

@@ -45,10 +45,7 @@ fn within(settings: &Settings, name: &'static str, allowed: Allowed) -> Result<(
         _ => return Ok(()),
     };
     match Tables::get(settings, name) {
-        Some(Value::Number(number)) if !(number >= min && number <= max) => {
-            let unit = <Settings as Tables>::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
-            Err(Refused { key: name, value: Value::Number(number), allowed, unit })
-        }
+        Some(Value::Number(number)) if !(number >= min && number <= max) => Err(settings.refuses(name, allowed)),
         _ => Ok(()),
     }
 }

@@ -168,86 +168,49 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
     Err(Refused { key, value: Value::Number(number), allowed: Allowed::Number { min, max }, unit })
 }
 
-/// How a probe ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum End {
-    /// There was none yet.
-    #[default]
-    None,
-    /// It has not.
-    Running,
-    /// Its time was over.
-    Done,
-    /// The device went as far as `probe.max_travel_counts` allows.
-    Travel,
-    /// The device was faster than `probe.max_speed_counts_per_s`.
-    Speed,
-    /// By command, or by a fault.
-    Stopped,
-}
+macro_rules! explained {
+    ($(#[$doc:meta])* $Name:ident { $( $(#[$default:meta])? $Variant:ident: $word:literal, $explained:literal; )+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $Name { $( #[doc = $explained] $(#[$default])? $Variant ),+ }
 
-impl End {
-    /// One word for a program.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Running => "running",
-            Self::Done => "done",
-            Self::Travel => "travel",
-            Self::Speed => "speed",
-            Self::Stopped => "stopped",
-        }
-    }
-
-    /// One sentence for a person.
-    pub fn explain(self) -> &'static str {
-        match self {
-            Self::None => "there was no probe yet",
-            Self::Running => "the probe is running",
-            Self::Done => "its time was over",
-            Self::Travel => "the device went as far as the probe may",
-            Self::Speed => "the device was faster than probe.max_speed_counts_per_s",
-            Self::Stopped => "it was stopped by command or by a fault",
-        }
-    }
-}
-
-/// What a probe says about the signs of motor and encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// A push along the joint moves it along the joint.
-    Agree,
-    /// It moves the other way.
-    Disagree,
-    /// It did not move enough to tell.
-    Still,
-    /// Something else pushed too, or the probe ended early.
-    Unclear,
-}
-
-impl Verdict {
-    /// One word for a program.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Agree => "agree",
-            Self::Disagree => "disagree",
-            Self::Still => "still",
-            Self::Unclear => "unclear",
-        }
-    }
-
-    /// One sentence for a person.
-    pub fn explain(self) -> &'static str {
-        match self {
-            Self::Agree => "motor and encoder agree",
-            Self::Disagree => {
-                "motor and encoder disagree: change motor.reversed (or encoder.reversed, if the axis points the wrong way)"
+        impl $Name {
+            /// One word for a program.
+            pub fn name(self) -> &'static str {
+                match self { $( Self::$Variant => $word ),+ }
             }
-            Self::Still => {
-                "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder"
+
+            /// One sentence for a person.
+            pub fn explain(self) -> &'static str {
+                match self { $( Self::$Variant => $explained ),+ }
             }
-            Self::Unclear => "something else moved it, or it went too far: let go of it, or lower probe.check_duty",
         }
+    };
+}
+
+explained! {
+    /// How a probe ended.
+    #[derive(Default)]
+    End {
+        #[default]
+        None: "none", "there was no probe yet";
+        Running: "running", "the probe is running";
+        Done: "done", "its time was over";
+        Travel: "travel", "the device went as far as the probe may";
+        Speed: "speed", "the device was faster than probe.max_speed_counts_per_s";
+        Stopped: "stopped", "it was stopped by command or by a fault";
+    }
+}
+
+explained! {
+    /// What a probe says about the signs of motor and encoder.
+    Verdict {
+        Agree: "agree", "motor and encoder agree";
+        Disagree: "disagree",
+            "motor and encoder disagree: change motor.reversed (or encoder.reversed, if the axis points the wrong way)";
+        Still: "still",
+            "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder";
+        Unclear: "unclear", "something else moved it, or it went too far: let go of it, or lower probe.check_duty";
     }
 }
 

@@ -14,7 +14,7 @@
 
 use super::{Packet, Sends};
 use crate::num::{Scalar, Sum};
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings};
 
 /// Most credit that is kept, J: what a hand feels as a light tap.
 pub const CAP_J: f64 = 0.1;
@@ -32,8 +32,7 @@ pub(crate) fn check(settings: &Settings, sends: Sends) -> Result<(), Refused<'st
         [("coordination.ledger", coordination.ledger), ("coordination.drift_correction", coordination.drift_correction)]
     {
         if on {
-            let allowed = Allowed::Only("false, unless coordination.comm is a kind of wave");
-            return Err(Refused { key, value: Value::Flag(true), allowed, unit: "" });
+            return Err(settings.refuses(key, Allowed::Only("false, unless coordination.comm is a kind of wave")));
         }
     }
     Ok(())

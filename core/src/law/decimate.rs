@@ -6,27 +6,20 @@
 //! the band it passes. [`Mean`] sends ū, the mean of the last M samples: held for M ticks it never emits more than was
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
-use crate::model::Model;
 use crate::num::{Scalar, StateVector};
-use crate::settings::{Refused, Settings};
-
-/// One number of filter state, √W.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Level<S>(pub S);
-
-impl<S> StateVector<S> for Level<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.0);
-    }
-}
+use crate::settings::Settings;
 
 /// A filter in front of the decimation.
-pub trait Decimator<S: Scalar>: Model<S> {
+pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// What the line behind it is called.
     const NAME: &'static str;
     /// What is sent keeps the integral of the wave.
     const KEEPS_INTEGRAL: bool = false;
+    /// What changes from tick to tick.
+    type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
+
+    /// The scene's filter.
+    fn build(settings: &Settings) -> Self;
     /// Takes in one sample of the outgoing wave, √W.
     fn push(&self, state: &mut Self::State, wave: S);
     /// What would be sent now, √W.
@@ -37,22 +30,19 @@ pub trait Decimator<S: Scalar>: Model<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Newest;
 
-impl<S: Scalar> Model<S> for Newest {
-    type State = Level<S>;
-    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
-        Ok(Self)
-    }
-}
-
 impl<S: Scalar> Decimator<S> for Newest {
     const NAME: &'static str = "wave";
-    #[inline]
-    fn push(&self, level: &mut Level<S>, wave: S) {
-        level.0 = wave;
+    type State = S;
+    fn build(_: &Settings) -> Self {
+        Self
     }
     #[inline]
-    fn level(&self, level: &Level<S>) -> S {
-        level.0
+    fn push(&self, level: &mut S, wave: S) {
+        *level = wave;
+    }
+    #[inline]
+    fn level(&self, level: &S) -> S {
+        *level
     }
 }
 
@@ -65,23 +55,20 @@ pub struct OnePole<S> {
     take: S,
 }
 
-impl<S: Scalar> Model<S> for OnePole<S> {
-    type State = Level<S>;
-    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
-        Ok(Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) })
-    }
-}
-
 impl<S: Scalar> Decimator<S> for OnePole<S> {
     const NAME: &'static str = "passive-wave";
-    #[inline]
-    fn push(&self, level: &mut Level<S>, wave: S) {
-        level.0 = self.keep * level.0 + self.take * wave;
+    type State = S;
+    fn build(settings: &Settings) -> Self {
+        let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
+        Self { keep: S::from_f64(libm::exp(-angle)), take: S::from_f64(-libm::expm1(-angle)) }
     }
     #[inline]
-    fn level(&self, level: &Level<S>) -> S {
-        level.0
+    fn push(&self, level: &mut S, wave: S) {
+        *level = self.keep * *level + self.take * wave;
+    }
+    #[inline]
+    fn level(&self, level: &S) -> S {
+        *level
     }
 }
 
@@ -109,17 +96,14 @@ impl<S> StateVector<S> for MeanState<S> {
     }
 }
 
-impl<S: Scalar> Model<S> for Mean<S> {
-    type State = MeanState<S>;
-    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let samples = settings.timing.ticks_per_packet;
-        Ok(Self { samples, share: S::from_f64(1.0 / f64::from(samples)) })
-    }
-}
-
 impl<S: Scalar> Decimator<S> for Mean<S> {
     const NAME: &'static str = "passive-mean";
     const KEEPS_INTEGRAL: bool = true;
+    type State = MeanState<S>;
+    fn build(settings: &Settings) -> Self {
+        let samples = settings.timing.ticks_per_packet;
+        Self { samples, share: S::from_f64(1.0 / f64::from(samples)) }
+    }
     #[inline]
     fn push(&self, state: &mut MeanState<S>, wave: S) {
         state.sum = state.sum + wave;

@@ -10,7 +10,7 @@
 //! started anew, and must not be measured by the old one's counters.
 
 use crate::num::Scalar;
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings};
 
 /// How long each rung is.
 #[derive(Clone, Copy, Debug)]
@@ -45,12 +45,10 @@ impl<S: Scalar> Ladder<S> {
             Some(steps) if steps > 0 => {
                 Ok(Self { hold: safety.fade_packets, steps, step: S::from_f64(1.0 / f64::from(steps)) })
             }
-            _ => Err(Refused {
-                key: "safety.disengage_packets",
-                value: Value::Number(f64::from(safety.disengage_packets)),
-                allowed: Allowed::Whole { min: safety.fade_packets.saturating_add(1), max: 100_000 },
-                unit: "packets",
-            }),
+            _ => {
+                let allowed = Allowed::Whole { min: safety.fade_packets.saturating_add(1), max: 100_000 };
+                Err(settings.refuses("safety.disengage_packets", allowed))
+            }
         }
     }
 

@@ -19,7 +19,7 @@ pub mod power;
 pub mod wave;
 
 use crate::num::{Motion, Scalar, StateVector};
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::settings::{Kind, Sends};
 
@@ -120,8 +120,7 @@ pub(crate) fn named(settings: &Settings, kinds: &'static [Kind]) -> Option<&'sta
 
 /// That the settings name none of these.
 pub(crate) fn unknown(settings: &Settings, kinds: &'static [Kind]) -> Refused<'static> {
-    let value = Value::Text(settings.coordination.comm);
-    Refused { key: "coordination.comm", value, allowed: Allowed::Kinds(kinds), unit: "" }
+    settings.refuses("coordination.comm", Allowed::Kinds(kinds))
 }
 
 macro_rules! laws {

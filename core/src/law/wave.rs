@@ -16,7 +16,7 @@ use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::{Coupled, Kind, Law, Packet, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::names::Decode;
 
@@ -110,21 +110,16 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
         if coordination.drift_correction && !(coordination.ledger && D::KEEPS_INTEGRAL) {
             // Only the mean carries its integral exactly, and only the ledger pays for what is added.
-            return Err(Refused {
-                key: "coordination.drift_correction",
-                value: Value::Flag(true),
-                allowed: Allowed::Only(
-                    "false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true",
-                ),
-                unit: "",
-            });
+            let allowed =
+                Allowed::Only("false, unless coordination.comm is \"passive-mean\" and coordination.ledger is true");
+            return Err(settings.refuses("coordination.drift_correction", allowed));
         }
         let impedance = coordination.wave_impedance_n_s_per_m;
         let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
         let root = libm::sqrt(2.0 * impedance);
         Ok(Self {
             spring: Spring::build(settings),
-            decimator: D::build(settings)?,
+            decimator: D::build(settings),
             decode: coordination.decode,
             credit: Credit::build(settings),
             period: S::from_f64(period),

@@ -24,7 +24,7 @@
 use crate::device::kinematics::Joints;
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 
 /// Longest window, ticks.
@@ -44,20 +44,9 @@ pub struct Adaptive<S> {
     window: usize,
 }
 
-/// The last positions (m or rad), newest first.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AdaptiveState<S> {
-    history: [S; MAX_WINDOW],
-}
-
-impl<S: Scalar> StateVector<S> for AdaptiveState<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.history.iter_mut().for_each(each);
-    }
-}
-
 impl<S: Scalar> Model<S> for Adaptive<S> {
-    type State = AdaptiveState<S>;
+    /// The last positions (m or rad), newest first.
+    type State = [S; MAX_WINDOW];
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let mut ticks = 0.0;
         Ok(Self {
@@ -74,22 +63,22 @@ impl<S: Scalar> Model<S> for Adaptive<S> {
 }
 
 impl<S: Scalar> VelocityEstimator<S> for Adaptive<S> {
-    fn start(&self, state: &mut AdaptiveState<S>, at: Motion<S>) {
+    fn start(&self, history: &mut [S; MAX_WINDOW], at: Motion<S>) {
         let step = at.velocity * self.period_s;
         let mut position = at.position;
-        for slot in &mut state.history {
+        for slot in history.iter_mut() {
             position = position - step;
             *slot = position;
         }
     }
 
     #[inline]
-    fn step(&self, state: &mut AdaptiveState<S>, reading: Motion<S>) -> S {
+    fn step(&self, history: &mut [S; MAX_WINDOW], reading: Motion<S>) -> S {
         let newest = reading.position;
-        let [last, ..] = state.history;
+        let [last, ..] = *history;
         let mut slope = newest - last;
         let (mut lowest, mut highest) = (slope - self.band, slope + self.band);
-        for (&past, &reciprocal) in state.history.iter().zip(&self.reciprocals).take(self.window).skip(1) {
+        for (&past, &reciprocal) in history.iter().zip(&self.reciprocals).take(self.window).skip(1) {
             if lowest > highest {
                 break;
             }
@@ -102,7 +91,7 @@ impl<S: Scalar> VelocityEstimator<S> for Adaptive<S> {
             highest = highest.min((moved + self.band) * reciprocal);
         }
         let mut carried = newest;
-        for slot in &mut state.history {
+        for slot in history.iter_mut() {
             core::mem::swap(slot, &mut carried);
         }
         slope * self.rate_hz

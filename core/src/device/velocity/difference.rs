@@ -8,7 +8,7 @@
 
 use crate::device::velocity::VelocityEstimator;
 use crate::model::Model;
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 
 /// The control period and one over it.
@@ -18,20 +18,9 @@ pub struct Difference<S> {
     rate_hz: S,
 }
 
-/// The last position, m or rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DifferenceState<S> {
-    last: S,
-}
-
-impl<S: Scalar> StateVector<S> for DifferenceState<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.last);
-    }
-}
-
 impl<S: Scalar> Model<S> for Difference<S> {
-    type State = DifferenceState<S>;
+    /// The last position, m or rad.
+    type State = S;
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let period_s = settings.timing.control_period_s;
         Ok(Self { period_s: S::from_f64(period_s), rate_hz: S::from_f64(1.0 / period_s) })
@@ -39,13 +28,13 @@ impl<S: Scalar> Model<S> for Difference<S> {
 }
 
 impl<S: Scalar> VelocityEstimator<S> for Difference<S> {
-    fn start(&self, state: &mut DifferenceState<S>, at: Motion<S>) {
-        state.last = at.position - at.velocity * self.period_s;
+    fn start(&self, last: &mut S, at: Motion<S>) {
+        *last = at.position - at.velocity * self.period_s;
     }
     #[inline]
-    fn step(&self, state: &mut DifferenceState<S>, reading: Motion<S>) -> S {
-        let velocity = (reading.position - state.last) * self.rate_hz;
-        state.last = reading.position;
+    fn step(&self, last: &mut S, reading: Motion<S>) -> S {
+        let velocity = (reading.position - *last) * self.rate_hz;
+        *last = reading.position;
         velocity
     }
 }

@@ -9,10 +9,10 @@
 //! `start`.
 
 use crate::device::velocity::VelocityEstimator;
-use crate::device::velocity::difference::{Difference, DifferenceState};
+use crate::device::velocity::difference::Difference;
 use crate::device::within;
 use crate::model::Model;
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// The difference, and the share of it that a tick takes over.
@@ -22,22 +22,9 @@ pub struct Filtered<S> {
     gain: S,
 }
 
-/// The last position (m or rad) and the filtered velocity (m/s or rad/s).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FilteredState<S> {
-    difference: DifferenceState<S>,
-    velocity: S,
-}
-
-impl<S: Scalar> StateVector<S> for FilteredState<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.difference.visit(each);
-        each(&mut self.velocity);
-    }
-}
-
 impl<S: Scalar> Model<S> for Filtered<S> {
-    type State = FilteredState<S>;
+    /// The last position (m or rad) and the filtered velocity (m/s or rad/s).
+    type State = (S, S);
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         // From half the sample rate on there is nothing left to cut off.
         let max = 0.5 / settings.timing.control_period_s;
@@ -48,14 +35,14 @@ impl<S: Scalar> Model<S> for Filtered<S> {
 }
 
 impl<S: Scalar> VelocityEstimator<S> for Filtered<S> {
-    fn start(&self, state: &mut FilteredState<S>, at: Motion<S>) {
-        self.difference.start(&mut state.difference, at);
-        state.velocity = at.velocity;
+    fn start(&self, (last, velocity): &mut (S, S), at: Motion<S>) {
+        self.difference.start(last, at);
+        *velocity = at.velocity;
     }
     #[inline]
-    fn step(&self, state: &mut FilteredState<S>, reading: Motion<S>) -> S {
-        let raw = self.difference.step(&mut state.difference, reading);
-        state.velocity = state.velocity + self.gain * (raw - state.velocity);
-        state.velocity
+    fn step(&self, (last, velocity): &mut (S, S), reading: Motion<S>) -> S {
+        let raw = self.difference.step(last, reading);
+        *velocity = *velocity + self.gain * (raw - *velocity);
+        *velocity
     }
 }
