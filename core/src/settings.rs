@@ -169,7 +169,9 @@ impl Own {
         }
         .ok_or(key.refuses(value))?;
         // One order and no defaults: settings that say the same are the same.
-        self.0.iter_mut().for_each(|slot| drop(slot.take_if(|(name, _)| *name == key.name)));
+        for slot in &mut self.0 {
+            slot.take_if(|(name, _)| *name == key.name);
+        }
         if number != key.default {
             let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
             let free = self.0.iter_mut().find(|slot| slot.is_none());

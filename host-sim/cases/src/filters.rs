@@ -2,8 +2,7 @@
 //!
 //! Their formulas and what they are compared with: [the filters](../../filters/index.html). Unit: √W in and out.
 
-use haptic_core::law::decimate::{Decimator, Level, OnePole};
-use haptic_core::model::Model;
+use haptic_core::law::decimate::{Decimator, OnePole};
 use haptic_core::num::Scalar;
 use haptic_core::settings::Settings;
 
@@ -19,17 +18,17 @@ pub trait Filter<S: Scalar> {
 
 /// Core's: exact for a held input.
 #[derive(Clone, Copy, Debug)]
-pub struct Exact<S>(OnePole<S>, Level<S>);
+pub struct Exact<S>(OnePole<S>, S);
 
 impl<S: Scalar> Filter<S> for Exact<S> {
     const NAME: &'static str = "exact";
     fn build(settings: &Settings) -> Self {
-        Self(OnePole::build(settings).expect(crate::GOOD), Level::default())
+        Self(OnePole::build(settings), S::ZERO)
     }
     #[inline]
     fn push(&mut self, wave: S) -> S {
         self.0.push(&mut self.1, wave);
-        self.1.0
+        self.1
     }
 }
 

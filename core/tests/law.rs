@@ -1,0 +1,120 @@
+//! A law from outside: one file with its name, its own keys and its state, held by a peer like any other.
+
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::power::Power;
+use haptic_core::law::{AnyLaw, Coupled, Kind, Law, Packet, Sends, Spring};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::peer::{Peer, Sensors};
+use haptic_core::safety::Command;
+use haptic_core::schema::Schema;
+use haptic_core::settings::{Allowed, Key, Refused, SetError, Settings, Value};
+
+const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "How far the remote copy is carried on.");
+const STOPS: Key = Key::flag("predict.stops", false, "The remote copy is taken to be at rest.");
+
+/// Power-domain, the remote copy carried on at its last velocity.
+#[derive(Clone, Copy, Debug)]
+struct Predict<S> {
+    spring: Spring<S>,
+    ahead: S,
+    stops: bool,
+}
+
+impl<S: Scalar> Law<S> for Predict<S> {
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "predict",
+        sends: Sends::Motion,
+        keys: &[AHEAD, STOPS],
+        gains: &["coordination.stiffness_n_per_m=310"],
+    }];
+    type State = Motion<S>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let (ahead, stops) = (S::from_f64(settings.own(&AHEAD)), settings.own(&STOPS) != 0.0);
+        Ok(Self { spring: Spring::build(settings), ahead, stops })
+    }
+    fn start(&self, local: Motion<S>) -> Motion<S> {
+        local
+    }
+    fn receive(&self, desired: &mut Motion<S>, Packet { motion, .. }: Packet<S>) {
+        let carried = Motion { position: motion.position + self.ahead * motion.velocity, ..motion };
+        *desired = if self.stops { Motion::at(carried.position) } else { carried };
+    }
+    fn couple(&self, desired: &mut Motion<S>, local: Motion<S>) -> Coupled<S> {
+        Coupled { desired: *desired, force: self.spring.force(*desired, local), ..Coupled::default() }
+    }
+    fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, ..Packet::default() }
+    }
+}
+
+const SCHEMA: Schema = Schema::new(Predict::<f64>::KINDS);
+
+fn settings(changes: &[(&str, Value<'static>)]) -> Settings {
+    let mut settings = Settings::default();
+    for (key, value) in [("coordination.comm", Value::Text("predict"))].iter().chain(changes) {
+        SCHEMA.set(&mut settings, key, *value).unwrap_or_else(|error| panic!("{key}: {error:?}"));
+    }
+    settings
+}
+
+/// Where an armed peer with this law takes the other copy to be that passes the origin at 1 m/s.
+fn desired<S: Scalar>(settings: &Settings) -> Motion<f64> {
+    let mut peer = Peer::<S, Predict<S>>::new(settings, [Motion::REST; AXES]).expect("good settings");
+    peer.command(Command::Arm);
+    peer.exchange(Some(Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() }));
+    peer.tick(&Sensors { reading: Reading::Exact([Motion::REST; AXES]), overrun: false });
+    let seen = peer.observed().desired;
+    Motion { position: seen.position.to_f64(), velocity: seen.velocity.to_f64() }
+}
+
+#[test]
+fn a_law_from_outside_runs_with_keys_of_its_own() {
+    assert_eq!(desired::<f64>(&settings(&[])), Motion { position: 0.008, velocity: 1.0 });
+    let told = settings(&[("predict.ahead_s", Value::Number(0.125)), ("predict.stops", Value::Flag(true))]);
+    assert_eq!(desired::<f64>(&told), Motion::at(0.125));
+    assert_eq!(desired::<f32>(&told), Motion::at(0.125));
+    let keys: Vec<&str> = SCHEMA.keys().map(|key| key.name).collect();
+    assert_eq!(keys.len(), Settings::keys().count() + 2);
+    assert!(keys.ends_with(&["predict.ahead_s", "predict.stops"]));
+    let told = |key| SCHEMA.get(&told, key);
+    assert_eq!((told("predict.ahead_s"), told("predict.stops")), (Some(Value::Number(0.125)), Some(Value::Flag(true))));
+}
+
+#[test]
+fn a_wrong_value_of_an_own_key_is_refused_by_name() {
+    let mut settings = settings(&[]);
+    let before = settings;
+    for (value, said) in [
+        (Value::Number(1.0), "predict.ahead_s = 1 is not allowed: it must be a number from 0 to 0.2 s"),
+        (Value::Number(f64::NAN), "predict.ahead_s = NaN is not allowed: it must be a number from 0 to 0.2 s"),
+        (Value::Flag(true), "predict.ahead_s = true is not allowed: it must be a number from 0 to 0.2 s"),
+    ] {
+        let Err(SetError::Refused(refused)) = SCHEMA.set(&mut settings, "predict.ahead_s", value) else {
+            panic!("taken")
+        };
+        assert_eq!(refused.to_string(), said);
+    }
+    assert_eq!(settings.set("predict.ahead_s", Value::Number(0.1)), Err(SetError::Unknown), "no built-in law has it");
+    assert_eq!(settings, before);
+}
+
+/// What two peers compare before they meet must not depend on who spelled a default out, or in which order.
+#[test]
+fn settings_that_say_the_same_are_the_same() {
+    let (ahead, stops) = (("predict.ahead_s", Value::Number(0.1)), ("predict.stops", Value::Flag(true)));
+    assert_eq!(settings(&[ahead, stops]), settings(&[stops, ahead]));
+    assert_eq!(settings(&[ahead, ("predict.ahead_s", Value::Number(0.008))]), settings(&[]));
+    let shared: Vec<_> = settings(&[ahead]).shared().filter(|(table, ..)| *table == "predict").collect();
+    assert_eq!(shared, [("predict", "ahead_s", Value::Number(0.1))]);
+}
+
+#[test]
+fn a_peer_refuses_a_law_that_it_does_not_hold() {
+    let here = [Motion::<f32>::REST; AXES];
+    let refused = Peer::<f32, AnyLaw<f32>>::new(&settings(&[]), here).expect_err("another law").to_string();
+    let names = "\"power\", \"wave\", \"passive-wave\", \"passive-mean\", \"none\"";
+    assert_eq!(refused, format!("coordination.comm = \"predict\" is not allowed: it must be one of {names}"));
+    let refused = Peer::<f32, Power<f32>>::new(&Settings::default(), here).expect_err("another law");
+    assert_eq!(refused.allowed, Allowed::Kinds(Power::<f32>::KINDS));
+}
