@@ -591,6 +591,19 @@ impl Settings {
         Refused { key: name, value: Tables::get(self, name).unwrap_or(Value::Flag(false)), allowed, unit }
     }
 
+    /// Refuses the value of the number called `name` if it is not `allowed` beside the others.
+    pub(crate) fn within(&self, name: &'static str, allowed: Allowed) -> Result<(), Refused<'static>> {
+        let (min, max) = match allowed {
+            Allowed::Number { min, max } => (min, max),
+            Allowed::Whole { min, max } => (f64::from(min), f64::from(max)),
+            _ => return Ok(()),
+        };
+        match Tables::get(self, name) {
+            Some(Value::Number(number)) if !(number >= min && number <= max) => Err(self.refuses(name, allowed)),
+            _ => Ok(()),
+        }
+    }
+
     /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by
     /// table, and of laws' own keys those that are not at their default.
     pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {

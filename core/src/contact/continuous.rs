@@ -5,7 +5,7 @@
 //! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
 //! A scene with neither gap nor side has no contact detection at all.
 
-use super::{Rendering, Strikes, Touch};
+use super::rendering::{Rendering, Strikes, Touch};
 use crate::model::Model;
 use crate::names::Side;
 use crate::num::{Motion, Scalar};

@@ -17,9 +17,9 @@
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
-use super::{Impacts, Rendering, Touch};
+use super::rendering::{Rendering, Strikes, Touch};
 use crate::model::Model;
-use crate::num::{Motion, Scalar, Sum};
+use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// Ticks after an impact until the device's velocity tells of its pulse: one of delay, one of pulse.
@@ -37,33 +37,6 @@ pub struct Impulsive<S> {
     /// 1/m of the device.
     device_inverse: S,
     restitution: S,
-}
-
-/// The step before, and the account.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Strikes<S> {
-    /// Where device and object were at the last tick, m; none before the first.
-    before: Option<[S; 2]>,
-    /// Ticks until velocities tell again.
-    settling: u32,
-    /// The pulse of the last tick, N.
-    pulse: S,
-    count: u32,
-    wanted: Sum<S>,
-    delivered: Sum<S>,
-    lost: Sum<S>,
-}
-
-impl<S: Scalar> Strikes<S> {
-    /// Impacts so far; none where contact is continuous.
-    pub fn impacts(&self) -> Impacts<S> {
-        Impacts {
-            count: self.count,
-            wanted_n_s: self.wanted.total(),
-            delivered_n_s: self.delivered.total(),
-            lost_j: self.lost.total(),
-        }
-    }
 }
 
 impl<S: Scalar> Model<S> for Impulsive<S> {

@@ -17,7 +17,7 @@
 //! force moves it by m·ẍ + b·ẋ along each axis ([`crate::object`]). F may pull for as long as x > 0, as in the paper.
 //! Units: m, m/s, N. NaN in: no contact.
 
-use super::Contact;
+use super::continuous::Contact;
 use crate::num::{Motion, Scalar};
 
 /// A straight piece of an outline.

@@ -16,9 +16,7 @@ use crate::device::kinematics::Joints;
 use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// Raw value of a timer in encoder mode; wraps modulo 2¹⁶.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts(pub u16);
+pub use super::reading::Counts;
 
 /// Scale, direction and plausibility limit of every joint's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +53,7 @@ pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
     let max = (f64::from(i16::MAX) - ROUNDING_COUNTS) / counts_per_speed;
-    super::within(settings, "safety.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
+    settings.within("safety.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
 }
 
 impl<S: Scalar> Encoder<S> {

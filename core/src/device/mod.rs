@@ -18,34 +18,8 @@ pub mod encoder;
 pub mod kinematics;
 pub mod motor;
 pub mod probe;
+mod reading;
 pub mod velocity;
 pub mod watch;
 
-use crate::device::encoder::Counts;
-use crate::num::Motion;
-use crate::settings::{Allowed, Refused, Settings, Tables, Value};
-
-/// Most axes, and joints, that a peer has.
-pub const AXES: usize = 2;
-
-/// What a device says about where it is, once per tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reading<S> {
-    /// Raw counts of every joint's encoder: a real device, or a simulated one down to its encoders.
-    Counts([Counts; AXES]),
-    /// Position (m) and velocity (m/s) of every axis: a simulated device, or one that computes them itself.
-    Exact([Motion<S>; AXES]),
-}
-
-/// Refuses the value of the number called `name` if it is not `allowed`.
-fn within(settings: &Settings, name: &'static str, allowed: Allowed) -> Result<(), Refused<'static>> {
-    let (min, max) = match allowed {
-        Allowed::Number { min, max } => (min, max),
-        Allowed::Whole { min, max } => (f64::from(min), f64::from(max)),
-        _ => return Ok(()),
-    };
-    match Tables::get(settings, name) {
-        Some(Value::Number(number)) if !(number >= min && number <= max) => Err(settings.refuses(name, allowed)),
-        _ => Ok(()),
-    }
-}
+pub use reading::{AXES, Reading};

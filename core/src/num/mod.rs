@@ -6,6 +6,6 @@ mod sum;
 mod vector;
 
 pub use motion::Motion;
-pub use scalar::*;
-pub use sum::*;
-pub use vector::*;
+pub use scalar::{Fixed, Scalar};
+pub use sum::{Carry, Sum};
+pub use vector::StateVector;

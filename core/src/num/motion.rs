@@ -1,6 +1,7 @@
 //! Position and velocity of one degree of freedom.
 
-use crate::num::{Scalar, StateVector};
+use super::scalar::Scalar;
+use super::vector::StateVector;
 
 /// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

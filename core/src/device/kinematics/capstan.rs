@@ -7,8 +7,8 @@
 //! Units: q in rad, x in m. Limits: no cable stretch, no slip. A positive motor angle is a positive x; turn it with
 //! `encoder.reversed` and `motor.reversed`.
 
+use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Pose};
-use crate::device::{AXES, within};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
@@ -22,7 +22,7 @@ pub struct Capstan<S> {
 impl<S: Scalar> Model<S> for Capstan<S> {
     type State = ();
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        within(settings, "axis.count", Allowed::Whole { min: 1, max: 1 })?;
+        settings.within("axis.count", Allowed::Whole { min: 1, max: 1 })?;
         let kinematics = &settings.kinematics;
         Ok(Self { m_per_rad: S::from_f64(kinematics.paddle_radius_m / kinematics.capstan_ratio) })
     }

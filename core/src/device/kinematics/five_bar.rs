@@ -25,8 +25,8 @@
 //! `kinematics.maths = "micromath"` the hand is off by up to 1 mm per m of link in the middle of the workspace, and J
 //! is the derivative only to 0.5 % of l₁.
 
+use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Maths, Pose};
-use crate::device::{AXES, within};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
@@ -58,12 +58,12 @@ impl<S: Scalar> Model<S> for FiveBar<S> {
     type State = ();
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        within(settings, "axis.count", Allowed::Whole { min: 2, max: 2 })?;
+        settings.within("axis.count", Allowed::Whole { min: 2, max: 2 })?;
         // The distal links meet at home with room to move. Half the elbows' distance there; cos 60° = 1/2.
         let half_distance = 0.5 * settings.kinematics.base_m + 0.5 * settings.kinematics.proximal_m;
         let (least, most) = HOME_COSINE;
         let allowed = Allowed::Number { min: half_distance / most, max: half_distance / least };
-        within(settings, "kinematics.distal_m", allowed)?;
+        settings.within("kinematics.distal_m", allowed)?;
 
         let kinematics = &settings.kinematics;
         let mut five_bar = Self {

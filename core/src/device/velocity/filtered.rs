@@ -10,7 +10,6 @@
 
 use crate::device::velocity::VelocityEstimator;
 use crate::device::velocity::difference::Difference;
-use crate::device::within;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
@@ -28,7 +27,7 @@ impl<S: Scalar> Model<S> for Filtered<S> {
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         // From half the sample rate on there is nothing left to cut off.
         let max = 0.5 / settings.timing.control_period_s;
-        within(settings, "axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })?;
+        settings.within("axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })?;
         let angle = core::f64::consts::TAU * settings.axis.velocity_cutoff_hz * settings.timing.control_period_s;
         Ok(Self { difference: Difference::build(settings)?, gain: S::from_f64(-libm::expm1(-angle)) })
     }
