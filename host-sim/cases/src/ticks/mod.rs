@@ -78,7 +78,7 @@ const SCENES: &[(&str, Change)] = &[
 ];
 
 /// The passive wave again, in an image that names its law and carries no other.
-const NAMED: &str = "passive-wave-named-models";
+const NAMED: &str = "passive-wave-named-law";
 
 /// Replays a recording with `measured_tick`.
 pub fn replay<S: Scalar, L: Law<S>>(recording: &Recording<S, L>) {
