@@ -163,7 +163,7 @@ Usage: cargo xtask board-test
 ";
 
 const PROVISION_HELP: &str = "\
-Gives a board the key that it shares with its peer and its operator (`host-sim keygen` makes one): puts it into the flash
+Gives a board the key that it shares with its peer and its operator (`host-sim key generate` makes one): puts it into the flash
 sector that memory.x calls KEY, over the debug probe, and starts the board anew. Flashing an image leaves it there.
 
 Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
@@ -173,7 +173,7 @@ Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
 ";
 
 const QEMU_HELP: &str = "\
-Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim record), and replays it on QEMU's
+Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim board record), and replays it on QEMU's
 Cortex-M7: the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first.
 Installs qemu-system-arm if apt-get can; without it says so, and fails where CI is set.
 

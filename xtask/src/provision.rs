@@ -46,7 +46,7 @@ pub(crate) fn provision(plan: &Plan<'_>) -> Result<(), Failure> {
     let address = address()?;
     let here = std::env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
     let image = Image(run::root().join("target").join(format!("key-{}.bin", std::process::id())));
-    let mut make = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--", "key-image"]);
+    let mut make = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--", "key", "image"]);
     run(make.arg(here.join(key_file)).arg(&image.0))?;
     let on = |verb: &str| {
         let mut on = command("probe-rs", &[verb, "--chip", CHIP]);

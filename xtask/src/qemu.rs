@@ -36,8 +36,8 @@ pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
     let name = recording.display().to_string();
     for scene in SCENES {
         for number in ["1", "2"] {
-            let mut record = cargo(&["run", "--locked", "--quiet", "--package", "host-sim", "--", "record"]);
-            record.args(["--built-in", scene, "--number", number, "--duration-s", SECONDS, &name]);
+            let mut record = cargo(&["run", "--locked", "--quiet", "--package", "host-sim", "--", "board", "record"]);
+            record.args(["--scene", scene, "--number", number, "--seconds", SECONDS, &name]);
             let (ours, theirs) = (run::output(&mut record)?, told(&image, "replay", &name)?);
             if ours.trim().is_empty() || ours.trim() != theirs.trim() {
                 return Err(Failure::new(format!(

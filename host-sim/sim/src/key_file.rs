@@ -70,8 +70,8 @@ pub fn read(path: &Path) -> Result<Key, String> {
         .flatten();
     match bytes.and_then(|bytes| <[u8; Key::LEN]>::try_from(bytes).ok()) {
         Some(bytes) => Ok(Key::new(bytes)),
-        None => {
-            Err(format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim keygen` writes them"))
-        }
+        None => Err(format!(
+            "{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them"
+        )),
     }
 }

@@ -27,7 +27,8 @@ pub const ALL: &[(&str, &str)] = scenes![
 /// Name and text of the others, which only their name finds.
 pub const OTHERS: &[(&str, &str)] = scenes!["impulsive", "any-network"];
 
-fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+/// Every built-in scene.
+pub fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     ALL.iter().chain(OTHERS)
 }
 

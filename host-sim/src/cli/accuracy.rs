@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::flags::{Out, choice};
+use super::precision::Precision;
 use super::ui::pictures;
 use super::{Failure, Ui};
 use crate::studies::accuracy::counts::{Processor, SCALARS};
@@ -12,13 +14,23 @@ use crate::studies::accuracy::{self, Family, cost, picture};
 
 /// Arguments of `accuracy`.
 #[derive(Debug, Args)]
-pub(super) struct Accuracy {
+#[command(args_conflicts_with_subcommands = true)]
+pub(in crate::cli) struct Accuracy {
+    #[command(subcommand)]
+    question: Option<Question>,
     /// Whose instructions.
-    #[arg(long, value_enum, default_value_t, value_name = "NAME")]
+    #[arg(long, default_value = "cortex-m7", value_parser = choice::<Processor>(), value_name = "NAME")]
     processor: Processor,
-    /// Folder for the pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
+}
+
+super::commands! {
+    /// What else can be asked.
+    Question {
+        /// How far f32 and fixed point stray from f64, scene by scene.
+        Precision(Precision),
+    }
 }
 
 #[derive(Serialize)]
@@ -34,16 +46,16 @@ struct Document {
 
 impl Accuracy {
     /// Measures, prints and draws.
-    ///
-    /// # Errors
-    /// A picture that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        if let Some(question) = &self.question {
+            return question.run(ui);
+        }
         let bar = ui.progress(2, "errors, pictures");
         let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor));
         bar.inc(1);
         let made = ui.made().with("instructions_of", self.processor.label());
         let figures = || picture::all(&families, &cost_per_scene, self.processor);
-        let folder = ui.folder(self.out.as_deref(), "out/accuracy");
+        let folder = ui.folder(self.out.folder(), "out/accuracy");
         let files = ui.files(folder.as_deref(), "accuracy", &made, |files| {
             files.csv(&accuracy::columns(&families, true))?;
             figures().iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))

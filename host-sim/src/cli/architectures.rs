@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
+use super::flags::Out;
 use super::{Failure, Ui};
 use crate::studies::architectures::together::unbounded_radius;
 use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
@@ -15,9 +16,8 @@ use haptic_sim::report::{Columns, significant};
 /// Arguments of `architectures`.
 #[derive(Debug, Args)]
 pub(super) struct Architectures {
-    /// Folder for CSV and pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 /// Largest |eigenvalue| of one engine without bounder and delay, with packets every so many milliseconds.
@@ -37,9 +37,6 @@ struct Report {
 
 impl Architectures {
     /// Runs every architecture at every delay.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let bar = ui.progress((Architecture::ALL.len() * DELAYS_MS.len()) as u64, "architectures");
@@ -47,7 +44,7 @@ impl Architectures {
         bar.finish_and_clear();
         let made = ui.made().with("number_type", f64::NAME).with("seconds", TASK.duration_s);
         let table = columns(&rows);
-        let folder = ui.folder(self.out.as_deref(), "out/architectures");
+        let folder = ui.folder(self.out.folder(), "out/architectures");
         let files = ui.files(folder.as_deref(), "architectures", &made, |files| {
             files.csv(&table)?;
             files.figure(None, &picture::figure(&rows))

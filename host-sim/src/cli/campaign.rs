@@ -15,9 +15,6 @@ pub(super) struct Campaign {
 
 impl Campaign {
     /// Runs the cells and prints the table.
-    ///
-    /// # Errors
-    /// None but a mistake in the campaign itself.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let table = if self.costs {
             costs::columns(&costs::costs().map_err(|error| error.to_string())?)

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use haptic_core::num::{Fixed, Scalar};
 use serde::Serialize;
 
+use super::flags::{Out, Time};
 use super::{Failure, SceneArgs, Ui};
 use crate::studies::figures;
 use haptic_sim::measure::{Statistics, apparent_mass};
@@ -32,15 +33,13 @@ enum ScalarName {
 pub(super) struct Cooperate {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Simulated time, s.
-    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
-    duration_s: f64,
+    #[command(flatten)]
+    time: Time,
     /// Number type of the peers.
     #[arg(long, value_enum, default_value_t)]
     scalar: ScalarName,
-    /// Folder for CSV, Parquet and pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -80,26 +79,22 @@ fn pushes(user: &User) -> bool {
 
 impl Cooperate {
     /// Runs the scene and reports.
-    ///
-    /// # Errors
-    /// A bad scene or duration, or a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let period_s = scene.peer.timing.control_period_s;
-        // A day at 1 kHz: beyond that, sums of ticks in f64 begin to round.
-        if !(self.duration_s >= period_s && self.duration_s <= 86_400.0) {
+        if self.time.seconds < period_s {
             let message = format!(
-                "--duration-s {} is not allowed: it must be a number from {period_s} (one control period) to 86400 s",
-                self.duration_s
+                "--seconds {} is not allowed: it must be a number from {period_s} (one control period) to 86400 s",
+                self.time.seconds
             );
             return Err(message.into());
         }
-        let folder = ui.folder(self.out.as_deref(), "out/cooperate");
+        let folder = ui.folder(self.out.folder(), "out/cooperate");
         let options = match folder {
-            Some(_) => Options::recorded(self.duration_s, period_s),
-            None => Options { duration_s: self.duration_s, record_every: 0 },
+            Some(_) => Options::recorded(self.time.seconds, period_s),
+            None => Options { duration_s: self.time.seconds, record_every: 0 },
         };
-        let bar = ui.progress((self.duration_s / period_s) as u64, "cooperate");
+        let bar = ui.progress((self.time.seconds / period_s) as u64, "cooperate");
         let start = Instant::now();
         let (outcome, scalar) = match self.scalar {
             ScalarName::F32 => (run::<f32>(&scene, options, &|tick| bar.set_position(tick)), f32::NAME),
@@ -114,7 +109,7 @@ impl Cooperate {
             let every = options.record_every;
             report.warnings.push(format!("a long run: the files hold every {every}th tick, the figures of merit all"));
         }
-        let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.duration_s);
+        let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.time.seconds);
         let made = made.with("seed", report.seed).with("state_hash", report.state_hash.as_str());
         let made = made.with("recorded_every_ticks", options.record_every);
         let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };

@@ -1,61 +1,46 @@
 //! `host-sim hub`: where 2 to 16 live peers hold one object.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
 use clap::Args;
 
-use super::live::check_time;
+use super::flags::{KeyFile, Patience, Time};
 use super::{Failure, SceneArgs, Ui, granted};
 use crate::live::endpoint::Stop;
 use crate::live::hub;
 use crate::shared::cooperative::MOST_USERS;
-use haptic_sim::key_file;
 use haptic_sim::report::text::{TextTable, significant};
-
-/// The scene without `--scene`.
-const SCENE: &str = "any-network";
 
 /// Arguments of `hub`.
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| {
-    scene.help(format!("Scene file (TOML) or the name of a built-in one, the peers' [default: {SCENE}]"))
-}))]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
 pub(super) struct Hub {
     #[command(flatten)]
     scene: SceneArgs,
     /// Where the hub listens.
     #[arg(long, value_name = "ADDRESS:PORT")]
     listen: SocketAddr,
-    /// How many peers; the one on line n has its key by `keygen --line n --of`, and is number 1 where n is odd, 2 where even.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=MOST_USERS as i64))]
+    /// How many peers; the one on line n has its key by `key generate --line n --of`, and is number 1 where n is odd, 2 where even.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=MOST_USERS as i64))]
     users: u8,
-    /// The hub's key file (`host-sim keygen`).
-    #[arg(long, value_name = "FILE")]
-    key_file: PathBuf,
-    /// Time from when all peers are there, s.
-    #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
-    duration_s: f64,
-    /// How long to wait for all of them, s.
-    #[arg(long, default_value_t = 30.0, value_name = "S", allow_negative_numbers = true)]
-    patience_s: f64,
+    #[command(flatten)]
+    key: KeyFile,
+    #[command(flatten)]
+    time: Time,
+    #[command(flatten)]
+    patience: Patience,
 }
 
 impl Hub {
     /// Runs the hub until the time is over, and reports.
-    ///
-    /// # Errors
-    /// A bad scene, key file or address; peers that do not come.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        check_time("--duration-s", self.duration_s)?;
-        check_time("--patience-s", self.patience_s)?;
-        let scene = self.scene.load_or(SCENE)?;
-        let key = key_file::read(&self.key_file)?;
+        let scene = self.scene.load()?;
+        let key = self.key.read()?;
         let options = hub::Options {
             users: self.users.into(),
             listen: self.listen,
-            duration_s: self.duration_s,
-            patience_s: self.patience_s,
+            duration_s: self.time.seconds,
+            patience_s: self.patience.patience_s,
         };
         ui.status(format_args!("hub for {} peers listens on {}", self.users, self.listen));
         let report = hub::run(&scene, &key, &options, &Stop::on_signals()?)?;

@@ -1,55 +1,65 @@
-//! The command line: one file per command, each a thin layer over the library.
+//! The command line: one file or folder per command, each a thin layer over the library.
 //!
-//! Results go to standard output (`--json`: one JSON document and nothing else), progress and warnings to standard error.
+//! A command is `args.run(ui)`: results go to standard output (`--json`: one JSON document and nothing else), progress and
+//! warnings to standard error, all of it through [`ui::Ui`]; flags that several commands take are declared in [`flags`].
 //! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
 //! change, 141 when whoever read the results went away.
 
 mod accuracy;
 mod architectures;
-mod calibrate;
+mod board;
 mod campaign;
-mod collaborate;
 mod cooperate;
-mod cooperative;
-mod crowd;
-mod flood;
+mod flags;
 mod hub;
-mod keys;
-mod live;
-mod operator;
+mod key;
+mod listings;
+mod network;
 mod paper;
+mod peer;
 mod precision;
-mod record;
-mod rendering;
-mod restarts;
-mod serve;
-mod shape;
-mod squash;
+mod shared;
 mod stability;
-mod tune;
 mod ui;
-mod visit;
-mod world;
 
-use std::path::PathBuf;
+use std::error::Error;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
 use clap_complete::Shell;
 
+pub use flags::SceneArgs;
+use flags::nearest;
 use haptic_sim::report::Made;
-use haptic_sim::scene::{Scene, SceneError};
-use haptic_sim::scenes;
 use ui::Ui;
 
 /// What a command may fail with.
-pub(super) type Failure = Box<dyn std::error::Error>;
+pub type Failure = Box<dyn Error>;
+
+/// Declares a command, or a group of them, and runs whichever was asked for.
+macro_rules! commands {
+    ($(#[$doc:meta])* $Group:ident { $($(#[$about:meta])* $Name:ident($Args:ty)),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, clap::Subcommand)]
+        pub(in crate::cli) enum $Group { $($(#[$about])* $Name($Args)),+ }
+
+        impl $Group {
+            /// Runs it.
+            pub(in crate::cli) fn run(&self, ui: &$crate::cli::Ui) -> Result<(), $crate::cli::Failure> {
+                match self { $(Self::$Name(args) => args.run(ui)),+ }
+            }
+        }
+    };
+}
+use commands;
 
 /// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
 ///
 /// Without a command: the cooperation paper's experiments (`paper`).
 #[derive(Debug, Parser)]
-#[command(name = "host-sim", version, arg_required_else_help = false)]
+#[command(name = "host-sim", version, disable_help_subcommand = true, mut_subcommands = negative_numbers)]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Command>,
@@ -61,199 +71,162 @@ struct CommandLine {
     completions: Option<Shell>,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
-    Cooperate(cooperate::Cooperate),
-    /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
-    Cooperative(cooperative::Cooperative),
-    /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
-    Architectures(architectures::Architectures),
-    /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
-    Paper(paper::Paper),
-    /// Stability regions, limits and margins, computed from the code that flies.
-    Stability(stability::Stability),
-    /// How far f32 and fixed point stray from f64, scene by scene.
-    Precision(precision::Precision),
-    /// Speed against error: every numerical choice, and what each model adds to a tick.
-    Accuracy(accuracy::Accuracy),
-    /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
-    Campaign(campaign::Campaign),
-    /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
-    Collaborate(collaborate::Collaborate),
-    /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
-    Squash(squash::Squash),
-    /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
-    Calibrate(calibrate::Calibrate),
-    /// Make a key file: for two peers, or for one line of a server or hub.
-    Keygen(live::Keygen),
-    /// The key as a board keeps it in flash, for `cargo xtask provision`.
-    KeyImage(live::KeyImage),
-    /// One peer in real time over UDP, sealed; run two of them.
-    Peer(live::Peer),
-    /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
-    Hub(hub::Hub),
-    /// Say lines to a board: arm, stop, set up; sealed.
-    Operator(operator::Operate),
-    /// A bad network between two peers.
-    Relay(live::Relay),
-    /// A server of a static world over UDP: the whole world, or one region of it.
-    Serve(serve::Serve),
-    /// A client of one or several servers: downloads a world and feels it.
-    Visit(visit::Visit),
-    /// Very many clients at one server: how many it holds, and where it bends.
-    Crowd(crowd::Crowd),
-    /// Every key of a world file, or what a world holds.
-    World(world::World),
-    /// A hand strokes along an object of a world and pushes it about: force, depth at corners, energy.
-    Shape(shape::ShapeArgs),
-    /// Write down what a scene's network does to every packet.
-    Trace(live::Trace),
-    /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
-    Flood(flood::Flood),
-    /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
-    Restarts(restarts::Restarts),
-    /// What one peer of a scene reads, for the same peer on another processor.
-    Record(record::Record),
-    /// Every key of a scene file: unit, default, range, meaning.
-    Keys(keys::Keys),
-}
-
-/// Which scene, and what to change in it.
-#[derive(Clone, Debug, Args)]
-pub struct SceneArgs {
-    /// Scene file (TOML) or the name of a built-in one; without it, the cooperation paper's defaults.
-    #[arg(long, value_name = "FILE")]
-    scene: Option<PathBuf>,
-    /// Override one key of the scene; may be repeated.
-    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
-    set: Vec<String>,
-}
-
-impl SceneArgs {
-    /// The scene, checked.
-    ///
-    /// # Errors
-    /// The first thing that is wrong with it.
-    pub fn load(&self) -> Result<Scene, SceneError> {
-        match self.built_in() {
-            Some(name) => self.changed(name),
-            None => Scene::load(self.scene.as_deref(), &self.set),
-        }
-    }
-
-    /// As [`Self::load`]; without a scene, the built-in one called `name`.
-    ///
-    /// # Errors
-    /// The first thing that is wrong with it.
-    pub fn load_or(&self, name: &str) -> Result<Scene, SceneError> {
-        if self.scene.is_some() { self.load() } else { self.changed(name) }
-    }
-
-    /// A built-in scene with the overrides.
-    fn changed(&self, name: &str) -> Result<Scene, SceneError> {
-        let mut scene = scenes::load(name)?;
-        for text in &self.set {
-            scene.apply_override(text)?;
-        }
-        scene.check(name)?;
-        Ok(scene)
-    }
-
-    /// The name of the built-in scene that is meant, if there is no such file.
-    fn built_in(&self) -> Option<&str> {
-        let path = self.scene.as_ref().filter(|path| !path.exists())?;
-        path.to_str().filter(|name| scenes::text(name).is_some())
-    }
-
-    /// Whether any of it was given.
-    pub(super) fn is_given(&self) -> bool {
-        self.scene.is_some() || !self.set.is_empty()
-    }
-
-    /// Short name of the scene, for file names and headings.
-    pub fn name(&self) -> String {
-        self.name_or("scene")
-    }
-
-    /// Name of the files of a run: the scene's, and where keys were overridden what tells these settings from others; the
-    /// seed, where it is another one than usual.
-    pub(super) fn run_name(&self, scene: &Scene) -> String {
-        let mut name = self.name();
-        if !self.set.is_empty() {
-            name += &format!("-{:08x}", scene.fingerprint());
-        }
-        let seed = scene.world.network.seed;
-        if seed == Scene::default().world.network.seed { name } else { format!("{name}-seed{seed}") }
-    }
-
-    /// As [`Self::name`]; without a scene, `name`.
-    pub fn name_or(&self, name: &str) -> String {
-        if let Some(name) = self.built_in() {
-            return name.to_owned();
-        }
-        let stem = self.scene.as_ref().and_then(|path| path.file_stem());
-        stem.map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned())
+commands! {
+    /// What host-sim does.
+    Command {
+        /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
+        Paper(paper::Paper),
+        /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
+        Cooperate(cooperate::Cooperate),
+        /// Stability regions, limits and margins, computed from the code that flies.
+        #[command(subcommand)]
+        Stability(stability::Question),
+        /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
+        Campaign(campaign::Campaign),
+        /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
+        Architectures(architectures::Architectures),
+        /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.
+        Accuracy(accuracy::Accuracy),
+        /// One peer in real time over UDP, sealed; run two of them.
+        Peer(peer::Peer),
+        /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
+        Hub(hub::Hub),
+        /// Keys of sealed lines: make one, or turn it into a board's.
+        #[command(subcommand)]
+        Key(key::Key),
+        /// A board on the bench: lines to it, calibration, recordings for another processor.
+        #[command(subcommand)]
+        Board(board::Board),
+        /// A bad network for real, a recording of one, and what peers bear: floods and restarts.
+        #[command(subcommand)]
+        Network(network::Network),
+        /// The shared environments of the architectures paper: one engine, taking turns, a game, a world to visit.
+        #[command(subcommand)]
+        Shared(shared::Shared),
     }
 }
 
-/// Runs the command line of this process.
-pub fn main() -> ExitCode {
-    let line = match CommandLine::try_parse() {
-        Ok(line) => line,
-        Err(error) => {
-            // Help and version are no errors; anything else is bad input, said in one line.
-            if !error.use_stderr() {
-                let _ = error.print();
-                return ExitCode::SUCCESS;
+/// Commands that have moved: they work under their old names for one release, with a line that names the new ones.
+const MOVED: &[(&str, &str)] = &[
+    ("calibrate", "board calibrate"),
+    ("collaborate", "shared collaborate"),
+    ("cooperative", "shared cooperative"),
+    ("crowd", "shared world crowd"),
+    ("flood", "network flood"),
+    ("key-image", "key image"),
+    ("keygen", "key generate"),
+    ("keys", "cooperate --keys"),
+    ("operator", "board operator"),
+    ("precision", "accuracy precision"),
+    ("record", "board record"),
+    ("relay", "network relay"),
+    ("restarts", "network restarts"),
+    ("serve", "shared world serve"),
+    ("shape", "shared world stroke"),
+    ("squash", "shared squash"),
+    ("trace", "network trace"),
+    ("visit", "shared world visit"),
+    ("world", "shared world show"),
+];
+
+/// Where a command that has moved is now.
+fn moved(name: &str) -> Option<(&'static str, &'static str)> {
+    MOVED.iter().find(|(old, _)| *old == name).copied()
+}
+
+/// A flag that takes a value takes a negative number too: it is out of range, and no flag of its own.
+fn negative_numbers(command: clap::Command) -> clap::Command {
+    let takes = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(takes).mut_subcommands(negative_numbers)
+}
+
+/// The command line of `host-sim`.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Cli {}
+
+impl Cli {
+    /// Runs the command line of this process.
+    pub fn main(self) -> ExitCode {
+        let mut words: Vec<OsString> = std::env::args_os().collect();
+        let first = words.iter().skip(1).position(|word| word != "--json").map_or(1, |at| at + 1);
+        if let Some((old, new)) = words.get(first).and_then(|word| word.to_str()).and_then(moved) {
+            eprintln!("host-sim {old} is now host-sim {new}: the old name goes with the next release");
+            words.splice(first..=first, new.split(' ').map(OsString::from));
+        }
+        let ui = Ui::new(words.iter().any(|word| word == "--json"));
+        let outcome = match listed(&ui, &words) {
+            Some(outcome) => outcome,
+            None => match CommandLine::try_parse_from(&words) {
+                Ok(line) => line.run(),
+                // Help and version are no errors.
+                Err(answer) if !answer.use_stderr() => {
+                    let _ = answer.print();
+                    Ok(())
+                }
+                Err(error) => Err(refusal(&error).into()),
+            },
+        };
+        match outcome {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("host-sim: {error}");
+                ExitCode::from(2)
             }
-            let text = error.to_string();
-            let said: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-            eprintln!("host-sim: {} (--help lists what there is)", said.join(" ").trim_start_matches("error: "));
-            return ExitCode::from(2);
-        }
-    };
-    if let Some(shell) = line.completions {
-        clap_complete::generate(shell, &mut CommandLine::command(), "host-sim", &mut std::io::stdout());
-        return ExitCode::SUCCESS;
-    }
-    let ui = Ui::new(line.json);
-    let outcome = match line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())) {
-        Command::Cooperate(command) => command.run(&ui),
-        Command::Cooperative(command) => command.run(&ui),
-        Command::Architectures(command) => command.run(&ui),
-        Command::Paper(command) => command.run(&ui),
-        Command::Stability(command) => command.run(&ui),
-        Command::Precision(command) => command.run(&ui),
-        Command::Accuracy(command) => command.run(&ui),
-        Command::Campaign(command) => command.run(&ui),
-        Command::Collaborate(command) => command.run(&ui),
-        Command::Squash(command) => command.run(&ui),
-        Command::Calibrate(command) => command.run(&ui),
-        Command::Keygen(command) => command.run(&ui),
-        Command::KeyImage(command) => command.run(&ui),
-        Command::Peer(command) => command.run(&ui),
-        Command::Hub(command) => command.run(&ui),
-        Command::Operator(command) => command.run(&ui),
-        Command::Relay(command) => command.run(&ui),
-        Command::Serve(command) => command.run(&ui),
-        Command::Visit(command) => command.run(&ui),
-        Command::Crowd(command) => command.run(&ui),
-        Command::World(command) => command.run(&ui),
-        Command::Shape(command) => command.run(&ui),
-        Command::Trace(command) => command.run(&ui),
-        Command::Flood(command) => command.run(&ui),
-        Command::Restarts(command) => command.run(&ui),
-        Command::Record(command) => command.run(&ui),
-        Command::Keys(command) => command.run(&ui),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("host-sim: {error}");
-            ExitCode::from(2)
         }
     }
+}
+
+impl CommandLine {
+    fn run(self) -> Result<(), Failure> {
+        if let Some(shell) = self.completions {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Self::command(), "host-sim", &mut script);
+            write!(Ui::new(false), "{}", String::from_utf8(script)?);
+            return Ok(());
+        }
+        self.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(&Ui::new(self.json))
+    }
+}
+
+/// What `--keys` and `--scenes` list wherever a scene or a world is asked for; whatever else is missing there, as with `--help`.
+fn listed(ui: &Ui, words: &[OsString]) -> Option<Result<(), Failure>> {
+    let whole = CommandLine::command();
+    let command = words.iter().fold(&whole, |command, word| command.find_subcommand(word).unwrap_or(command));
+    let has = |name| command.get_arguments().any(|arg| arg.get_id() == name);
+    let asked = |flag: &str| words.iter().any(|word| word == flag);
+    match () {
+        () if asked("--keys") && has("keys") => Some(listings::scene_keys(ui)),
+        () if asked("--keys") && has("world-keys") => Some(listings::world_keys(ui)),
+        () if asked("--scenes") && has("scenes") => Some(listings::scenes(ui)),
+        () => None,
+    }
+}
+
+/// What is wrong with the arguments, in one line.
+fn refusal(error: &clap::Error) -> String {
+    let texts = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text.as_str()],
+        Some(ContextValue::Strings(texts)) => texts.iter().map(String::as_str).collect(),
+        _ => Vec::new(),
+    };
+    let text = |kind| texts(kind).last().copied();
+    let value = text(ContextKind::InvalidArg).zip(text(ContextKind::InvalidValue)).zip(error.source());
+    if let Some(((flag, value), cause)) = value.filter(|_| error.kind() == ErrorKind::ValueValidation) {
+        let flag = flag.split(' ').next().unwrap_or(flag);
+        return format!("{flag} {value} is not allowed: {cause}");
+    }
+    let rendered = error.to_string();
+    let said: Vec<&str> = rendered.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    // An unknown command may be one of those there, or one that has moved.
+    let here = texts(ContextKind::SuggestedSubcommand).into_iter().map(|name| (name, name));
+    let command =
+        text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, MOVED.iter().copied().chain(here)));
+    let hint = match command.or(text(ContextKind::SuggestedArg)).or(text(ContextKind::SuggestedValue)) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "--help lists what there is".to_owned(),
+    };
+    format!("{} ({hint})", said.join(" ").trim_start_matches("error: "))
 }
 
 /// This program, from now on: what its files say of what made them.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::flags::Out;
 use super::ui::pictures;
 use super::{Failure, Ui};
 use crate::studies::figures;
@@ -15,9 +16,8 @@ use haptic_sim::report::Columns;
 /// Arguments of `paper`.
 #[derive(Debug, Default, Args)]
 pub(super) struct Paper {
-    /// Folder for the pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -29,9 +29,6 @@ struct Document {
 
 impl Paper {
     /// Runs the experiments and prints the tables.
-    ///
-    /// # Errors
-    /// A picture that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let bar = ui.progress(3, "experiments, gains, pictures");
         let experiments = experiments().map_err(|error| error.to_string())?;
@@ -40,7 +37,7 @@ impl Paper {
         bar.inc(1);
         let made = ui.made().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
         let table = experiment_columns(&experiments);
-        let files = ui.files(ui.folder(self.out.as_deref(), "out/paper").as_deref(), "paper", &made, |files| {
+        let files = ui.files(ui.folder(self.out.folder(), "out/paper").as_deref(), "paper", &made, |files| {
             files.csv(&table)?;
             figures::paper(&experiments).iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
         })?;

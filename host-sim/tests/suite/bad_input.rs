@@ -95,6 +95,8 @@ fn scene_files() {
     refused_scene("table.toml", "[objet]\nmass_kg = 3\n", &["objet"]);
     refused_scene("twice.toml", "[object]\nmass_kg = 3\nmass_kg = 3\n", &["twice.toml:3"]);
     refused_scene("bare.toml", "mass_kg = 3\n", &["bare.toml:1", "mass_kg"]);
+    refused(&["cooperate", "--scene", "matched-lin"], &["matched-lin", "did you mean matched-line?"]);
+    refused(&["shared", "cooperative", "--scene", "match"], &["--scene match", "did you mean matched-line?"]);
 }
 
 #[test]
@@ -115,24 +117,27 @@ fn traces() {
 
 #[test]
 fn arguments() {
-    refused(&["cooperate", "--json", "--duration-s", "-1"], &["--duration-s"]);
-    refused(&["cooperate", "--json", "--duration-s", "nan"], &["--duration-s"]);
-    refused(&["cooperate", "--json", "--duration-s", "0.0001"], &["--duration-s 0.0001"]);
+    refused(&["cooperate", "--json", "--seconds", "-1"], &["--seconds"]);
+    refused(&["cooperate", "--json", "--seconds", "nan"], &["--seconds"]);
+    refused(&["cooperate", "--json", "--seconds", "0.0001"], &["--seconds 0.0001"]);
     refused(&["cooperate", "--json", "--out", "/proc/nowhere"], &["/proc/nowhere"]);
 }
 
 #[test]
 fn live_peers_floods_and_restarts() {
-    refused(&["flood", "--rate", "0"], &["--rate 0", "1 to 10000000"]);
-    refused(&["flood", "--seconds", "nan"], &["--seconds NaN", "86400 s"]);
-    refused(&["restarts", "--count", "0"], &["--count", "1..=10000000"]);
-    refused(&["restarts", "--set", "network.playout_packets=33"], &["network.playout_packets = 33", "0 to 32"]);
-    refused(&["restarts", "--set", "network.one_way_delay_packets=100"], &["do not meet within 0.5 s"]);
-    refused(&["relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
+    refused(&["network", "flood", "--rate", "0"], &["--rate 0", "1 to 10000000"]);
+    refused(&["network", "flood", "--seconds", "nan"], &["--seconds nan", "86400 s"]);
+    refused(&["network", "restarts", "--count", "0"], &["--count", "1..=10000000"]);
+    refused(
+        &["network", "restarts", "--set", "network.playout_packets=33"],
+        &["network.playout_packets = 33", "0 to 32"],
+    );
+    refused(&["network", "restarts", "--set", "network.one_way_delay_packets=100"], &["do not meet within 0.5 s"]);
+    refused(&["network", "relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
     let key = file("open.key", &"5a".repeat(32));
     let peer = ["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", "127.0.0.1:9", "--key-file"];
     refused(&[&peer[..], &["/no/such.key"]].concat(), &["/no/such.key"]);
-    refused(&[&peer[..], &[&key, "--duration-s", "0"]].concat(), &["--duration-s 0"]);
+    refused(&[&peer[..], &[&key, "--seconds", "0"]].concat(), &["--seconds 0"]);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -141,10 +146,23 @@ fn live_peers_floods_and_restarts() {
         refused(&[&peer[..], &[&key]].concat(), &["can be read by others", "chmod 600"]);
         mode(0o600);
         refused(&[&peer[..], &[&key, "--patience-s", "0.05"]].concat(), &["nobody answered", "127.0.0.1:9"]);
-        let visit = ["visit", "--line", "1", "--server", "1=127.0.0.1:9", "--duration-s", "0.05", "--key-file", &key];
+        let visit = [
+            "shared",
+            "world",
+            "visit",
+            "--line",
+            "1",
+            "--server",
+            "1=127.0.0.1:9",
+            "--seconds",
+            "0.05",
+            "--key-file",
+            &key,
+        ];
         refused(&visit, &["nobody answered from 127.0.0.1:9", "the key"]);
         let addresses = "127.0.0.1:0,127.0.0.1:9,127.0.0.1:10";
-        let squash = ["squash", "live", "--number", "0", "--addresses", addresses, "--seconds", "0.05", "--key-file"];
+        let squash =
+            ["shared", "squash", "live", "--number", "0", "--addresses", addresses, "--seconds", "0.05", "--key-file"];
         refused(
             &[&squash[..], &[&key]].concat(),
             &["nobody answered within 0.05 s: player 1 at 127.0.0.1:9 was silent, player 2 at 127.0.0.1:10 was silent"],
@@ -159,43 +177,54 @@ fn negative_numbers() {
         let words: Vec<&str> = arguments.iter().flat_map(|text| text.split(' ')).collect();
         refused(&words, names);
     };
-    negative(&["flood --rate -1"], &["--rate -1", "1 to 10000000"]);
-    negative(&["flood --seconds -1"], &["--seconds -1", "86400 s"]);
-    negative(&["restarts --count -1"], &["--count", "1..=10000000"]);
-    negative(&["restarts --seed -1"], &["--seed"]);
-    negative(&["crowd --clients 10,-1"], &["--clients", "1..=4096"]);
-    negative(&["crowd --clients -1"], &["--clients", "1..=4096"]);
-    negative(&["crowd --seconds -1"], &["--seconds -1"]);
-    negative(&["crowd --warm-up-s -1"], &["--warm-up-s -1"]);
-    negative(&["squash --players -1"], &["--players", "2..=8"]);
-    negative(&["squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
-    negative(&["squash --seed -1"], &["--seed"]);
-    negative(&["squash --rallies -1"], &["--rallies", "1..=32767"]);
-    let relay = "relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0";
-    negative(&[relay, "--duration-s -1"], &["--duration-s -1"]);
-    negative(&["trace --duration-s -1 /no/such/trace.csv"], &["--duration-s -1"]);
+    negative(&["network flood --rate -1"], &["--rate -1", "1 to 10000000"]);
+    negative(&["network flood --seconds -1"], &["--seconds -1", "86400 s"]);
+    negative(&["network restarts --count -1"], &["--count", "1..=10000000"]);
+    negative(&["network restarts --seed -1"], &["--seed"]);
+    negative(&["shared world crowd --clients 10,-1"], &["--clients", "1..=4096"]);
+    negative(&["shared world crowd --clients -1"], &["--clients", "1..=4096"]);
+    negative(&["shared world crowd --seconds -1"], &["--seconds -1"]);
+    negative(&["shared world crowd --warm-up-s -1"], &["--warm-up-s -1"]);
+    negative(&["shared squash --players -1"], &["--players", "2..=8"]);
+    negative(&["shared squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
+    negative(&["shared squash --seed -1"], &["--seed"]);
+    negative(&["shared squash --rallies -1"], &["--rallies", "1..=32767"]);
+    let relay = "network relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0";
+    negative(&[relay, "--seconds -1"], &["--seconds -1"]);
+    negative(&["network trace --seconds -1 /no/such/trace.csv"], &["--seconds -1"]);
     let peer = "--listen 127.0.0.1:0 --connect 127.0.0.1:9 --key-file /no/such.key";
     negative(&["peer --number -1", peer], &["--number", "1..=2"]);
-    negative(&["peer --number 1 --duration-s -1", peer], &["--duration-s -1"]);
+    negative(&["peer --number 1 --seconds -1", peer], &["--seconds -1"]);
     negative(&["peer --number 1 --patience-s -1", peer], &["--patience-s -1"]);
-    let serve = "serve --scene /no/such.toml --listen 127.0.0.1:0 --key-file /no/such.key";
-    negative(&[serve, "--duration-s -1"], &["--duration-s -1"]);
+    let serve = "shared world serve --world /no/such.toml --listen 127.0.0.1:0 --key-file /no/such.key";
+    negative(&[serve, "--seconds -1"], &["--seconds -1"]);
     negative(&[serve, "--lines -1"], &["--lines", "1..=4096"]);
     negative(&[serve, "--region -1"], &["--region"]);
-    let visit = "visit --key-file /no/such.key --server 1=127.0.0.1:1";
+    let visit = "shared world visit --key-file /no/such.key --server 1=127.0.0.1:1";
     negative(&[visit, "--line -1"], &["--line", "1..=4096"]);
-    for name in ["--duration-s", "--stroke-s", "--radius-m"] {
+    for name in ["--seconds", "--stroke-s", "--radius-m"] {
         negative(&[visit, "--line 1", name, "-1"], &[&format!("{name} -1")]);
     }
-    negative(&["keygen /tmp/x --line -1 --of /no/such.key"], &["--line", "1..=4096"]);
+    negative(&["key generate /tmp/x --line -1 --of /no/such.key"], &["--line", "1..=4096"]);
 }
 
 #[test]
 fn the_same_place_twice() {
-    let visit = ["visit", "--key-file", "/no/such.key", "--line", "1", "--server", "1=127.0.0.1:1", "--server"];
+    let visit = [
+        "shared",
+        "world",
+        "visit",
+        "--key-file",
+        "/no/such.key",
+        "--line",
+        "1",
+        "--server",
+        "1=127.0.0.1:1",
+        "--server",
+    ];
     refused(&[&visit[..], &["1=127.0.0.1:2"]].concat(), &["--server 1=127.0.0.1:1", "--server 1=127.0.0.1:2"]);
     refused(&[&visit[..], &["2=127.0.0.1:1"]].concat(), &["--server 2=127.0.0.1:1", "an address of its own"]);
-    let squash = ["squash", "live", "--number", "0", "--key-file", "/no/such.key", "--addresses"];
+    let squash = ["shared", "squash", "live", "--number", "0", "--key-file", "/no/such.key", "--addresses"];
     let addresses = "127.0.0.1:1,127.0.0.1:2,127.0.0.1:1";
     refused(&[&squash[..], &[addresses]].concat(), &["--addresses has 127.0.0.1:1 twice"]);
 }
@@ -203,7 +232,7 @@ fn the_same_place_twice() {
 #[test]
 fn a_sweep_of_squash_chooses_for_itself() {
     for (name, value) in [("--rtt-ms", "50"), ("--bounder", "off"), ("--motion-bounder", "on")] {
-        refused(&["squash", "--sweep", name, value], &["--sweep", name]);
+        refused(&["shared", "squash", "--sweep", name, value], &["--sweep", name]);
     }
 }
 
@@ -222,19 +251,21 @@ fn stability_of_one_device() {
 #[test]
 fn objects_that_cannot_be_stroked() {
     let world = file("shapes.toml", "[[strip]]\nid = 3\n[[block]]\nid = 4\n");
-    let shape = |arguments: &[&str], names: &[&str]| refused(&[&["shape", "--json"], arguments].concat(), names);
-    shape(&["--scene", &world, "--object", "3"], &["a strip has no outline", "a wall, a body or a block"]);
-    shape(&["--scene", &world, "--object", "5"], &["--object 5", "shapes.toml", "3, 4"]);
-    shape(&["--scene", &world, "--object", "4", "--below-m", "0.06"], &["below_m = 0.06 is too much"]);
-    shape(&["--scene", &world], &["--object"]);
+    let shape = |arguments: &[&str], names: &[&str]| {
+        refused(&[&["shared", "world", "stroke", "--json"], arguments].concat(), names)
+    };
+    shape(&["--world", &world, "--object", "3"], &["a strip has no outline", "a wall, a body or a block"]);
+    shape(&["--world", &world, "--object", "5"], &["--object 5", "shapes.toml", "3, 4"]);
+    shape(&["--world", &world, "--object", "4", "--below-m", "0.06"], &["below_m = 0.06 is too much"]);
+    shape(&["--world", &world], &["--object"]);
     shape(&["--mass-kg", "-1"], &["--mass-kg -1", "0.01 to 1000 kg"]);
-    shape(&["--speed-m-per-s", "nan"], &["--speed-m-per-s NaN", "0.001 to 1 m/s"]);
+    shape(&["--speed-m-per-s", "nan"], &["--speed-m-per-s nan", "0.001 to 1 m/s"]);
 }
 
 #[test]
 fn calibrations_that_cannot_begin() {
     let out = folder().join("calibrated.toml").display().to_string();
-    let calibrate = |rest: &[&str], names: &[&str]| refused(&[&["calibrate"], rest].concat(), names);
+    let calibrate = |rest: &[&str], names: &[&str]| refused(&[&["board", "calibrate"], rest].concat(), names);
     calibrate(&["counts", "--board", "simulated", "--out", &out], &["--distance-m", "--revolutions"]);
     calibrate(&["counts", "--board", "simulated", "--out", &out, "--distance-m", "-1"], &["a distance of -1"]);
     calibrate(&["motor", "--board", "simulated", "--out", &out], &["--gauge", "--added-mass-kg"]);
@@ -251,10 +282,19 @@ fn calibrations_that_cannot_begin() {
 #[test]
 fn recordings_that_cannot_be_made() {
     let out = folder().join("recording.bin").display().to_string();
-    refused(&["record", "--built-in", "no-scene", &out], &["no-scene", "paper-5.2-power-16ms"]);
-    refused(&["record", "--built-in", "impulsive", "--set", "axis.count=2", &out], &["--built-in", "--set"]);
-    refused(&["record", "--built-in", "impulsive", "--scene", "a.toml", &out], &["--built-in", "--scene"]);
-    refused(&["record", "--duration-s", "0", &out], &["--duration-s 0"]);
-    refused(&["record", "--set", "network.clock_drift_ppm=5", &out], &["network.clock_drift_ppm"]);
-    refused(&["record", "/no/such/folder/recording.bin"], &["/no/such/folder/recording.bin"]);
+    refused(&["board", "record", "--scene", "no-scene", &out], &["no-scene", "paper-5.2-power-16ms"]);
+    refused(&["board", "record", "--scene", "impulsive", "--scene", "a.toml", &out], &["--scene", "multiple"]);
+    refused(&["board", "record", "--seconds", "0", &out], &["--seconds 0"]);
+    refused(&["board", "record", "--set", "network.clock_drift_ppm=5", &out], &["network.clock_drift_ppm"]);
+    refused(&["board", "record", "/no/such/folder/recording.bin"], &["/no/such/folder/recording.bin"]);
+}
+
+#[test]
+fn misspelt_words() {
+    refused(&["coperate"], &["coperate", "did you mean cooperate?"]);
+    refused(&["network", "floods"], &["floods", "did you mean flood?"]);
+    refused(&["operater"], &["operater", "did you mean board operator?"]);
+    refused(&["cooperate", "--secnds", "1"], &["--secnds", "did you mean --seconds?"]);
+    refused(&["shared", "collaborate", "--mistake", "amnesa"], &["amnesa", "did you mean amnesia?"]);
+    refused(&["paper", "--keys"], &["--keys"]);
 }

@@ -1,5 +1,5 @@
 //! Lock and token ring against loss, reorder, duplication, late messages, crashes and partitions; and against mistakes that
-//! the checker must find. `host-sim collaborate` runs the same, 10,000 times and more.
+//! the checker must find. `host-sim shared collaborate` runs the same, 10,000 times and more.
 
 use host_sim::shared::collaborative::{Mistake, Scheme, Trial, Verdict, campaign};
 

@@ -63,7 +63,7 @@ fn files_of_scenes_with_dots_in_their_names() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("dotted");
     let out = folder.display().to_string();
     for name in ["paper-5.1-wave-16ms", "impulsive"] {
-        let report = json(&["cooperate", "--json", "--duration-s", "0.1", "--scene", name, "--out", &out]);
+        let report = json(&["cooperate", "--json", "--seconds", "0.1", "--scene", name, "--out", &out]);
         assert_eq!((&report["scene"], &report["warnings"]), (&name.into(), &Value::Array(vec![])));
         for kind in ["csv", "parquet"] {
             assert!(folder.join(format!("{name}.{kind}")).exists(), "{name}.{kind} in {report}");
@@ -73,23 +73,27 @@ fn files_of_scenes_with_dots_in_their_names() {
 
 #[test]
 fn a_scene_in_which_nobody_pushes_says_so() {
-    let report = json(&["cooperate", "--json", "--duration-s", "0.1"]);
+    let report = json(&["cooperate", "--json", "--seconds", "0.1"]);
     let warning = report["warnings"][0].as_str().expect("a warning");
     assert!(warning.starts_with("nobody pushes: set user.1.push_n"), "{warning}");
 }
 
-/// `host-sim keys | head -3`: quiet, and no success.
+/// `host-sim cooperate --keys | head -3`: quiet, and no success.
 #[test]
 fn a_reader_that_goes_away_ends_the_program_quietly() {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("keys").stdout(writer).output().expect("it runs");
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["cooperate", "--keys"])
+        .stdout(writer)
+        .output()
+        .expect("it runs");
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(141), ""));
 }
 
 #[test]
 fn cooperate_reports_what_scripts_rely_on() {
-    let report = json(&["cooperate", "--json", "--duration-s", "2", "--set", "user.1.push_n=1"]);
+    let report = json(&["cooperate", "--json", "--seconds", "2", "--set", "user.1.push_n=1"]);
     assert_eq!(report["ticks"], 2000);
     assert_eq!(report["seed"], 1);
     for key in ["true_discrepancy_mm", "decoded_discrepancy_mm", "wall_s", "spectral_radius"] {
@@ -124,7 +128,7 @@ fn an_unstable_scene_is_a_result_with_advice() {
 #[test]
 fn files_hold_the_run() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cooperate");
-    let report = json(&["cooperate", "--json", "--duration-s", "1", "--out", &folder.display().to_string()]);
+    let report = json(&["cooperate", "--json", "--seconds", "1", "--out", &folder.display().to_string()]);
     let files = report["files"].as_array().expect("a list of files");
     for extension in ["csv", "parquet", "svg", "png"] {
         let file = files
@@ -177,7 +181,8 @@ fn impacts_are_accounted() {
 /// Wave peers around the server's node, and what does not go with them.
 #[test]
 fn wave_peers_around_a_node() {
-    let rows = json(&["cooperative", "--waves", "--users", "5", "--delay-ms", "40", "--duration-s", "4", "--json"]);
+    let rows =
+        json(&["shared", "cooperative", "--waves", "--users", "5", "--delay-ms", "40", "--seconds", "4", "--json"]);
     assert_eq!(rows[0]["stable"], true);
     close(&rows[0]["node_out_over_in"], 1.0, 1e-12);
 }
@@ -185,8 +190,8 @@ fn wave_peers_around_a_node() {
 /// A stroke around an object: three corners that point out, one that points in, and the work accounted for.
 #[test]
 fn a_stroke_around_an_object() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("shape");
-    let document = json(&["shape", "--json", "--out", folder.to_str().expect("a name")]);
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("stroke");
+    let document = json(&["shared", "world", "stroke", "--json", "--out", folder.to_str().expect("a name")]);
     let parts = document["parts"].as_array().expect("a list of sides");
     let held = parts.iter().filter(|part| part["leaves_at_m"].is_number()).count();
     assert_eq!((parts.len(), held), (4, 3));
@@ -197,4 +202,84 @@ fn a_stroke_around_an_object() {
         let size = std::fs::metadata(file.as_str().expect("a path")).expect("the file is there").len();
         assert!(size > 5000, "{file}");
     }
+}
+
+/// What a command that has moved was called: it works, and says what it is called now.
+#[test]
+fn old_names_work_and_name_the_new_ones() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("moved");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = |name: &str| folder.join(name).display().to_string();
+    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/worlds/two-rooms.toml");
+    let now = |old: &str, new: &str, status: i32| {
+        let words = old.split(' ');
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(words).output().expect("host-sim runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        let name = old.split(' ').next().unwrap_or_default();
+        assert_eq!(output.status.code(), Some(status), "{old}: {said}");
+        assert!(said.starts_with(&format!("host-sim {name} is now host-sim {new}: ")), "{old}: {said}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    now(&format!("keygen {}", file("key")), "key generate", 0);
+    now(&format!("key-image {} {}", file("key"), file("image")), "key image", 0);
+    now("keys", "cooperate --keys", 0);
+    now(&format!("trace --duration-s 1 {}", file("trace.csv")), "network trace", 0);
+    now(&format!("record --built-in matched-line --duration-s 0.1 {}", file("recording")), "board record", 0);
+    let calibrated = file("calibrated.toml");
+    now(&format!("calibrate sign --board simulated --out {calibrated}"), "board calibrate", 0);
+    now("precision --duration-s 0.1", "accuracy precision", 0);
+    now("restarts --count 1", "network restarts", 0);
+    now("collaborate --runs 4", "shared collaborate", 0);
+    now("squash --seconds 0.1 --json", "shared squash", 0);
+    now("cooperative --delay-ms 1 --duration-s 0.1 --json", "shared cooperative", 0);
+    now("shape --json", "shared world stroke", 0);
+    assert!(now(&format!("world --scene {world}"), "shared world show", 0).contains("version 1"));
+    // Live ones: they begin, and miss what is missing.
+    now("flood --rate 0", "network flood", 2);
+    now("relay --duration-s 1", "network relay", 2);
+    now("operator --board 127.0.0.1 --key-file /no/such.key", "board operator", 2);
+    now(&format!("serve --scene {world} --listen 127.0.0.1:0 --key-file /no/such.key"), "shared world serve", 2);
+    now("visit --line 1 --server 1=127.0.0.1:9 --key-file /no/such.key", "shared world visit", 2);
+    now("crowd --clients 0", "shared world crowd", 2);
+}
+
+/// HOUSE.md's table: twelve commands, each with a line of its own in the help.
+#[test]
+fn twelve_commands() {
+    let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("--help").output().expect("host-sim runs");
+    let help = String::from_utf8(output.stdout).expect("text");
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names: Vec<&str> = listed.filter_map(|line| line.split_whitespace().next()).collect();
+    let want = "paper cooperate stability campaign architectures accuracy peer hub key board network shared";
+    assert_eq!(names.join(" "), want);
+}
+
+/// What can be named is listed wherever a scene or a world is asked for, whatever else is missing there.
+#[test]
+fn keys_scenes_and_completions_are_listed() {
+    for command in ["cooperate", "peer", "shared cooperative", "network restarts", "stability map", "board operator"] {
+        let words = |flag| command.split(' ').chain([flag, "--json"]).collect::<Vec<_>>();
+        let find = |list: &Value, key: &str, name: &str| {
+            list.as_array().is_some_and(|rows| rows.iter().any(|row| row[key] == name))
+        };
+        assert!(find(&json(&words("--keys")), "key", "coordination.stiffness_n_per_m"), "{command}");
+        assert!(find(&json(&words("--scenes")), "name", "matched-line"), "{command}");
+    }
+    assert!(json(&["shared", "world", "serve", "--keys", "--json"])[0]["unit"].is_string());
+    for shell in ["bash", "zsh", "fish"] {
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(["--completions", shell]).output();
+        let script = String::from_utf8(output.expect("host-sim runs").stdout).expect("text");
+        assert!(script.contains("architectures") && script.contains("patience-s"), "{shell}");
+    }
+}
+
+/// One scene, one seed, one time, by the same flags, whatever the command.
+#[test]
+fn a_scene_means_the_same_everywhere() {
+    let short = ["--scene", "matched-line", "--seed", "3", "--seconds", "0.1", "--json"];
+    assert_eq!(json(&[&["cooperate"], &short[..]].concat())["seed"], 3);
+    let one = json(&[&["shared", "cooperative", "--delay-ms", "1"], &short[..]].concat());
+    let none = json(&["shared", "cooperative", "--delay-ms", "1", "--seconds", "0.1", "--json"]);
+    assert!(one["rows"][0]["felt_n"].is_number() && one["rows"] != none["rows"]);
 }

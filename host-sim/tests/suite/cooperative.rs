@@ -241,13 +241,15 @@ fn the_command_refuses_what_makes_no_sense() {
         (&["--users", "0"], "from 1 to 16"),
         (&["--delay-ms", "-1"], "from 0 to 1000 ms"),
         (&["--delay-ms", "nan"], "from 0 to 1000 ms"),
-        (&["--duration-s", "nan"], "to 3600 s"),
+        (&["--seconds", "nan"], "to 3600 s"),
         (&["--bounder", "maybe"], "maybe"),
         (&["--collision", "server", "--engine", "client"], "--engine must be server"),
         (&["--set", "contact.stifness_n_per_m=1"], "did you mean contact.stiffness_n_per_m?"),
     ] {
-        let command =
-            std::process::Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("cooperative").args(arguments).output();
+        let command = std::process::Command::new(env!("CARGO_BIN_EXE_host-sim"))
+            .args(["shared", "cooperative"])
+            .args(arguments)
+            .output();
         let output = command.expect("host-sim runs");
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");

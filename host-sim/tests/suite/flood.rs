@@ -6,7 +6,7 @@ use crate::program::{host_sim, report};
 
 #[test]
 fn a_flood_of_forged_datagrams_changes_nothing() {
-    let scene = ["flood", "--json", "--scene", "paper-5.2-passive-wave-16ms"];
+    let scene = ["network", "flood", "--json", "--scene", "paper-5.2-passive-wave-16ms"];
     let flood = host_sim(&[&scene[..], &["--rate", "1e5", "--seconds", "1"]].concat()).spawn().expect("host-sim runs");
     let report = report(flood);
     // Every kind was there; how many a busy machine got out is for the report.

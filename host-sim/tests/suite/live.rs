@@ -46,13 +46,15 @@ fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");
-    assert!(host_sim(&["keygen"]).arg(folder.join("key")).stdout(Stdio::null()).status().expect("runs").success());
+    assert!(
+        host_sim(&["key", "generate"]).arg(folder.join("key")).stdout(Stdio::null()).status().expect("runs").success()
+    );
     folder
 }
 
 fn peer(folder: &std::path::Path, number: &str, listen: &str, connect: &str) -> Child {
     host_sim(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
-        .args(["--duration-s", SECONDS, "--key-file"])
+        .args(["--seconds", SECONDS, "--key-file"])
         .arg(folder.join("key"))
         .args(scene())
         .stdout(Stdio::piped())
@@ -111,7 +113,7 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
     let [one, two] = addresses();
     let peers = [peer(&folder, "1", &one, &two), peer(&folder, "2", &two, &one)];
     // Loopback takes no time, and what came is taken at the end of a packet period.
-    let mut memory = host_sim(&["cooperate", "--json", "--duration-s", SECONDS]);
+    let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
     let memory = json(memory.args(scene()).args(["--set", "network.one_way_delay_packets=0"]));
     for live in peers.map(report) {
         compare(&live, &memory);
@@ -128,18 +130,20 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     let trace = folder.join("trace.csv").display().to_string();
     let network = ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.006", "network.seed=3"];
     let network = network.iter().flat_map(|setting| ["--set", setting]);
-    let recorded = host_sim(&["trace", "--duration-s", "5"]).args(network).arg(&trace).stdout(Stdio::null()).status();
+    let recorded =
+        host_sim(&["network", "trace", "--seconds", "5"]).args(network).arg(&trace).stdout(Stdio::null()).status();
     assert!(recorded.expect("host-sim runs").success());
 
     let [one, two, for_one, for_two] = addresses();
-    let relay = host_sim(&["relay", "--json", "--duration-s", "6", "--listen-1", &for_one, "--listen-2", &for_two])
-        .args(["--trace", &trace])
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("host-sim runs");
+    let relay =
+        host_sim(&["network", "relay", "--json", "--seconds", "6", "--listen-1", &for_one, "--listen-2", &for_two])
+            .args(["--trace", &trace])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("host-sim runs");
     let peers = [peer(&folder, "1", &one, &for_one), peer(&folder, "2", &two, &for_two)];
     let setting = format!("network.trace={trace}");
-    let mut memory = host_sim(&["cooperate", "--json", "--duration-s", SECONDS]);
+    let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
     let memory = json(memory.args(scene()).args(["--set", &setting]));
     let lives = peers.map(report);
     let relayed = report(relay);

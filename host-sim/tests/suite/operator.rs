@@ -114,7 +114,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     // The next operator takes over; from the command line.
     let run = |key: &Path, lines: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args(["operator", "--board", &board.address.to_string(), "--key-file"]).arg(key).args(lines);
+        command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(key).args(lines);
         let output = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         (output.status.code(), text(output.stdout), text(output.stderr))
@@ -147,7 +147,16 @@ fn a_recording_outlives_the_cable() {
     let board = Board::start(key_file::read(&key).unwrap(), 1.0);
     let record = |seconds: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args(["operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", seconds]);
+        command.args([
+            "board",
+            "operator",
+            "--board",
+            &board.address.to_string(),
+            "--every",
+            "1",
+            "--seconds",
+            seconds,
+        ]);
         command.arg("--key-file").arg(&key).arg("--record").arg(&file);
         command.stderr(Stdio::piped()).spawn().unwrap()
     };
@@ -203,7 +212,7 @@ fn a_key_image_is_the_keys_and_is_never_overwritten() {
     key_file::generate(&key).unwrap();
     let make = || {
         Command::new(env!("CARGO_BIN_EXE_host-sim"))
-            .args(["key-image".as_ref(), key.as_os_str(), image.as_os_str()])
+            .args(["key".as_ref(), "image".as_ref(), key.as_os_str(), image.as_os_str()])
             .output()
     };
     assert!(make().unwrap().status.success());

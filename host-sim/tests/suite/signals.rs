@@ -35,7 +35,7 @@ fn a_peer_that_is_ended_reports_and_tells_the_other() {
         let (one, two, key) = (free(), free(), keys.file(0));
         let peer = |number: &str, listen: &str, connect: &str| {
             let own = ["peer", "--json", "--number", number, "--listen", listen, "--connect", connect];
-            let all = [&own[..], &["--scene", "any-network", "--duration-s", "60", "--key-file", &key]].concat();
+            let all = [&own[..], &["--scene", "any-network", "--seconds", "60", "--key-file", &key]].concat();
             host_sim(&all).spawn().expect("host-sim runs")
         };
         let (first, second) = (peer("1", &one, &two), peer("2", &two, &one));
@@ -64,9 +64,21 @@ fn whoever_waits_ends_with_an_empty_report() {
     for (arguments, field) in [
         (&["peer", "--number", "1", "--listen", &address, "--connect", &nobody, "--key-file", &key][..], "ticks"),
         (&["hub", "--users", "2", "--listen", &address, "--key-file", &key], "packets"),
-        (&["visit", "--line", "1", "--server", &server, "--key-file", &line], "objects"),
+        (&["shared", "world", "visit", "--line", "1", "--server", &server, "--key-file", &line], "objects"),
         (
-            &["squash", "live", "--number", "0", "--addresses", &addresses, "--seconds", "60", "--key-file", &key],
+            &[
+                "shared",
+                "squash",
+                "live",
+                "--number",
+                "0",
+                "--addresses",
+                &addresses,
+                "--seconds",
+                "60",
+                "--key-file",
+                &key,
+            ],
             "links",
         ),
     ] {
@@ -75,13 +87,15 @@ fn whoever_waits_ends_with_an_empty_report() {
         let (seen, took) = ended(waits, "TERM");
         assert!(seen[field] == 0 && took < Duration::from_secs(5), "{took:?}: {seen}");
     }
-    let relay = host_sim(&["relay", "--json", "--listen-1", &one, "--listen-2", &two]).spawn().expect("host-sim runs");
+    let relay = host_sim(&["network", "relay", "--json", "--listen-1", &one, "--listen-2", &two])
+        .spawn()
+        .expect("host-sim runs");
     std::thread::sleep(Duration::from_millis(700));
     let (seen, took) = ended(relay, "TERM");
     assert!(seen[0]["taken"] == 0 && took < Duration::from_secs(5), "{took:?}: {seen}");
     let trials = [
-        (&["flood", "--json", "--rate", "1000", "--seconds", "60"][..], "flood_s"),
-        (&["crowd", "--json", "--clients", "5,6", "--warm-up-s", "0.5", "--seconds", "60"], "runs"),
+        (&["network", "flood", "--json", "--rate", "1000", "--seconds", "60"][..], "flood_s"),
+        (&["shared", "world", "crowd", "--json", "--clients", "5,6", "--warm-up-s", "0.5", "--seconds", "60"], "runs"),
     ];
     let trials = trials.map(|(arguments, field)| (host_sim(arguments).spawn().expect("host-sim runs"), field));
     std::thread::sleep(Duration::from_millis(2_500));
@@ -97,10 +111,24 @@ fn servers_and_hubs_say_goodbye() {
     let keys = Keys::new("goodbyes", 2);
     let (key, address) = (keys.file(0), free());
     let world = crate::static_scene::TWO_ROOMS;
-    let serve = ["serve", "--json", "--scene", world, "--region", "1", "--listen", &address, "--key-file", &key];
+    let serve = [
+        "shared",
+        "world",
+        "serve",
+        "--json",
+        "--world",
+        world,
+        "--region",
+        "1",
+        "--listen",
+        &address,
+        "--key-file",
+        &key,
+    ];
     let server = host_sim(&serve).spawn().expect("host-sim runs");
     let (at, line) = (format!("1={address}"), keys.file(1));
-    let visit = ["visit", "--json", "--line", "1", "--server", &at, "--duration-s", "60", "--key-file", &line];
+    let visit =
+        ["shared", "world", "visit", "--json", "--line", "1", "--server", &at, "--seconds", "60", "--key-file", &line];
     let visitor = host_sim(&visit).spawn().expect("host-sim runs");
     std::thread::sleep(Duration::from_millis(1_500));
     let (seen, _) = ended(visitor, "INT");
@@ -108,12 +136,12 @@ fn servers_and_hubs_say_goodbye() {
     let (seen, _) = ended(server, "INT");
     assert!(seen["clients"] == 1 && seen["served_s"].as_f64().is_some_and(|served_s| served_s < 60.0), "{seen}");
 
-    let hub = ["hub", "--json", "--users", "2", "--listen", &address, "--duration-s", "60", "--key-file", &key];
+    let hub = ["hub", "--json", "--users", "2", "--listen", &address, "--seconds", "60", "--key-file", &key];
     let hub = host_sim(&hub).spawn().expect("host-sim runs");
     let peers = [1, 2].map(|line: u32| {
         let (number, key) = (line.to_string(), keys.file(line));
         let own = ["peer", "--json", "--scene", "any-network", "--number", &number, "--listen", "127.0.0.1:0"];
-        let all = [&own[..], &["--connect", &address, "--duration-s", "60", "--key-file", &key]].concat();
+        let all = [&own[..], &["--connect", &address, "--seconds", "60", "--key-file", &key]].concat();
         host_sim(&all).spawn().expect("host-sim runs")
     });
     std::thread::sleep(Duration::from_millis(2_500));

@@ -1,5 +1,5 @@
 //! Squash over every round trip that the issue names: the ball never leaves the court, all agree on every rally's score;
-//! without the bounder the failure is shown. `host-sim squash --sweep` prints the table.
+//! without the bounder the failure is shown. `host-sim shared squash --sweep` prints the table.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -171,19 +171,19 @@ fn the_same_seed_is_the_same_game() {
 #[test]
 fn the_command_line_plays_and_refuses() {
     let run = |line: &str| Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
-    let good = run("squash --players 2 --rtt-ms 50 --seconds 20 --json");
+    let good = run("shared squash --players 2 --rtt-ms 50 --seconds 20 --json");
     let document: serde_json::Value = serde_json::from_slice(&good.stdout).unwrap();
     assert!(good.status.success() && document["agreed"] == true && document["left_the_court"] == 0, "{document}");
     for (line, part) in [
-        ("squash --players 9", "2..=8"),
-        ("squash --rtt-ms -1", "from 0 to 2000 ms"),
-        ("squash --seconds NaN", "from 0.001 to 86400 s"),
-        ("squash --set network.loss=2", "network.loss"),
-        ("squash --set network.asymmetry_s=0.01", "network.asymmetry_s is not allowed here"),
-        ("squash --rallies 0", "--rallies"),
-        ("squash live --number 1 --addresses 127.0.0.1:1 --key-file /nowhere", "/nowhere"),
-        ("collaborate --users 1", "2..=8"),
-        ("collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),
+        ("shared squash --players 9", "2..=8"),
+        ("shared squash --rtt-ms -1", "from 0 to 2000 ms"),
+        ("shared squash --seconds NaN", "up to 86400 s"),
+        ("shared squash --set network.loss=2", "network.loss"),
+        ("shared squash --set network.asymmetry_s=0.01", "network.asymmetry_s is not allowed here"),
+        ("shared squash --rallies 0", "--rallies"),
+        ("shared squash live --number 1 --addresses 127.0.0.1:1 --key-file /nowhere", "/nowhere"),
+        ("shared collaborate --users 1", "2..=8"),
+        ("shared collaborate --mistake no-fence --scheme ring", "only with --scheme lock"),
     ] {
         let bad = run(line);
         let said = String::from_utf8_lossy(&bad.stderr);
@@ -211,7 +211,7 @@ impl Folder {
     /// A new key file.
     fn key(&self, name: &str) -> std::path::PathBuf {
         let key = self.0.join(name);
-        assert!(Command::new(PROGRAM).arg("keygen").arg(&key).output().unwrap().status.success());
+        assert!(Command::new(PROGRAM).args(["key", "generate"]).arg(&key).output().unwrap().status.success());
         key
     }
 }
@@ -226,7 +226,7 @@ fn free_addresses() -> [String; 4] {
 fn join(number: usize, addresses: &[&String], key: &Path, seconds: &str) -> Child {
     let addresses = addresses.iter().map(|address| address.as_str()).collect::<Vec<_>>().join(",");
     Command::new(PROGRAM)
-        .args(["squash", "live", "--json", "--seconds", seconds])
+        .args(["shared", "squash", "live", "--json", "--seconds", seconds])
         .args(["--number", &number.to_string(), "--addresses", &addresses, "--key-file"])
         .arg(key)
         .stdout(Stdio::piped())

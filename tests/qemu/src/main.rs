@@ -4,7 +4,7 @@
 //!
 //! | words | does |
 //! |---|---|
-//! | `replay FILE` | replays a recording of `host-sim record`; prints ticks and hash |
+//! | `replay FILE` | replays a recording of `host-sim board record`; prints ticks and hash |
 //! | `panic FILE` | the same, and in the middle of it an index out of range |
 //! | `overflow FILE` | the same, and in the middle of it a recursion without end |
 //!

@@ -2,13 +2,13 @@
 
 use clap::Args;
 
-use super::super::{Failure, Ui};
+use crate::cli::{Failure, Ui};
 use haptic_analysis::speed;
 use haptic_sim::report::Columns;
 
 /// Arguments of `stability bench`.
 #[derive(Debug, Args)]
-pub(super) struct Bench {
+pub(in crate::cli) struct Bench {
     /// Radii on each thread.
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     radii: u32,
@@ -16,9 +16,6 @@ pub(super) struct Bench {
 
 impl Bench {
     /// Answers.
-    ///
-    /// # Errors
-    /// A bad scene, key or range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut counts = vec![1, cores];

@@ -5,24 +5,24 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, Ui};
+use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::Range;
 use haptic_analysis::{Effort, Limit as Crossings, limit};
 use haptic_sim::report::Columns;
 
 /// Arguments of `stability limit`.
 #[derive(Debug, Args)]
-pub(super) struct Limit {
+pub(in crate::cli) struct Limit {
     #[command(flatten)]
     scene: SceneArgs,
     /// The key to change: any number of a scene (`host-sim keys` lists them).
     #[arg(long, value_name = "TABLE.KEY")]
     of: String,
     /// First value.
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    #[arg(long, value_name = "A")]
     from: f64,
     /// Last value.
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "B")]
     to: f64,
 }
 
@@ -38,9 +38,6 @@ struct LimitReport<'a> {
 
 impl Limit {
     /// Answers.
-    ///
-    /// # Errors
-    /// A bad scene, key or range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);

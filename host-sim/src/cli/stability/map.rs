@@ -6,7 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, Ui};
+use crate::cli::flags::Out;
+use crate::cli::{Failure, SceneArgs, Ui};
 
 use haptic_analysis::Effort;
 use haptic_analysis::picture;
@@ -15,7 +16,7 @@ use haptic_sim::report::Columns;
 
 /// Arguments of `stability map`.
 #[derive(Debug, Args)]
-pub(super) struct Map {
+pub(in crate::cli) struct Map {
     #[command(flatten)]
     scene: SceneArgs,
     /// Horizontal axis: key, first and last value, how many.
@@ -24,9 +25,8 @@ pub(super) struct Map {
     /// Vertical axis; along it all crossings are found, N is the grid of the picture.
     #[arg(long, value_name = "KEY=A..B:N")]
     y: Axis,
-    /// Folder for CSV and picture.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -43,9 +43,6 @@ struct MapReport<'a> {
 
 impl Map {
     /// Answers.
-    ///
-    /// # Errors
-    /// A bad scene, key or range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let bar = ui.progress(self.x.count as u64, "columns");
@@ -56,7 +53,7 @@ impl Map {
         bar.finish_and_clear();
         let made = ui.made().settings(scene.settings());
         let name = format!("map-{}-{}-{}", self.scene.run_name(&scene), self.x.range.key, self.y.range.key);
-        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let folder = ui.folder(self.out.folder(), "out/stability");
         let files = ui.files(folder.as_deref(), &name, &made, |files| {
             files.csv(&found.table())?;
             files.figure(None, &picture::region(&format!("Stability region of {}", self.scene.name()), &found))

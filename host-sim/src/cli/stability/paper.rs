@@ -6,7 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, Ui};
+use crate::cli::flags::Out;
+use crate::cli::{Failure, Ui};
 
 use haptic_analysis::Column;
 use haptic_analysis::figure4::{self, Curve};
@@ -16,10 +17,9 @@ use haptic_sim::report::Columns;
 
 /// Arguments of `stability paper`.
 #[derive(Debug, Args)]
-pub(super) struct Paper {
-    /// Folder for CSV and picture.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+pub(in crate::cli) struct Paper {
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -32,9 +32,6 @@ struct PaperReport {
 
 impl Paper {
     /// Answers.
-    ///
-    /// # Errors
-    /// A bad scene, key or range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let points = figure4::COMMS.len() * figure4::DELAYS.len() * figure4::POINTS;
         let bar = ui.progress(points as u64, "Figure 4");
@@ -43,7 +40,7 @@ impl Paper {
         let wall_s = start.elapsed().as_secs_f64();
         bar.finish_and_clear();
         let made = ui.made().with("number_type", f64::NAME);
-        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let folder = ui.folder(self.out.folder(), "out/stability");
         let files = ui.files(folder.as_deref(), "figure4", &made, |files| {
             files.csv(&figure4::table(&curves))?;
             files.figure(None, &picture::figure4(&curves))

@@ -3,14 +3,14 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{Failure, SceneArgs, Ui};
+use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::{Agreement, agreement};
 use haptic_analysis::{Verdict, advice, verdict};
 use haptic_sim::report::{Cell, Columns};
 
 /// Arguments of `stability point`.
 #[derive(Debug, Args)]
-pub(super) struct Point {
+pub(in crate::cli) struct Point {
     #[command(flatten)]
     scene: SceneArgs,
 }
@@ -26,9 +26,6 @@ struct PointReport {
 
 impl Point {
     /// Answers.
-    ///
-    /// # Errors
-    /// A bad scene, key or range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let report = PointReport {

@@ -11,6 +11,7 @@
 //! crash and come back from their records, the network falls apart. Then it heals, and the clock of progress starts: every
 //! user who wants to must have published within the bound that the protocol states.
 
+use haptic_core::settings::Choice;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -33,7 +34,7 @@ pub enum Scheme {
 }
 
 /// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mistake {
     /// One peer's clock counts a quarter of the time: beyond what a lease allows.
@@ -44,6 +45,11 @@ pub enum Mistake {
     NoFence,
     /// One vote for a new token counts for everybody's (ring only).
     NoMajority,
+}
+
+impl Choice for Mistake {
+    const NAMES: &'static [&'static str] = &["slow-clock", "amnesia", "no-fence", "no-majority"];
+    const ALL: &'static [Self] = &[Self::SlowClock, Self::Amnesia, Self::NoFence, Self::NoMajority];
 }
 
 impl Mistake {

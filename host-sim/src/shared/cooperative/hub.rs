@@ -4,7 +4,7 @@
 //! wave lines meet ([`Junction`]). So peers, boards too, need nothing new for it. Each control period: [`Hub::receive`] for
 //! every datagram that came, then [`Hub::tick`].
 //!
-//! **Lines.** Line n has its own key, made from the hub's (`host-sim keygen --line n --of`): a peer that is opened gives up
+//! **Lines.** Line n has its own key, made from the hub's (`host-sim key generate --line n --of`): a peer that is opened gives up
 //! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
 //! of lines: a greeting is for the line under whose key it is authentic, a sealed datagram for the one whose session it
 //! names. Addresses prove nothing; a peer is answered where it last proved itself from.

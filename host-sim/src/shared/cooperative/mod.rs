@@ -37,13 +37,14 @@ pub mod run;
 pub mod waves;
 pub mod world;
 
+use haptic_core::settings::Choice;
 use haptic_sim::scene::{Scene, SceneError};
 
 /// Most users.
 pub const MOST_USERS: usize = 16;
 
 /// Where contact is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Collision {
     /// Every client computes its own contact with the object as it was told.
@@ -54,7 +55,7 @@ pub enum Collision {
 }
 
 /// Where the object is moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
     /// At the server.
@@ -64,6 +65,16 @@ pub enum Engine {
     Moves,
     /// At the first client as soon as it has it.
     Client,
+}
+
+impl Choice for Collision {
+    const NAMES: &'static [&'static str] = &["client", "server"];
+    const ALL: &'static [Self] = &[Self::Client, Self::Server];
+}
+
+impl Choice for Engine {
+    const NAMES: &'static [&'static str] = &["server", "moves", "client"];
+    const ALL: &'static [Self] = &[Self::Server, Self::Moves, Self::Client];
 }
 
 /// One cooperative environment.

@@ -17,7 +17,7 @@
 //! # …
 //! ```
 //!
-//! Every key but `id` has a default; `host-sim world` lists them. What is wrong is one error that names file and line, object,
+//! Every key but `id` has a default; `host-sim shared world show --keys` lists them. What is wrong is one error that names file and line, object,
 //! key, value and what is allowed.
 
 mod file;

@@ -15,20 +15,24 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use clap::ValueEnum;
+use haptic_core::settings::Choice;
 use serde::Serialize;
 
 /// What instructions are instructions of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Processor {
     /// The board's, with its double-precision FPU (thumbv7em), under QEMU.
     #[default]
     CortexM7,
     /// A PC's, under callgrind.
-    #[value(name = "x86-64")]
     #[serde(rename = "x86-64")]
     X86,
+}
+
+impl Choice for Processor {
+    const NAMES: &'static [&'static str] = &["cortex-m7", "x86-64"];
+    const ALL: &'static [Self] = &[Self::CortexM7, Self::X86];
 }
 
 impl Processor {

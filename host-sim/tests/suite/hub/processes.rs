@@ -11,7 +11,7 @@ use crate::program::{Keys, free, host_sim, report};
 fn peer(keys: &Keys, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
     let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, keys.file(line));
     host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", "127.0.0.1:0"])
-        .args(["--connect", hub, "--key-file", &key, "--duration-s", duration_s])
+        .args(["--connect", hub, "--key-file", &key, "--seconds", duration_s])
         .args(user.iter().flat_map(|setting| ["--set", setting]))
         .spawn()
         .expect("host-sim runs")
@@ -26,7 +26,7 @@ fn number(document: &Value, key: &str) -> f64 {
 fn three_processes_hold_one_object_and_one_of_them_restarts() {
     let keys = Keys::new("three", 3);
     let address = free();
-    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--duration-s", "7", "--key-file"])
+    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "7", "--key-file"])
         .arg(keys.file(0))
         .spawn()
         .expect("host-sim runs");
@@ -76,7 +76,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (&["--users", "1"][..], "2..=16"),
         (&["--users", "17"], "2..=16"),
         (&["--users", "-1"], "2..=16"),
-        (&["--users", "2", "--duration-s", "0"], "--duration-s 0"),
+        (&["--users", "2", "--seconds", "0"], "--seconds 0"),
         (&["--users", "2", "--patience-s", "-1"], "--patience-s -1"),
         (&["--users", "2", "--set", "coordination.comm=power"], "coordination.comm"),
         (&["--users", "2", "--set", "coordination.ledger=false"], "coordination.drift_correction"),

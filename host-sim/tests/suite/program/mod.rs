@@ -30,9 +30,9 @@ impl Keys {
         std::fs::create_dir_all(&folder).expect("a folder for keys");
         let keys = Self(folder);
         let run = |arguments: &[&str]| assert!(host_sim(arguments).status().expect("host-sim runs").success());
-        run(&["keygen", &keys.file(0)]);
+        run(&["key", "generate", &keys.file(0)]);
         for line in 1..=lines {
-            run(&["keygen", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
+            run(&["key", "generate", &keys.file(line), "--line", &line.to_string(), "--of", &keys.file(0)]);
         }
         keys
     }

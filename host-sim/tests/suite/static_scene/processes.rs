@@ -21,13 +21,14 @@ impl Drop for Served {
 
 fn serve(keys: &Keys, region: &str, address: &str) -> Served {
     let key = keys.file(0);
-    let arguments = ["serve", "--scene", TWO_ROOMS, "--region", region, "--listen", address, "--key-file", &key];
+    let arguments =
+        ["shared", "world", "serve", "--world", TWO_ROOMS, "--region", region, "--listen", address, "--key-file", &key];
     Served(host_sim(&arguments).stderr(Stdio::null()).spawn().expect("host-sim runs"))
 }
 
 fn visit(keys: &Keys, line: u32, arguments: &[&str]) -> Child {
     let (key, line) = (keys.file(line), line.to_string());
-    let all = [&["visit", "--json", "--key-file", &key, "--line", &line], arguments].concat();
+    let all = [&["shared", "world", "visit", "--json", "--key-file", &key, "--line", &line], arguments].concat();
     host_sim(&all).spawn().expect("host-sim runs")
 }
 
@@ -38,8 +39,8 @@ fn two_rooms_two_servers_two_clients() {
     let _servers = [serve(&keys, "1", &first), serve(&keys, "2", &second)];
     let (one, two) = (format!("1={first}"), format!("2={second}"));
     // One client stays in the first room, the other goes through the door, along the ledge, and back.
-    let stays = visit(&keys, 1, &["--server", &one, "--duration-s", "7"]);
-    let strokes = ["--from-m=-0.2,-0.102", "--to-m=0.2,-0.102", "--stroke-s", "4", "--duration-s", "4"];
+    let stays = visit(&keys, 1, &["--server", &one, "--seconds", "7"]);
+    let strokes = ["--from-m=-0.2,-0.102", "--to-m=0.2,-0.102", "--stroke-s", "4", "--seconds", "4"];
     let goes = visit(&keys, 2, &[&["--server", &one, "--server", &two, "--radius-m", "0.2"], &strokes[..]].concat());
     let (goes, stays) = (report(goes), report(stays));
     assert_eq!(
@@ -63,7 +64,7 @@ fn a_server_process_that_ends_takes_nothing_with_it() {
     let keys = Keys::new("gone", 1);
     let address = free();
     let server = serve(&keys, "1", &address);
-    let visitor = visit(&keys, 1, &["--server", &format!("1={address}"), "--stroke-s", "0.5", "--duration-s", "3"]);
+    let visitor = visit(&keys, 1, &["--server", &format!("1={address}"), "--stroke-s", "0.5", "--seconds", "3"]);
     std::thread::sleep(Duration::from_millis(1_500));
     drop(server);
     let seen = report(visitor);
@@ -77,13 +78,13 @@ fn a_server_process_that_ends_takes_nothing_with_it() {
 fn two_clients_that_tell_each_other_straight() {
     let keys = Keys::new("friends", 2);
     let pair = keys.0.join("pair.key").display().to_string();
-    assert!(host_sim(&["keygen", &pair]).status().expect("host-sim runs").success());
+    assert!(host_sim(&["key", "generate", &pair]).status().expect("host-sim runs").success());
     let (one, two, nobody) = (free(), free(), format!("1={}", free()));
     let join = |line, arguments: &[&str]| visit(&keys, line, arguments);
     let visit = |line: u32, listen: &str, friend: String| {
         let place = format!("--from-m=0.{line},0.1");
         let at = format!("--to-m=0.{line},0.1");
-        let own = ["--server", &nobody, "--listen", listen, "--duration-s", "1.5", "--friend-key-file", &pair];
+        let own = ["--server", &nobody, "--listen", listen, "--seconds", "1.5", "--friend-key-file", &pair];
         join(line, &[&own[..], &["--friend", &friend, &place, &at]].concat())
     };
     let (first, second) = (visit(1, &one, format!("2={two}")), visit(2, &two, format!("1={one}")));
@@ -99,9 +100,10 @@ fn two_clients_that_tell_each_other_straight() {
 
 #[test]
 fn a_small_crowd_is_answered() {
-    let output = host_sim(&["crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
-        .output()
-        .expect("runs");
+    let output =
+        host_sim(&["shared", "world", "crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
+            .output()
+            .expect("runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
     let run = &document["runs"][0];
@@ -120,12 +122,12 @@ fn worlds_as_documents() {
         let output = host_sim(arguments).output().expect("host-sim runs");
         serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
     };
-    let world = json(&["world", "--json", "--scene", TWO_ROOMS]);
+    let world = json(&["shared", "world", "show", "--json", "--world", TWO_ROOMS]);
     assert_eq!(
         (&world["objects"], &world["regions"], &world["bytes"]),
         (&7.into(), &2.into(), &(7 * 64 + 2 * 32).into())
     );
-    let keys = json(&["world", "--json"]);
+    let keys = json(&["shared", "world", "show", "--json"]);
     assert!(keys.as_array().is_some_and(|keys| keys.iter().any(|key| key["key"] == "strip.spring_n_per_m")));
 }
 
@@ -147,26 +149,32 @@ fn what_is_wrong_is_one_line() {
     let world = keys.0.join("bad.toml").display().to_string();
     std::fs::write(&world, "[[wall]]\nid = 1\nthickness_m = 0\n").expect("a bad world");
     let serve = |rest: &[&str], names: &[&str]| {
-        refused(&[&["serve", "--listen", "127.0.0.1:0", "--key-file", &server], rest].concat(), names);
+        refused(
+            &[&["shared", "world", "serve", "--listen", "127.0.0.1:0", "--key-file", &server], rest].concat(),
+            names,
+        );
     };
     serve(&["--scene", &world], &["bad.toml:3", "wall 1", "thickness_m = 0", "0.001 to 1000 m"]);
     serve(&["--scene", "/no/such.toml"], &["/no/such.toml"]);
-    serve(&["--scene", TWO_ROOMS, "--region", "3"], &["--region 3", "1 to 2"]);
-    serve(&["--scene", TWO_ROOMS, "--region", "0"], &["--region 0"]);
-    serve(&["--scene", TWO_ROOMS, "--lines", "5000"], &["5000", "4096"]);
-    serve(&["--scene", TWO_ROOMS, "--duration-s", "0"], &["--duration-s 0"]);
+    serve(&["--world", TWO_ROOMS, "--region", "3"], &["--region 3", "1 to 2"]);
+    serve(&["--world", TWO_ROOMS, "--region", "0"], &["--region 0"]);
+    serve(&["--world", TWO_ROOMS, "--lines", "5000"], &["5000", "4096"]);
+    serve(&["--world", TWO_ROOMS, "--seconds", "0"], &["--seconds 0"]);
     let taken = UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let address = taken.local_addr().expect("an address").to_string();
-    refused(&["serve", "--scene", TWO_ROOMS, "--key-file", &server, "--listen", &address], &[&address, "listen"]);
+    refused(
+        &["shared", "world", "serve", "--world", TWO_ROOMS, "--key-file", &server, "--listen", &address],
+        &[&address, "listen"],
+    );
     let visit = |rest: &[&str], names: &[&str]| {
-        refused(&[&["visit", "--key-file", &client, "--line", "1"], rest].concat(), names);
+        refused(&[&["shared", "world", "visit", "--key-file", &client, "--line", "1"], rest].concat(), names);
     };
     visit(&[], &["--server"]);
     visit(&["--server", "127.0.0.1:1"], &["NUMBER=ADDRESS:PORT"]);
     visit(&["--server", "0=127.0.0.1:1"], &["1 to 254"]);
     let one = ["--server", "1=127.0.0.1:1"];
     visit(&[&one[..], &["--radius-m", "0"]].concat(), &["--radius-m 0"]);
-    visit(&[&one[..], &["--radius-m", "nan"]].concat(), &["--radius-m NaN"]);
+    visit(&[&one[..], &["--radius-m", "nan"]].concat(), &["--radius-m nan"]);
     visit(&[&one[..], &["--from-m", "1"]].concat(), &["X,Y"]);
     visit(&[&one[..], &["--to-m", "1,inf"]].concat(), &["X,Y", "1000"]);
     visit(
@@ -174,8 +182,8 @@ fn what_is_wrong_is_one_line() {
         &["--friend 1", "own line"],
     );
     visit(&[&one[..], &["--friend", "2=127.0.0.1:1"]].concat(), &["--friend-key-file"]);
-    refused(&["keygen", "/tmp/x", "--line", "0", "--of", &server], &["0", "1..=4096"]);
-    refused(&["keygen", &client, "--line", "1", "--of", &server], &[&client, "exists"]);
-    refused(&["crowd", "--clients", "0"], &["0", "1..=4096"]);
-    refused(&["crowd", "--seconds=-1"], &["--seconds"]);
+    refused(&["key", "generate", "/tmp/x", "--line", "0", "--of", &server], &["0", "1..=4096"]);
+    refused(&["key", "generate", &client, "--line", "1", "--of", &server], &[&client, "exists"]);
+    refused(&["shared", "world", "crowd", "--clients", "0"], &["0", "1..=4096"]);
+    refused(&["shared", "world", "crowd", "--seconds=-1"], &["--seconds"]);
 }

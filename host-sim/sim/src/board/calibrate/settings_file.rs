@@ -28,25 +28,37 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
         let Some(inner) = entry.as_table_mut() else { return Err(format!("{place}: {table} is no table")) };
         inner.insert(name.to_owned(), value.clone());
     }
-    let text = format!("# Found by `host-sim calibrate`; a scene file, in part.\n\n{document}");
+    let text = format!("# Found by `host-sim board calibrate`; a scene file, in part.\n\n{document}");
     Scene::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
     std::fs::write(path, text).map_err(|cause| format!("cannot write {place}: {cause}"))
 }
 
-/// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
+/// The keys that a scene's text names, as `table.key`; none where it is no TOML.
+pub fn named(text: &str) -> Vec<String> {
+    let document: toml::Table = text.parse().unwrap_or_default();
+    let keys = |(table, inner): (&String, &toml::Value)| -> Vec<String> {
+        inner.as_table().into_iter().flat_map(toml::Table::keys).map(|name| format!("{table}.{name}")).collect()
+    };
+    document.iter().flat_map(keys).collect()
+}
+
+/// Gives a board what of a file is the board's, keys that it names only, and has it taken.
 ///
 /// # Errors
-/// What the board says against it.
+/// The file is no scene, or what the board says against it.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
     let scene = Scene::load(Some(path), &[]).map_err(|error| error.to_string())?;
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
-    let document: toml::Table = text.parse().map_err(|error| format!("{}: {error}", path.display()))?;
-    let named = |key: &str| {
-        key.split_once('.')
-            .is_some_and(|(table, name)| document.get(table).is_some_and(|inner| inner.get(name).is_some()))
-    };
+    give_scene(board, &scene, &named(&text))
+}
+
+/// The same of a scene, these keys only.
+///
+/// # Errors
+/// What the board says against it.
+pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, String> {
     let mut given = 0;
-    for key in Settings::keys().filter(|key| named(key.name)) {
+    for key in Settings::keys().filter(|key| named.iter().any(|name| name == key.name)) {
         let line = match scene.peer.get(key.name) {
             Some(Value::Number(number)) => format!("set {} {number:?}", key.name),
             Some(Value::Flag(flag)) => format!("set {} {flag}", key.name),

@@ -1,15 +1,16 @@
-//! `host-sim cooperative`: many users, one object, one dynamics engine.
+//! `host-sim shared cooperative`: many users, one object, one dynamics engine.
 
 mod picture;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Failure, Ui};
+use crate::cli::flags::{Out, Time, choice, number, switch};
+use crate::cli::{Failure, SceneArgs, Ui};
 use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
 use crate::shared::cooperative::waves::{self, Waves};
@@ -34,47 +35,38 @@ const WAVES: [&str; 6] = [
     "object.force_delay_ticks=0",
 ];
 
-/// A switch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Switch {
-    On,
-    Off,
-}
-
 /// Arguments of `cooperative`.
 #[derive(Debug, Args)]
-pub(super) struct Cooperative {
-    /// Scene file (TOML); without it, packets each tick, prompt forces and a device of 5 N·s/m.
-    #[arg(long, value_name = "FILE")]
-    scene: Option<PathBuf>,
-    /// Override one key of the scene; may be repeated.
-    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
-    set: Vec<String>,
+#[command(mut_arg("scene", |arg| {
+    arg.help("Scene file (TOML) or the name of a built-in scene; without it, packets each tick, prompt forces, a device of 5 N·s/m")
+}))]
+#[command(mut_arg("seconds", |arg| arg.default_value("10").value_parser(number(1e-4..=3600.0, "s"))))]
+pub(in crate::cli) struct Cooperative {
+    #[command(flatten)]
+    scene: SceneArgs,
     /// How many users push the object, 1 to 16.
     #[arg(long, default_value_t = 2, value_name = "N")]
     users: usize,
     /// Delay of every packet between a client and the server, one way, ms (instead of the scene's network.extra_delay_s);
     /// without it, a sweep from 0 to 200 ms, and the paper's limits.
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", value_parser = number(0.0..=1000.0, "ms"))]
     delay_ms: Option<f64>,
     /// Whether stiffness and damping follow the measured round trip; without it, a sweep shows both.
-    #[arg(long, value_enum)]
-    bounder: Option<Switch>,
+    #[arg(long, value_parser = switch())]
+    bounder: Option<bool>,
     /// Where contact is computed.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, default_value = "client", value_parser = choice::<Collision>())]
     collision: Collision,
     /// Where the object is moved.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, default_value = "server", value_parser = choice::<Engine>())]
     engine: Engine,
     /// Instead of one engine a copy for every user, held together by waves through the lossless node at the server.
     #[arg(long, conflicts_with_all = ["bounder", "collision", "engine", "out"])]
     waves: bool,
-    /// Simulated time, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
-    duration_s: f64,
-    /// Folder for CSV and pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    time: Time,
+    #[command(flatten)]
+    out: Out,
 }
 
 /// One run, as reported.
@@ -110,18 +102,10 @@ struct Report {
 }
 
 impl Cooperative {
-    /// The scene, on top of these keys where no file is given, with this delay.
+    /// The scene, on top of these keys where none is named, with this delay.
     fn load(&self, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
-        if !(0.0..=1000.0).contains(&one_way_ms) {
-            return Err(format!("--delay-ms {one_way_ms} is not allowed: it must be a number from 0 to 1000 ms").into());
-        }
-        let mut keys: Vec<String> = Vec::new();
-        if self.scene.is_none() {
-            keys.extend(base.iter().chain(&FORCES).map(|key| (*key).to_owned()));
-        }
-        keys.extend(self.set.iter().cloned());
-        keys.push(format!("network.extra_delay_s={}", 1e-3 * one_way_ms));
-        Ok(Scene::load(self.scene.as_deref(), &keys)?)
+        let delay = format!("network.extra_delay_s={}", 1e-3 * one_way_ms);
+        self.scene.load_with(&[base, &FORCES].concat(), Some(delay))
     }
 
     fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
@@ -133,7 +117,7 @@ impl Cooperative {
 
     fn row(&self, one_way_ms: f64, bounder: bool) -> Result<Row, Failure> {
         let setup = self.setup(one_way_ms, bounder)?;
-        let outcome = run(&setup, self.duration_s)?;
+        let outcome = run(&setup, self.time.seconds)?;
         let network = setup.scene.world.network;
         // What the sampled map can hold.
         let seen = bounder
@@ -147,23 +131,21 @@ impl Cooperative {
     }
 
     /// One run, or the sweep.
-    ///
-    /// # Errors
-    /// A bad scene, number of users, delay or duration; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let period_s = self.setup(self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
-        if !(self.duration_s >= 8.0 * period_s && self.duration_s <= 3600.0) {
+        if self.time.seconds < 8.0 * period_s {
             let least = 8.0 * period_s;
             let message =
-                format!("--duration-s {} is not allowed: it must be a number from {least} to 3600 s", self.duration_s);
+                format!("--seconds {} is not allowed: it must be a number from {least} to 3600 s", self.time.seconds);
             return Err(message.into());
         }
         if self.waves {
             return self.run_waves(ui);
         }
         let switches: &[bool] = match self.bounder {
-            Some(switch) => &[switch == Switch::On],
+            Some(true) => &[true],
+            Some(false) => &[false],
             None if self.delay_ms.is_some() => &[true],
             None => &[false, true],
         };
@@ -183,13 +165,16 @@ impl Cooperative {
         bar.finish_and_clear();
         let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
         let made = self.made(ui)?;
-        let written = ui.files(self.out.as_deref(), "cooperative", &made, |files| match &rows[..] {
-            [row] => {
-                files.csv(&row.outcome.table)?;
-                files.figure(None, &picture::over_time(row))
-            }
-            rows => files.figure(None, &picture::sweep(rows)),
-        })?;
+        let written =
+            ui.files(ui.folder(self.out.folder(), "out/cooperative").as_deref(), "cooperative", &made, |files| {
+                match &rows[..] {
+                    [row] => {
+                        files.csv(&row.outcome.table)?;
+                        files.figure(None, &picture::over_time(row))
+                    }
+                    rows => files.figure(None, &picture::sweep(rows)),
+                }
+            })?;
         let report = Report { rows, limits, wall_s: start.elapsed().as_secs_f64(), files: written };
         ui.document_of(&made, &report)?;
         report.print(ui);
@@ -201,7 +186,7 @@ impl Cooperative {
         let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
         let mut rows = Vec::new();
         for one_way_ms in delays {
-            let outcome = Waves::new(&self.load(one_way_ms, &WAVES)?, self.users)?.run(self.duration_s);
+            let outcome = Waves::new(&self.load(one_way_ms, &WAVES)?, self.users)?.run(self.time.seconds);
             rows.push(WaveRow { users: self.users, one_way_ms, outcome });
         }
         ui.document(&rows)?;
@@ -233,7 +218,7 @@ impl Cooperative {
 
     fn made(&self, ui: &Ui) -> Result<Made, Failure> {
         let scene = self.load(self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
-        let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.duration_s);
+        let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
         let places = [("collision", format!("{:?}", self.collision)), ("engine", format!("{:?}", self.engine))];
         Ok(places.into_iter().fold(made, |made, (name, place)| made.with(name, place.to_lowercase())))

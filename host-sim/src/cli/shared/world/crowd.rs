@@ -1,11 +1,10 @@
-//! `host-sim crowd`: how many clients a server holds.
-
-use std::path::PathBuf;
+//! `host-sim shared world crowd`: how many clients a server holds.
 
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Ui};
+use crate::cli::flags::{Time, WorldArgs, seconds};
+use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::shared::visit::PACKET_US;
 use crate::shared::visit::host::MOST_LINES;
@@ -20,20 +19,20 @@ const RATE_HZ: f64 = 1e6 / PACKET_US as f64;
 
 /// Arguments of `crowd`.
 #[derive(Debug, Args)]
-pub(super) struct Crowd {
+#[command(mut_arg("world", |arg| arg.help("World file (TOML) [default: the two rooms of scenes/worlds]")))]
+#[command(mut_arg("seconds", |arg| arg.default_value("10")))]
+pub(in crate::cli) struct Crowd {
     /// How many clients, one run for each, separated by commas.
-    #[arg(long, allow_negative_numbers = true, value_delimiter = ',', default_values_t = [100, 200, 500, 1000, 1500, 2000], value_name = "N,…",
+    #[arg(long, value_delimiter = ',', default_values_t = [100, 200, 500, 1000, 1500, 2000], value_name = "N,…",
         value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     clients: Vec<u32>,
-    /// How long each run is measured, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
-    seconds: f64,
+    #[command(flatten)]
+    time: Time,
     /// How long before that the clients have to arrive and download, s.
-    #[arg(long, default_value_t = 3.0, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, default_value = "3", value_name = "S", value_parser = seconds)]
     warm_up_s: f64,
-    /// World file; without it, the two rooms of `scenes/worlds`.
-    #[arg(long, value_name = "WORLD")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    world: WorldArgs,
 }
 
 /// What the machine was while it was measured.
@@ -75,15 +74,10 @@ fn holds(run: &crowd::Report) -> bool {
 
 impl Crowd {
     /// Measures and reports.
-    ///
-    /// # Errors
-    /// A bad world or time; a socket that cannot be opened.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        super::live::check_time("--seconds", self.seconds)?;
-        super::live::check_time("--warm-up-s", self.warm_up_s)?;
-        let world = match &self.scene {
-            Some(path) => world::load(path)?,
-            None => world::parse(include_str!("../../../scenes/worlds/two-rooms.toml"), "two-rooms")?,
+        let world = match self.world.load()? {
+            Some((world, _)) => world,
+            None => world::parse(include_str!("../../../../../scenes/worlds/two-rooms.toml"), "two-rooms")?,
         };
         let mut clients = self.clients.clone();
         clients.sort_unstable();
@@ -92,11 +86,11 @@ impl Crowd {
         let progress = ui.progress(clients.len() as u64, "crowds");
         let (stop, mut runs) = (Stop::on_signals()?, Vec::new());
         for count in clients {
-            runs.push(crowd::run(&world, count, self.warm_up_s, self.seconds, &stop)?);
-            progress.inc(1);
+            runs.push(crowd::run(&world, count, self.warm_up_s, self.time.seconds, &stop)?);
             if stop.is_asked() {
                 break;
             }
+            progress.inc(1);
         }
         progress.finish_and_clear();
         let machine = Machine {

@@ -6,7 +6,8 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Ui};
+use crate::cli::flags::Out;
+use crate::cli::{Failure, Ui};
 use haptic_analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
@@ -18,31 +19,30 @@ const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];
 
 /// Arguments of `stability rendering`.
 #[derive(Debug, Args)]
-pub(super) struct Rendering {
+pub(in crate::cli) struct Rendering {
     /// Mass of the haptic device, kg.
-    #[arg(long, default_value_t = 0.1, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.1, value_name = "KG")]
     device_mass_kg: f64,
     /// Its damping, N·s/m; without it, that of the device behind the paper's statement.
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "B")]
     device_damping_n_s_per_m: Option<f64>,
     /// Mass of the virtual object, kg; a wall is always shown beside it.
-    #[arg(long, default_value_t = 0.3, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.3, value_name = "KG")]
     object_mass_kg: f64,
     /// Damping of the virtual object, N·s/m.
-    #[arg(long, default_value_t = 0.0, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "B")]
     object_damping_n_s_per_m: f64,
     /// Damping of the contact, N·s/m.
-    #[arg(long, default_value_t = 0.0, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "B")]
     contact_damping_n_s_per_m: f64,
     /// Time from sampling to the new force, in periods; without it, that of the device behind the paper's statement.
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    #[arg(long, value_name = "C")]
     computing_ticks: Option<f64>,
     /// Sampling period while the delay is swept, s; without it, a fortieth of the delay, so that only the delay counts.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     sampling_period_s: Option<f64>,
-    /// Folder for CSV and picture.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -62,9 +62,6 @@ struct Report {
 
 impl Rendering {
     /// Both maps, the paper's device, the files.
-    ///
-    /// # Errors
-    /// A number out of range; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let mut setup = Setup {
@@ -99,7 +96,7 @@ impl Rendering {
         let made = made.with("contact_damping_n_s_per_m", setup.contact_damping_n_s_per_m);
         let made =
             made.with("computing_ticks", setup.computing_ticks).with("sampling_period_s", self.sampling_period_s);
-        let folder = ui.folder(self.out.as_deref(), "out/stability");
+        let folder = ui.folder(self.out.folder(), "out/stability");
         let files = ui.files(folder.as_deref(), "rendering", &made, |files| {
             files.csv(&maps::table(&curves))?;
             files.figure(None, &picture::figure(&setup, &curves))

@@ -1,46 +1,41 @@
-//! `host-sim squash live`: the game in real time over UDP.
+//! `host-sim shared squash live`: the game in real time over UDP.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
 use clap::Args;
 
 use super::Rules;
+use crate::cli::flags::{KeyFile, Time};
 use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::squash::{self, Options, Report};
-use haptic_sim::key_file;
 use haptic_sim::report::text::TextTable;
 
 /// Arguments of `squash live`.
 #[derive(Debug, Args)]
 pub(super) struct Live {
     /// Which one: 0 is the server, 1, 2 … the players.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     number: u8,
     /// Where each of them listens, in order, the server first; the same for all.
     #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
     addresses: Vec<SocketAddr>,
-    /// Key file, the same for all (`host-sim keygen`).
-    #[arg(long, value_name = "FILE")]
-    key_file: PathBuf,
+    #[command(flatten)]
+    key: KeyFile,
     #[command(flatten)]
     rules: Rules,
 }
 
 impl Live {
     /// Plays and reports.
-    ///
-    /// # Errors
-    /// A bad number, address or key file; nobody answering.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let (bounder, motion_bounder, seconds) = self.rules.read()?;
+        let Rules { bounder, motion_bounder, time: Time { seconds } } = self.rules;
         for (at, address) in self.addresses.iter().enumerate() {
             if self.addresses[..at].contains(address) {
                 return Err(format!("--addresses has {address} twice: each of them has one of its own").into());
             }
         }
-        let key = key_file::read(&self.key_file)?;
+        let key = self.key.read()?;
         let addresses = self.addresses.clone();
         let options = Options { number: self.number, addresses, bounder, motion_bounder, seconds };
         let report = squash::run(&key, &options, &Stop::on_signals()?)?;

@@ -1,39 +1,30 @@
-//! `host-sim collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
+//! `host-sim shared collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, Ui};
+use crate::cli::flags::choice;
+use crate::cli::{Failure, Ui};
 use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
 use haptic_sim::report::text::TextTable;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum SchemeName {
-    /// A central server.
-    Lock,
-    /// A token that goes round.
-    Ring,
-    /// One after the other.
-    Both,
-}
-
 /// Arguments of `collaborate`.
 #[derive(Debug, Args)]
-pub(super) struct Collaborate {
+pub(in crate::cli) struct Collaborate {
     /// Who says whose turn it is.
-    #[arg(long, value_enum, default_value = "both")]
-    scheme: SchemeName,
+    #[arg(long, default_value = "both", value_parser = ["lock", "ring", "both"])]
+    scheme: String,
     /// Users; by default 2, 3, 5 and 8 in turn.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=i64::from(MOST_USERS)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=i64::from(MOST_USERS)))]
     users: Option<u8>,
     /// Runs of each scheme, shared among the numbers of users; a seed each.
-    #[arg(long, default_value_t = 10_000, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     runs: u64,
     /// Seed of the first run.
-    #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1, value_name = "K")]
     seed: u64,
     /// Put a mistake in on purpose, to see that it is found.
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "NAME", value_parser = choice::<Mistake>())]
     mistake: Option<Mistake>,
 }
 
@@ -47,14 +38,11 @@ struct Row {
 
 impl Collaborate {
     /// Runs and prints what the checker says.
-    ///
-    /// # Errors
-    /// None but a mistake that the scheme cannot have.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let schemes: &[Scheme] = match self.scheme {
-            SchemeName::Lock => &[Scheme::Lock],
-            SchemeName::Ring => &[Scheme::Ring],
-            SchemeName::Both => &[Scheme::Lock, Scheme::Ring],
+        let schemes: &[Scheme] = match self.scheme.as_str() {
+            "lock" => &[Scheme::Lock],
+            "ring" => &[Scheme::Ring],
+            _ => &[Scheme::Lock, Scheme::Ring],
         };
         let mistake = self.mistake;
         if !schemes.iter().all(|scheme| mistake.is_none_or(|mistake| mistake.fits(*scheme))) {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::live::check_time;
-use super::{Failure, Ui};
+use crate::cli::flags::{KeyFile, Time, number, seconds};
+use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::visit;
 use crate::shared::visit::host::MOST_LINES;
@@ -14,12 +14,12 @@ use haptic_sim::key_file;
 
 /// Arguments of `visit`.
 #[derive(Debug, Args)]
-pub(super) struct Visit {
-    /// Key file of this client's line (`host-sim keygen FILE --line N --of SERVER-FILE`).
-    #[arg(long, value_name = "FILE")]
-    key_file: PathBuf,
+#[command(mut_arg("seconds", |arg| arg.default_value("10")))]
+pub(in crate::cli) struct Visit {
+    #[command(flatten)]
+    key: KeyFile,
     /// This client's line.
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     line: u32,
     /// A server and where it listens; one for each region, the first is where the visit begins.
     #[arg(long = "server", required = true, value_name = "NUMBER=ADDRESS:PORT", value_parser = server)]
@@ -28,8 +28,8 @@ pub(super) struct Visit {
     #[arg(long, default_value = "0.0.0.0:0", value_name = "ADDRESS:PORT")]
     listen: SocketAddr,
     /// How far around the hand the world is wanted, m; without it, everything.
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    radius_m: Option<f32>,
+    #[arg(long, value_name = "M", value_parser = number(1e-3..=1000.0, "m"))]
+    radius_m: Option<f64>,
     /// The hand goes from here, m.
     #[arg(long, default_value = "0,0.1", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     from_m: [f64; 2],
@@ -37,15 +37,14 @@ pub(super) struct Visit {
     #[arg(long, default_value = "0,-0.11", value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     to_m: [f64; 2],
     /// In this time, s.
-    #[arg(long, default_value_t = 2.0, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, default_value = "2", value_name = "S", value_parser = seconds)]
     stroke_s: f64,
-    /// How long, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true)]
-    duration_s: f64,
+    #[command(flatten)]
+    time: Time,
     /// Another client that is told straight where this one is, by its line and where it listens.
     #[arg(long, value_name = "LINE=ADDRESS:PORT", value_parser = friend, requires = "friend_key_file")]
     friend: Option<(u32, SocketAddr)>,
-    /// Key file of the two (`host-sim keygen`).
+    /// Key file of the two (`host-sim key generate`).
     #[arg(long, value_name = "FILE", requires = "friend")]
     friend_key_file: Option<PathBuf>,
 }
@@ -81,15 +80,7 @@ fn point(text: &str) -> Result<[f64; 2], String> {
 
 impl Visit {
     /// Visits until the time is over, and reports.
-    ///
-    /// # Errors
-    /// A bad key file, radius, time or address.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        check_time("--duration-s", self.duration_s)?;
-        check_time("--stroke-s", self.stroke_s)?;
-        if let Some(radius) = self.radius_m.filter(|radius| !(*radius > 0.0 && *radius <= 1000.0)) {
-            return Err(format!("--radius-m {radius} is not allowed: it must be above 0 and up to 1000 m").into());
-        }
         for (at, (number, address)) in self.servers.iter().enumerate() {
             for (known, same) in &self.servers[..at] {
                 if known == number || same == address {
@@ -109,16 +100,16 @@ impl Visit {
             _ => None,
         };
         let options = visit::Options {
-            key: key_file::read(&self.key_file)?,
+            key: self.key.read()?,
             line: self.line,
             listen: self.listen,
             servers: self.servers.clone(),
             home: self.servers.first().map_or(1, |(number, _)| *number),
-            radius_m: self.radius_m,
+            radius_m: self.radius_m.map(|radius_m| radius_m as f32),
             from_m: self.from_m,
             to_m: self.to_m,
             stroke_s: self.stroke_s,
-            duration_s: self.duration_s,
+            duration_s: self.time.seconds,
             friend,
         };
         let report = visit::run(&options, &Stop::on_signals()?)?;

@@ -1,4 +1,4 @@
-//! `host-sim shape`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
+//! `host-sim shared world stroke`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
 
 use std::path::PathBuf;
 
@@ -6,35 +6,37 @@ use clap::Args;
 use haptic_protocol::world::{Block, Shape};
 use serde::Serialize;
 
-use super::{Failure, Ui};
+use crate::cli::flags::{Out, WorldArgs, number};
+use crate::cli::{Failure, Ui};
+use crate::shared::world::picture;
 use crate::shared::world::stroke::{Energy, Options, Part, stroke};
-use crate::shared::world::{self, picture};
 use haptic_sim::report::text::{TextTable, significant};
 
-/// Arguments of `shape`.
+/// Arguments of `stroke`.
 #[derive(Debug, Args)]
-pub(super) struct ShapeArgs {
-    /// World file (TOML) with the object; without it, a block of 80 mm with a corner that points inwards.
-    #[arg(long, value_name = "WORLD", requires = "object")]
-    scene: Option<PathBuf>,
+#[command(mut_arg("world", |arg| {
+    arg.requires("object").help("World file (TOML) with the object; without it, a block of 80 mm with a corner that points inwards")
+}))]
+pub(in crate::cli) struct Stroke {
+    #[command(flatten)]
+    world: WorldArgs,
     /// Which object of the world, by its id.
-    #[arg(long, value_name = "ID", requires = "scene")]
+    #[arg(long, value_name = "ID", requires = "world")]
     object: Option<u32>,
     /// Mass with which the object moves, kg.
-    #[arg(long, default_value_t = Options::default().mass_kg, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = Options::default().mass_kg, value_name = "KG", value_parser = number(0.01..=1e3, "kg"))]
     mass_kg: f64,
     /// Viscous damping of its motion, N·s/m.
-    #[arg(long, default_value_t = Options::default().drag_n_s_per_m, value_name = "N_S_PER_M", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = Options::default().drag_n_s_per_m, value_name = "N_S_PER_M", value_parser = number(0.0..=50.0, "N·s/m"))]
     drag_n_s_per_m: f64,
     /// How far under the surface the arm leads the hand, m.
-    #[arg(long, default_value_t = Options::default().below_m, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = Options::default().below_m, value_name = "M", value_parser = number(1e-4..=1.0, "m"))]
     below_m: f64,
     /// How fast, m/s.
-    #[arg(long, default_value_t = Options::default().speed_m_per_s, value_name = "M_PER_S", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = Options::default().speed_m_per_s, value_name = "M_PER_S", value_parser = number(1e-3..=1.0, "m/s"))]
     speed_m_per_s: f64,
-    /// Folder for the files.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Serialize)]
@@ -54,40 +56,25 @@ fn dart() -> Shape {
     Shape::Block(Block { a_x_m, a_y_m, b_x_m, b_y_m, c_x_m, c_y_m, d_x_m, d_y_m, ..Block::default() })
 }
 
-impl ShapeArgs {
+impl Stroke {
     fn shape(&self) -> Result<Shape, Failure> {
-        let (Some(path), Some(id)) = (&self.scene, self.object) else { return Ok(dart()) };
-        let world = world::load(path)?;
+        let (Some((world, place)), Some(id)) = (self.world.load()?, self.object) else { return Ok(dart()) };
         let Some(object) = world.get(id) else {
             let known: Vec<String> = world.objects().iter().map(|object| object.id.to_string()).collect();
             let known = known.join(", ");
-            return Err(format!("--object {id} is not in {}; its objects are {known}", path.display()).into());
+            return Err(format!("--object {id} is not in {place}; its objects are {known}").into());
         };
         Ok(object.shape)
     }
 
     /// Strokes, prints and draws.
-    ///
-    /// # Errors
-    /// A bad world; a number out of range; an object that cannot be stroked; a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let Self { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, .. } = *self;
-        for (name, value, (least, most), unit) in [
-            ("--mass-kg", mass_kg, (0.01, 1e3), "kg"),
-            ("--drag-n-s-per-m", drag_n_s_per_m, (0.0, 50.0), "N·s/m"),
-            ("--below-m", below_m, (1e-4, 1.0), "m"),
-            ("--speed-m-per-s", speed_m_per_s, (1e-3, 1.0), "m/s"),
-        ] {
-            if !(least..=most).contains(&value) {
-                let allowed = format!("it must be a number from {least} to {most} {unit}");
-                return Err(format!("{name} {value} is not allowed: {allowed}").into());
-            }
-        }
         let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
         let stroke = stroke(&self.shape()?, &options)?;
         let made = ui.made().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
         let made = made.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
-        let files = ui.files(ui.folder(self.out.as_deref(), "out/shape").as_deref(), "shape", &made, |files| {
+        let files = ui.files(ui.folder(self.out.folder(), "out/shape").as_deref(), "shape", &made, |files| {
             files.csv(&picture::table(&stroke))?;
             files.figure(None, &picture::figure(&stroke))
         })?;

@@ -1,4 +1,4 @@
-//! `host-sim operator`: a scene for a board, lines of text and its answers, and what its ticks did.
+//! `host-sim board operator`: a scene for a board, lines of text and its answers, and what its ticks did.
 
 use std::io::BufRead;
 use std::net::{IpAddr, SocketAddr};
@@ -7,8 +7,10 @@ use std::sync::mpsc::TryRecvError;
 use std::time::Duration;
 
 use clap::Args;
+use serde_json::json;
 
-use super::{Failure, Ui};
+use crate::cli::flags::{KeyFile, Time, number};
+use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::board::say;
@@ -22,24 +24,25 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// Arguments of `operator`.
 #[derive(Debug, Args)]
-pub(super) struct Operate {
+#[command(mut_arg("scene", |arg| {
+    arg.help("Scene file (TOML) or the name of a built-in scene: what it says of a board is given to the board first; the rest stays")
+}))]
+#[command(mut_arg("seconds", |arg| arg.default_value("10").value_parser(number(0.1..=3600.0, "s"))))]
+pub(in crate::cli) struct Operate {
     /// The board's address; its port is 7702 unless another is given.
-    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = board)]
+    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
     board: SocketAddr,
-    /// The key file that the board was provisioned with.
-    #[arg(long, value_name = "FILE")]
-    key_file: PathBuf,
-    /// A scene file: what it says of a board's settings is given to the board first, and applied; what it does not name stays.
-    #[arg(long, value_name = "FILE")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    key: KeyFile,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// After the lines, write what the ticks did to this CSV file.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// For so long, s.
-    #[arg(long, default_value_t = 10.0, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
-    seconds: f64,
+    #[command(flatten)]
+    time: Time,
     /// Record every how-many-th tick; 1 is all of them, and more than a busy network may carry.
-    #[arg(long, default_value_t = 4, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     every: u32,
     /// What to say, one line each, in quotes; stops at the first that the board refuses. Without any: lines are read from
     /// standard input, and answered one by one.
@@ -48,62 +51,60 @@ pub(super) struct Operate {
 }
 
 /// An address with or without a port.
-pub(super) fn board(text: &str) -> Result<SocketAddr, String> {
+pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
     let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, PORT));
     address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1"))
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds| (0.1..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "it must be a number from 0.1 to 3600 s".to_owned())
-}
-
 impl Operate {
     /// Gives the scene, says the lines and prints the answers, and records.
-    ///
-    /// # Errors
-    /// Nobody there, a scene or a line that the board refuses, or a file that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let stop = Stop::on_signals()?;
-        let mut operator = Operator::connect(self.board, &self.key_file)?.until(stop.clone());
-        if let Some(scene) = &self.scene {
-            let given = settings_file::give(&mut operator, scene)?;
-            ui.status(format_args!("{given} settings of {} applied", scene.display()));
+        let mut operator = Operator::connect(self.board, &self.key.key_file)?.until(stop.clone());
+        if self.scene.is_given() {
+            let given = settings_file::give_scene(&mut operator, &self.scene.load()?, &self.scene.named()?)?;
+            ui.status(format_args!("{given} settings of {} applied", self.scene.name()));
         }
-        for line in &self.lines {
+        let mut answers = Vec::new();
+        let mut ask = |operator: &mut Operator, line: &str| -> Result<(), Failure> {
             let answer = operator.ask(line)?;
-            if let Some(why) = answer.strip_prefix("error ") {
+            if let Some(why) = answer.strip_prefix("error ").filter(|_| !self.lines.is_empty()) {
                 return Err(format!("board {}: {line}: {why}", operator.number()).into());
             }
             writeln!(ui, "{answer}");
+            answers.push(answer);
+            Ok(())
+        };
+        for line in &self.lines {
+            ask(&mut operator, line)?;
         }
-        if let Some(file) = &self.record {
-            return self.record(ui, &mut operator, file);
-        }
-        if self.lines.is_empty() && self.scene.is_none() {
+        if self.lines.is_empty() && !self.scene.is_given() && self.record.is_none() {
             let (say, said) = std::sync::mpsc::channel();
             // Whoever types takes their time: meanwhile the board is kept, and a signal heard.
             std::thread::spawn(move || std::io::stdin().lock().lines().try_for_each(|line| say.send(line)));
             while !stop.is_asked() {
                 match said.try_recv() {
-                    Ok(line) => writeln!(ui, "{}", operator.ask(line?.trim())?),
+                    Ok(line) => ask(&mut operator, line?.trim())?,
                     Err(TryRecvError::Empty) => drop(operator.samples(LOOK)?),
                     Err(TryRecvError::Disconnected) => break,
                 }
             }
         }
-        Ok(())
+        if let Some(file) = &self.record {
+            self.record(ui, &mut operator, file)?;
+        }
+        ui.document(&json!({ "answers": answers, "files": self.record.as_slice() }))
     }
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
     fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
         let period = say(operator, "get timing.control_period_s")?;
         let period_s = period.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.001);
-        let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.seconds))?;
+        let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
         let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s);
         if table.is_empty() {
-            return Err(format!("board {}: no tick came in {} s", operator.number(), self.seconds).into());
+            return Err(format!("board {}: no tick came in {} s", operator.number(), self.time.seconds).into());
         }
         write_csv(&table, file)?;
         if let Some(row) = recording::started_anew(&table) {

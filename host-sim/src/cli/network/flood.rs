@@ -1,39 +1,30 @@
-//! `host-sim flood`: forged datagrams against two peers on loopback.
+//! `host-sim network flood`: forged datagrams against two peers on loopback.
 
 use clap::Args;
 
-use super::{Failure, SceneArgs, Ui};
+use crate::cli::flags::{Time, number};
+use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
 use crate::trials::flood::{Options, run};
 use haptic_sim::report::text::TextTable;
 
-/// Most forged datagrams per second that may be asked for.
-const MOST_PER_S: f64 = 1e7;
-
 /// Arguments of `flood`.
 #[derive(Debug, Args)]
-pub(super) struct Flood {
+#[command(mut_arg("seconds", |arg| arg.default_value("5")))]
+pub(in crate::cli) struct Flood {
     #[command(flatten)]
     scene: SceneArgs,
     /// Forged datagrams per second, both peers together.
-    #[arg(long, default_value_t = 100_000.0, value_name = "PER_S", allow_negative_numbers = true)]
+    #[arg(long, default_value = "100000", value_name = "PER_S", value_parser = number(1.0..=1e7, "per s"))]
     rate: f64,
-    /// Length of the flood, s.
-    #[arg(long, default_value_t = 5.0, value_name = "S", allow_negative_numbers = true)]
-    seconds: f64,
+    #[command(flatten)]
+    time: Time,
 }
 
 impl Flood {
     /// Floods and reports.
-    ///
-    /// # Errors
-    /// A bad scene, rate or time.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        if !(self.rate >= 1.0 && self.rate <= MOST_PER_S) {
-            return Err(format!("--rate {} is not allowed: it must be from 1 to {MOST_PER_S} per s", self.rate).into());
-        }
-        super::live::check_time("--seconds", self.seconds)?;
-        let options = Options { rate_per_s: self.rate, seconds: self.seconds };
+        let options = Options { rate_per_s: self.rate, seconds: self.time.seconds };
         let report = run(&self.scene.load()?, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(

@@ -1,7 +1,7 @@
-//! `host-sim calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
+//! `host-sim board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
 //!
 //! In this order, each into the same settings file: counts, sign, motor, friction, inertia. What is found is given to the board at
-//! once, until power goes off; `host-sim operator … save` keeps it.
+//! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
 use std::net::SocketAddr;
@@ -10,7 +10,8 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, Ui, operator};
+use super::operator;
+use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::board::Board;
 use haptic_sim::board::calibrate::counts::{self, Distance};
@@ -20,7 +21,7 @@ use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, setti
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
-pub(super) struct Calibrate {
+pub(in crate::cli) struct Calibrate {
     #[command(subcommand)]
     what: What,
 }
@@ -32,10 +33,10 @@ enum What {
         #[command(flatten)]
         at: At,
         /// By how much you will move it, m: a slide.
-        #[arg(long, value_name = "M", allow_negative_numbers = true)]
+        #[arg(long, value_name = "M")]
         distance_m: Option<f64>,
         /// By how much you will turn its motor: a joint that turns.
-        #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "distance_m")]
+        #[arg(long, value_name = "N", conflicts_with = "distance_m")]
         revolutions: Option<f64>,
     },
     /// Sign of a motor: a weak push both ways. After `counts`.
@@ -51,7 +52,7 @@ enum What {
         #[arg(long)]
         gauge: bool,
         /// A mass, kg.
-        #[arg(long, value_name = "KG", allow_negative_numbers = true, conflicts_with = "gauge")]
+        #[arg(long, value_name = "KG", conflicts_with = "gauge")]
         added_mass_kg: Option<f64>,
     },
     /// Viscous and dry friction, from how the joint moves. After `motor`.
@@ -79,8 +80,8 @@ struct At {
     #[arg(long, default_value_t = 1, value_name = "N")]
     joint: u32,
     /// Settings file: what it holds is given to the board first, what is found is added to it.
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    #[arg(long, alias = "out", value_name = "FILE")]
+    settings: PathBuf,
     #[command(flatten)]
     truth: SceneArgs,
 }
@@ -135,7 +136,7 @@ impl At {
                 "--scene and --set describe the device of --board simulated; a real one describes itself".into()
             );
         }
-        let address: SocketAddr = operator::board(&self.board)?;
+        let address: SocketAddr = operator::address(&self.board)?;
         let key_file =
             self.key_file.as_ref().ok_or("--key-file is missing: the file that the board was provisioned with")?;
         if std::io::stdin().is_terminal() {
@@ -150,27 +151,24 @@ impl At {
         find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, String>,
     ) -> Result<(), Failure> {
         let (mut board, mut person) = self.parties()?;
-        if self.out.exists() {
-            settings_file::give(&mut *board, &self.out)?;
+        if self.settings.exists() {
+            settings_file::give(&mut *board, &self.settings)?;
         }
         let found = find(&mut *board, &mut *person)?;
-        settings_file::add(&self.out, &found)?;
-        settings_file::give(&mut *board, &self.out)?;
+        settings_file::add(&self.settings, &found)?;
+        settings_file::give(&mut *board, &self.settings)?;
         let rows: Vec<Row<'_>> = found.iter().map(|Found { key, value, said }| Row { key, value, said }).collect();
         ui.document(&rows)?;
         for Found { key, said, .. } in &found {
             writeln!(ui, "{key} = {said}");
         }
-        writeln!(ui, "added to {}", self.out.display());
+        writeln!(ui, "added to {}", self.settings.display());
         Ok(())
     }
 }
 
 impl Calibrate {
     /// Finds one quantity.
-    ///
-    /// # Errors
-    /// A bad argument, nobody there, or data that do not give the number.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         match &self.what {
             What::Counts { at, distance_m, revolutions } => {

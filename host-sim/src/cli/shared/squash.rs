@@ -1,80 +1,58 @@
-//! `host-sim squash`: Force Feedback Multi-player Squash, played by bots.
+//! `host-sim shared squash`: Force Feedback Multi-player Squash, played by bots.
 
 mod live;
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Subcommand};
 use haptic_protocol::roles::squash::RALLIES;
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, Ui};
+use crate::cli::flags::{Out, Time, number, switch};
+use crate::cli::{Failure, SceneArgs, Ui};
 use crate::shared::squash::sweep::{Cell, sweep};
 use crate::shared::squash::{Options, Report, picture, play};
 use haptic_sim::report::text::{TextTable, significant};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Switch {
-    /// Bounded by the round trip.
-    On,
-    /// Not bounded.
-    Off,
-}
-
 /// What a game goes by, simulated or live.
 #[derive(Clone, Copy, Debug, Args)]
+#[command(mut_arg("seconds", |arg| arg.default_value("60")))]
 struct Rules {
     /// Bounds the speed of the ball; live, the server's word.
-    #[arg(long, value_enum, default_value = "on")]
-    bounder: Switch,
+    #[arg(long, default_value = "on", action = ArgAction::Set, value_parser = switch())]
+    bounder: bool,
     /// Damps the hands of the players; live, of this one.
-    #[arg(long, value_enum, default_value = "on")]
-    motion_bounder: Switch,
-    /// How long, s.
-    #[arg(long, default_value_t = 60.0, value_name = "S", allow_negative_numbers = true)]
-    seconds: f64,
-}
-
-impl Rules {
-    /// Whether the ball is bounded, whether the hands are, and how long the game is, s.
-    ///
-    /// # Errors
-    /// A time out of range.
-    fn read(&self) -> Result<(bool, bool, f64), Failure> {
-        check("--seconds", self.seconds, 0.001, 86_400.0, "s")?;
-        Ok((self.bounder == Switch::On, self.motion_bounder == Switch::On, self.seconds))
-    }
+    #[arg(long, default_value = "on", action = ArgAction::Set, value_parser = switch())]
+    motion_bounder: bool,
+    #[command(flatten)]
+    time: Time,
 }
 
 /// Arguments of `squash`.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
-pub(super) struct Squash {
+pub(in crate::cli) struct Squash {
     #[command(subcommand)]
     question: Option<Question>,
     #[command(flatten)]
     scene: SceneArgs,
     /// Players.
-    #[arg(long, default_value_t = 4, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(2..=8))]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=8))]
     players: u8,
     /// Round trip between any two, ms, instead of the scene's network.one_way_delay_packets; what else its network does to
     /// packets comes on top.
-    #[arg(long, default_value_t = 100.0, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, default_value = "100", value_name = "R", value_parser = number(0.0..=2000.0, "ms"))]
     rtt_ms: f64,
     #[command(flatten)]
     rules: Rules,
     /// Rallies after which the game is over; without it, the time is.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=i64::from(RALLIES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(RALLIES)))]
     rallies: Option<u16>,
-    /// Of everything random.
-    #[arg(long, default_value_t = 1, value_name = "K", allow_negative_numbers = true)]
-    seed: u64,
     /// Round trips of 10 to 400 ms without a bound, with the ball's and with both, instead of one game.
     #[arg(long, conflicts_with_all = ["rtt_ms", "bounder", "motion_bounder"])]
     sweep: bool,
-    /// Folder for pictures.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 #[derive(Debug, Subcommand)]
@@ -96,25 +74,13 @@ struct Document {
     files: Vec<PathBuf>,
 }
 
-/// A number on the command line.
-fn check(name: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<(), Failure> {
-    if value >= least && value <= most {
-        return Ok(());
-    }
-    Err(format!("{name} {value} is not allowed: it must be a number from {least} to {most} {unit}").into())
-}
-
 impl Squash {
     /// Plays and reports.
-    ///
-    /// # Errors
-    /// A bad scene or number, or a picture that cannot be written.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if let Some(Question::Live(live)) = &self.question {
             return live.run(ui);
         }
-        check("--rtt-ms", self.rtt_ms, 0.0, 2000.0, "ms")?;
-        let (bounder, motion_bounder, seconds) = self.rules.read()?;
+        let Rules { bounder, motion_bounder, time: Time { seconds } } = self.rules;
         let scene = self.scene.load()?;
         let network = scene.world.network;
         // A line between two of many has no recording, no longer way back and no play-out; peers have clocks of their own.
@@ -138,7 +104,7 @@ impl Squash {
             motion_bounder,
             seconds,
             rallies: self.rallies.unwrap_or(RALLIES),
-            seed: self.seed,
+            seed: network.seed.into(),
             changes: Vec::new(),
             record_every: 0,
         };
@@ -148,14 +114,14 @@ impl Squash {
             print_sweep(ui, &cells);
             return Ok(());
         }
-        let folder = ui.folder(self.out.as_deref(), "out/squash");
+        let folder = ui.folder(self.out.folder(), "out/squash");
         options.record_every = if folder.is_some() { 5 } else { 0 };
         let game = play(&options);
-        let made = ui.made().settings(scene.settings()).with("players", options.players).with("seed", self.seed);
+        let made = ui.made().settings(scene.settings()).with("players", options.players);
         let made = made.with("round_trip_ms", self.rtt_ms).with("seconds", seconds);
         let made = made.with("bounder", bounder).with("motion_bounder", motion_bounder);
         let name = self.scene.run_name(&scene);
-        let files = ui.files(folder.as_deref(), &format!("squash-{name}-{}", self.seed), &made, |files| {
+        let files = ui.files(folder.as_deref(), &format!("squash-{name}"), &made, |files| {
             files.figure(None, &picture::figure(&game, &options))
         })?;
         let document = Document {
@@ -164,7 +130,7 @@ impl Squash {
             bounder,
             motion_bounder,
             seconds,
-            seed: self.seed,
+            seed: network.seed.into(),
             report: game.report,
             files,
         };

@@ -4,7 +4,7 @@ use clap::Args;
 use haptic_core::num::Scalar;
 use serde::Serialize;
 
-use super::{Failure, SceneArgs, Ui};
+use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::tune::{self, BEYOND, Proposal};
 use haptic_sim::report::{Cell, Columns, significant};
 
@@ -13,11 +13,11 @@ const TRIAL_S: f64 = 20.0;
 
 /// Arguments of `stability tune`.
 #[derive(Debug, Args)]
-pub(super) struct Tune {
+pub(in crate::cli) struct Tune {
     #[command(flatten)]
     scene: SceneArgs,
     /// How much either gain, or both, may be raised before anything is unstable: 0.2 is 20 %.
-    #[arg(long, default_value_t = 0.2, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.2, value_name = "M")]
     margin: f64,
 }
 
@@ -44,9 +44,6 @@ struct Report {
 
 impl Tune {
     /// Proposes, tries out, reports.
-    ///
-    /// # Errors
-    /// A bad scene or margin.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let bar = ui.progress(tune::steps(), "contact stiffnesses");

@@ -1,0 +1,230 @@
+//! Flags that mean the same everywhere, declared once: scene, world, time, output folder, key file, patience; and how numbers
+//! and closed words are read.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Arg, ArgAction, Args};
+use haptic_core::settings::Choice;
+use haptic_protocol::key::Key;
+use haptic_sim::board::calibrate::settings_file;
+use haptic_sim::scene::Scene;
+use haptic_sim::{key_file, scenes};
+
+use super::Failure;
+use crate::shared::world::{self, World};
+
+/// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
+const LONGEST_S: f64 = 86_400.0;
+
+/// Which scene, and what to change in it.
+#[derive(Clone, Debug, Args)]
+#[command(arg(listing("keys", "List every key of a scene: unit, default, range, meaning")))]
+#[command(arg(listing("scenes", "List the built-in scenes")))]
+pub struct SceneArgs {
+    /// Scene file (TOML) or the name of a built-in scene; without it, the cooperation paper's defaults.
+    #[arg(long, value_name = "NAME|FILE")]
+    scene: Option<PathBuf>,
+    /// Override one key of the scene; may be repeated.
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    set: Vec<String>,
+    /// Seed of everything random in the run, as `--set network.seed=N`.
+    #[arg(long, value_name = "N")]
+    seed: Option<u32>,
+}
+
+impl SceneArgs {
+    /// The scene, checked.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub fn load(&self) -> Result<Scene, Failure> {
+        self.load_with(&[], None)
+    }
+
+    /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it.
+    pub(super) fn load_with(&self, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
+        let base = base.iter().filter(|_| self.scene.is_none()).map(|key| (*key).to_owned());
+        let seed = self.seed.map(|seed| format!("network.seed={seed}"));
+        let overrides: Vec<String> = base.chain(self.set.iter().cloned()).chain(seed).chain(last).collect();
+        let Some(name) = self.name_of_built_in()? else {
+            return Ok(Scene::load(self.scene.as_deref(), &overrides)?);
+        };
+        let mut scene = scenes::load(name)?;
+        for text in &overrides {
+            scene.apply_override(text)?;
+        }
+        scene.check(name)?;
+        Ok(scene)
+    }
+
+    /// The built-in scene that is meant, where there is no such file; a bare word is nothing else.
+    fn name_of_built_in(&self) -> Result<Option<&str>, Failure> {
+        let path = self.scene.as_ref().filter(|path| !path.exists());
+        let Some(word) = path.and_then(|path| path.to_str()).filter(|word| !word.contains(['/', '\\'])) else {
+            return Ok(None);
+        };
+        let names = || scenes::known().map(|(name, _)| *name);
+        if names().any(|name| name == word) {
+            return Ok(Some(word));
+        }
+        let hint = match nearest(word, names().zip(names())) {
+            Some(name) => format!("did you mean {name}?"),
+            None => format!("the built-in ones are {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        Err(format!("--scene {word} is neither a file nor a built-in scene; {hint}").into())
+    }
+
+    /// The keys that the scene and its overrides name, as `table.key`.
+    ///
+    /// # Errors
+    /// There is no such scene.
+    pub(super) fn named(&self) -> Result<Vec<String>, Failure> {
+        let text = match (&self.scene, self.name_of_built_in()?) {
+            (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
+            (Some(path), _) => {
+                std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?
+            }
+            (None, None) => String::new(),
+        };
+        let set = self.set.iter().filter_map(|text| text.split_once('=')).map(|(key, _)| key.trim().to_owned());
+        Ok(settings_file::named(&text).into_iter().chain(set).collect())
+    }
+
+    /// Whether any of it was given.
+    pub(super) fn is_given(&self) -> bool {
+        self.scene.is_some() || !self.set.is_empty() || self.seed.is_some()
+    }
+
+    /// Name of the files of a run: the scene's, and where keys were overridden what tells these settings from others; the
+    /// seed, where it is another one than usual.
+    pub(super) fn run_name(&self, scene: &Scene) -> String {
+        let mut name = self.name();
+        if !self.set.is_empty() {
+            name += &format!("-{:08x}", scene.fingerprint());
+        }
+        let seed = scene.world.network.seed;
+        if seed == Scene::default().world.network.seed { name } else { format!("{name}-seed{seed}") }
+    }
+
+    /// Short name of the scene, for file names and headings.
+    pub fn name(&self) -> String {
+        if let Ok(Some(name)) = self.name_of_built_in() {
+            return name.to_owned();
+        }
+        let stem = self.scene.as_ref().and_then(|path| path.file_stem());
+        stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    }
+}
+
+/// Which world.
+#[derive(Clone, Debug, Args)]
+#[command(arg(listing("world-keys", "List every key of a world file: unit, default, range, meaning").long("keys")))]
+pub(super) struct WorldArgs {
+    /// World file (TOML).
+    #[arg(long, alias = "scene", value_name = "FILE")]
+    world: Option<PathBuf>,
+}
+
+impl WorldArgs {
+    /// The world, where one is named, and its file.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(super) fn load(&self) -> Result<Option<(Box<World>, String)>, Failure> {
+        let Some(path) = &self.world else { return Ok(None) };
+        Ok(Some((world::load(path)?, path.display().to_string())))
+    }
+}
+
+/// A flag that is answered as `--help` is, whatever else is missing: see [`super::listings`].
+fn listing(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).action(ArgAction::SetTrue).help(help)
+}
+
+/// How long.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Time {
+    /// How long, s; a simulated run in simulated time.
+    #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = seconds)]
+    pub(super) seconds: f64,
+}
+
+/// How long a live command calls before it gives up.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Patience {
+    /// How long to call the others before giving up, s.
+    #[arg(long, default_value = "30", value_name = "S", value_parser = seconds)]
+    pub(super) patience_s: f64,
+}
+
+/// The key of a sealed line.
+#[derive(Clone, Debug, Args)]
+pub(super) struct KeyFile {
+    /// Key file, the same at both ends (`host-sim key generate`).
+    #[arg(long, value_name = "FILE")]
+    pub(super) key_file: PathBuf,
+}
+
+impl KeyFile {
+    /// The key.
+    ///
+    /// # Errors
+    /// The file is none, or others can read it.
+    pub(super) fn read(&self) -> Result<Key, String> {
+        key_file::read(&self.key_file)
+    }
+}
+
+/// Where files go.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct Out {
+    /// Folder for tables and pictures; without it, one in out/, and none with --json.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+}
+
+impl Out {
+    /// The folder, if one was named.
+    pub(super) fn folder(&self) -> Option<&Path> {
+        self.out.as_deref()
+    }
+}
+
+/// A time on the command line.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST_S);
+    seconds.ok_or_else(|| format!("it must be above 0 and up to {LONGEST_S} s"))
+}
+
+/// A number on the command line, both ends included.
+pub(super) fn number(
+    allowed: RangeInclusive<f64>,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.parse().ok().filter(|number| allowed.contains(number));
+        let (least, most) = (allowed.start(), allowed.end());
+        number.ok_or_else(|| format!("it must be a number from {least} to {most} {unit}").trim_end().to_owned())
+    }
+}
+
+/// One of the names of a closed list, on the command line.
+pub(super) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
+    PossibleValuesParser::new(C::NAMES).try_map(|name| C::from_name(&name).ok_or("there is no such name"))
+}
+
+/// `on` or `off`.
+pub(super) fn switch() -> impl TypedValueParser<Value = bool> {
+    PossibleValuesParser::new(["on", "off"]).map(|word| word == "on")
+}
+
+/// What the known word stands for that a misspelt one is nearest to, if any is near.
+pub(super) fn nearest<'a, T>(word: &str, known: impl Iterator<Item = (&'a str, T)>) -> Option<T> {
+    let likely = known.map(|(name, it)| (strsim::jaro_winkler(name, word), it)).filter(|(likeness, _)| *likeness > 0.8);
+    likely.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, it)| it)
+}
