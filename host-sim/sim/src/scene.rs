@@ -442,5 +442,5 @@ fn hint(key: &str) -> String {
         .map(|(name, _)| (strsim::jaro_winkler(name, key), name))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(likeness, _)| *likeness > 0.8);
-    near.map_or_else(|| "; --keys lists them all".to_owned(), |(_, name)| format!("; did you mean {name}?"))
+    near.map_or_else(String::new, |(_, name)| format!("; did you mean {name}?"))
 }

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
-use haptic_core::settings::Choice;
+use haptic_core::names::Choice;
 use haptic_protocol::key::Key;
 use haptic_sim::board::calibrate::settings_file;
-use haptic_sim::scene::Scene;
+use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::{key_file, scenes};
 
 use super::Failure;
@@ -48,16 +48,20 @@ impl SceneArgs {
     /// # Errors
     /// The first thing that is wrong with it.
     pub(super) fn load_with(&self, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
+        let name = self.name_of_built_in()?;
+        self.read(name, base, last).map_err(|error| match &error {
+            SceneError::Unknown { hint, .. } if hint.is_empty() => format!("{error}; --keys lists them all").into(),
+            _ => error.into(),
+        })
+    }
+
+    fn read(&self, built_in: Option<&str>, base: &[&str], last: Option<String>) -> Result<Scene, SceneError> {
         let base = base.iter().filter(|_| self.scene.is_none()).map(|key| (*key).to_owned());
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
         let overrides: Vec<String> = base.chain(self.set.iter().cloned()).chain(seed).chain(last).collect();
-        let Some(name) = self.name_of_built_in()? else {
-            return Ok(Scene::load(self.scene.as_deref(), &overrides)?);
-        };
+        let Some(name) = built_in else { return Scene::load(self.scene.as_deref(), &overrides) };
         let mut scene = scenes::load(name)?;
-        for text in &overrides {
-            scene.apply_override(text)?;
-        }
+        overrides.iter().try_for_each(|text| scene.apply_override(text))?;
         scene.check(name)?;
         Ok(scene)
     }

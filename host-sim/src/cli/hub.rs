@@ -9,7 +9,7 @@ use super::{Failure, SceneArgs, Ui, granted};
 use crate::live::endpoint::Stop;
 use crate::live::hub;
 use crate::shared::cooperative::MOST_USERS;
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::report::Columns;
 
 /// Arguments of `hub`.
 #[derive(Debug, Args)]
@@ -45,36 +45,21 @@ impl Hub {
         ui.status(format_args!("hub for {} peers listens on {}", self.users, self.listen));
         let report = hub::run(&scene, &key, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
-        let mut table = TextTable::new([
-            "line",
-            "number",
-            "from",
-            "lives",
-            "taken",
-            "missing",
-            "round trip us",
-            "put in J",
-            "sent back J",
-            "copy mm",
-            "F_T N",
-        ]);
-        let or_dash = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| significant(value, 3));
-        for line in &report.lines {
-            table.push([
-                line.line.to_string(),
-                line.number.to_string(),
-                line.address.clone().unwrap_or_else(|| "-".to_owned()),
-                line.lives.to_string(),
-                line.datagrams_taken.to_string(),
-                line.datagrams_missing.to_string(),
-                line.round_trip_us.map_or_else(|| "-".to_owned(), |us| us.to_string()),
-                significant(line.energy.put_in_j, 3),
-                significant(line.energy.sent_j, 3),
-                or_dash(line.copy_mm),
-                or_dash(line.said.map(|said| said.coordination_force_n.into())),
-            ]);
-        }
-        ui.table(&table);
+        let lines = Columns::of(&report.lines)
+            .value("line", |line| line.line)
+            .value("number", |line| line.number)
+            .value("from", |line| line.address.clone())
+            .value("lives", |line| line.lives)
+            .value("taken", |line| line.datagrams_taken)
+            .value("missing", |line| line.datagrams_missing)
+            .value("round_trip_us", |line| line.round_trip_us)
+            .significant("put_in_j", 3, |line| line.energy.put_in_j)
+            .significant("sent_back_j", 3, |line| line.energy.sent_j)
+            .significant("copy_mm", 3, |line| line.copy_mm)
+            .significant("coordination_force_n", 3, |line| line.said.map(|said| said.coordination_force_n))
+            .head("F_T")
+            .done();
+        ui.table(&lines);
         writeln!(
             ui,
             "{} packet periods; energy out/in {:.6}; the object went {:.2} mm, the copies are {:.2} mm apart as they last said",

@@ -2,32 +2,31 @@
 
 use haptic_core::settings::Value;
 use haptic_protocol::world::{Field, Shape};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::{Cell, Columns};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
-use serde::Serialize;
-use serde_json::json;
 
 use super::{Failure, Ui};
 use crate::shared::world;
 
-#[derive(Serialize)]
 struct Row {
     key: String,
-    default: serde_json::Value,
+    default: Cell,
     unit: &'static str,
     allowed: String,
     meaning: &'static str,
 }
 
 fn print(ui: &Ui, rows: &[Row]) -> Result<(), Failure> {
-    let mut table = TextTable::new(["key", "default", "unit", "allowed", "meaning"]);
-    for Row { key, default, unit, allowed, meaning } in rows {
-        let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
-        table.push([key, &default, *unit, allowed, *meaning]);
-    }
-    ui.table(&table);
-    ui.document(&rows)
+    let keys = Columns::of(rows)
+        .value("key", |row| row.key.clone())
+        .value("default", |row| row.default.clone())
+        .value("unit", |row| row.unit)
+        .value("allowed", |row| row.allowed.clone())
+        .value("meaning", |row| row.meaning)
+        .done();
+    ui.table(&keys);
+    ui.document(&keys)
 }
 
 /// Every key of a scene.
@@ -35,7 +34,7 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     let defaults = Scene::default();
     let file = |key: String, columns: &str, meaning| Row {
         key,
-        default: json!(""),
+        default: "".into(),
         unit: "",
         allowed: format!("name of a CSV file with columns {columns}"),
         meaning,
@@ -44,7 +43,7 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     let rows: Vec<Row> = Scene::keys()
         .into_iter()
         .map(|(key, about)| Row {
-            default: json!(defaults.get(&key).as_ref().map(Value::to_string).unwrap_or_default()),
+            default: defaults.get(&key).as_ref().map(Value::to_string).unwrap_or_default().into(),
             key,
             unit: about.unit,
             allowed: about.allowed.to_string(),
@@ -66,18 +65,13 @@ pub(super) fn world_keys(ui: &Ui) -> Result<(), Failure> {
     let shapes = Shape::ALL.iter().flat_map(|(name, _, fields)| fields.iter().map(move |field| (*name, field)));
     let row = |(table, field): (&str, &Field)| Row {
         key: if table.is_empty() { field.name.to_owned() } else { format!("{table}.{}", field.name) },
-        default: json!(field.default),
+        // As it was declared: 0.1, and not the f32 nearest to it.
+        default: field.default.to_string().parse::<f64>().ok().into(),
         unit: field.unit,
         allowed: format!("{} {} to {}", if field.whole { "whole," } else { "number," }, field.min, field.max),
         meaning: field.doc,
     };
     print(ui, &own.chain(shapes).map(row).collect::<Vec<_>>())
-}
-
-#[derive(Serialize)]
-struct BuiltIn {
-    name: &'static str,
-    about: String,
 }
 
 /// The built-in scenes, each by the first sentence of its file.
@@ -86,11 +80,8 @@ pub(super) fn scenes(ui: &Ui) -> Result<(), Failure> {
         let lines = text.lines().map_while(|line| line.strip_prefix("# ")).collect::<Vec<_>>().join(" ");
         lines.split_once(". ").map_or(lines.clone(), |(first, _)| format!("{first}."))
     };
-    let rows: Vec<BuiltIn> = scenes::known().map(|(name, text)| BuiltIn { name, about: about(text) }).collect();
-    let mut table = TextTable::new(["scene", ""]);
-    for BuiltIn { name, about } in &rows {
-        table.push([*name, about]);
-    }
-    ui.table(&table);
-    ui.document(&rows)
+    let known: Vec<_> = scenes::known().collect();
+    let scenes = Columns::of(&known).value("name", |(name, _)| *name).value("about", |(_, text)| about(text)).done();
+    ui.table(&scenes);
+    ui.document(&scenes)
 }

@@ -168,8 +168,8 @@ impl Links {
             heard.push(format!("{count} datagrams came from elsewhere, the last from {address}"));
         }
         Some(format!(
-            "nobody answered within {seconds} s: {}; check that they run now, with the same --addresses in the same order and \
-             the same --key-file, and that UDP reaches {own}",
+            "nobody answered within {seconds} s: {}; check that they run now, with the same addresses in the same order and \
+             the same key, and that UDP reaches {own}",
             heard.join(", "),
         ))
     }

@@ -270,7 +270,7 @@ fn calibrations_that_cannot_begin() {
     calibrate(&["counts", "--board", "simulated", "--out", &out, "--distance-m", "-1"], &["a distance of -1"]);
     calibrate(&["motor", "--board", "simulated", "--out", &out], &["--gauge", "--added-mass-kg"]);
     calibrate(&["motor", "--board", "simulated", "--out", &out, "--added-mass-kg", "0"], &["an added mass of 0 kg"]);
-    calibrate(&["inertia", "--board", "simulated", "--out", &out, "--joint", "2"], &["--joint 2", "axis.count is 1"]);
+    calibrate(&["inertia", "--board", "simulated", "--out", &out, "--joint", "2"], &["joint 2", "axis.count is 1"]);
     calibrate(&["sign", "--board", "here", "--out", &out], &["here is no address"]);
     calibrate(&["sign", "--board", "127.0.0.1", "--out", &out], &["--key-file is missing"]);
     calibrate(&["sign", "--board", "127.0.0.1", "--out", &out, "--set", "axis.count=2"], &["--board simulated"]);

@@ -243,7 +243,7 @@ fn the_command_refuses_what_makes_no_sense() {
         (&["--delay-ms", "nan"], "from 0 to 1000 ms"),
         (&["--seconds", "nan"], "to 3600 s"),
         (&["--bounder", "maybe"], "maybe"),
-        (&["--collision", "server", "--engine", "client"], "--engine must be server"),
+        (&["--collision", "server", "--engine", "client"], "the engine must be at the server"),
         (&["--set", "contact.stifness_n_per_m=1"], "did you mean contact.stiffness_n_per_m?"),
     ] {
         let command = std::process::Command::new(env!("CARGO_BIN_EXE_host-sim"))

@@ -7,7 +7,7 @@ use haptic_analysis::apply;
 use haptic_analysis::{Response, verdict};
 use haptic_analysis::{is_symmetric, pair_matrix};
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::settings::Choice;
+use haptic_core::names::Choice;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 

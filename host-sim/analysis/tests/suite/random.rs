@@ -2,9 +2,9 @@
 
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::wave::Decode;
+use haptic_core::names::Choice;
 use haptic_core::object::IntegratorName;
 use haptic_core::schema::Schema;
-use haptic_core::settings::Choice;
 use haptic_sim::scene::Scene;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).

@@ -119,7 +119,7 @@ pub enum Jitter {
     Gamma,
 }
 
-impl haptic_core::settings::Choice for Jitter {
+impl haptic_core::names::Choice for Jitter {
     const NAMES: &'static [&'static str] = &["none", "uniform", "gamma"];
     const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma];
 }

@@ -190,9 +190,9 @@ fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str) {
 fn what_the_data_do_not_give_is_refused() {
     let new = |overrides: &str| Shared::new(&scene(overrides)).expect("a board");
     refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Metres(0.1)), "the encoder counted 0: too few");
-    refused(counts::calibrate(&mut new(""), &mut Idle, 2, Distance::Metres(0.1)), "--joint 2 is not allowed");
+    refused(counts::calibrate(&mut new(""), &mut Idle, 2, Distance::Metres(0.1)), "joint 2 is not allowed");
     refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Metres(-0.1)), "a distance of -0.1");
-    refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Revolutions(1.0)), "--distance-m");
+    refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Revolutions(1.0)), "by what distance");
     // Held, or stuck: friction beyond what any probe can do.
     let held = "plant.coulomb_n=50";
     refused(sign::calibrate(&mut new(held), 1), "did not move: let go of it");

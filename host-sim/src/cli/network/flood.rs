@@ -6,7 +6,7 @@ use crate::cli::flags::{Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
 use crate::trials::flood::{Options, run};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `flood`.
 #[derive(Debug, Args)]
@@ -37,32 +37,20 @@ impl Flood {
         );
         let kinds: Vec<String> = report.sent.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         writeln!(ui, "{}", kinds.join(", "));
-        let mut table = TextTable::new([
-            "peer",
-            "forged",
-            "taken",
-            "states changed",
-            "of",
-            "welcomes",
-            "session",
-            "flow through",
-            "silence ms",
-            "whole after ms",
-        ]);
-        for (peer, seen) in (1..).zip(&report.peers) {
-            table.push([
-                format!("{peer}"),
-                seen.forged_arrived.to_string(),
-                seen.forged_taken.to_string(),
-                seen.states_changed.to_string(),
-                seen.states_compared.to_string(),
-                seen.hellos_answered.to_string(),
-                if seen.session_stayed { "stayed" } else { "LOST" }.to_owned(),
-                format!("{:.1} %", 1e2 * seen.flow_through),
-                seen.longest_silence_ms.to_string(),
-                seen.whole_after_ms.to_string(),
-            ]);
-        }
+        let peers: Vec<_> = (1..).zip(&report.peers).collect();
+        let table = Columns::of(&peers)
+            .value("peer", |(peer, _)| *peer)
+            .value("forged", |(_, seen)| seen.forged_arrived)
+            .value("taken", |(_, seen)| seen.forged_taken)
+            .value("states_changed", |(_, seen)| seen.states_changed)
+            .value("states_compared", |(_, seen)| seen.states_compared)
+            .value("welcomes", |(_, seen)| seen.hellos_answered)
+            .value("session_stayed", |(_, seen)| seen.session_stayed)
+            .number("flow_through", 1, |(_, seen)| seen.flow_through)
+            .shown_in("%", 1e2)
+            .value("silence_ms", |(_, seen)| seen.longest_silence_ms)
+            .value("whole_after_ms", |(_, seen)| seen.whole_after_ms)
+            .done();
         ui.table(&table);
         Ok(())
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::cli::flags::choice;
 use crate::cli::{Failure, Ui};
 use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `collaborate`.
 #[derive(Debug, Args)]
@@ -62,34 +62,21 @@ impl Collaborate {
             .collect();
         bar.finish_and_clear();
         ui.document(&rows)?;
-        let mut table = TextTable::new([
-            "scheme",
-            "users",
-            "runs",
-            "two owners",
-            "lost update",
-            "no progress",
-            "published",
-            "interrupted",
-            "crashes",
-            "messages",
-            "lost",
-            "wait ms",
-            "bound ms",
-        ]);
-        for Row { scheme, users, verdict } in &rows {
-            let scheme = if *scheme == Scheme::Lock { "lock" } else { "ring" };
-            let mut cells = vec![scheme.to_owned(), users.to_string()];
-            cells.extend(
-                [verdict.runs, verdict.two_owners, verdict.lost_update, verdict.no_progress, verdict.published]
-                    .map(|count| count.to_string()),
-            );
-            cells.extend(
-                [verdict.interrupted, verdict.crashes, verdict.messages, verdict.lost].map(|count| count.to_string()),
-            );
-            cells.extend([verdict.longest_wait_ms, verdict.wait_bound_ms].map(|ms| format!("{ms:.0}")));
-            table.push(cells);
-        }
+        let table = Columns::of(&rows)
+            .value("scheme", |row| if row.scheme == Scheme::Lock { "lock" } else { "ring" })
+            .value("users", |row| row.users)
+            .value("runs", |row| row.verdict.runs)
+            .value("two_owners", |row| row.verdict.two_owners)
+            .value("lost_update", |row| row.verdict.lost_update)
+            .value("no_progress", |row| row.verdict.no_progress)
+            .value("published", |row| row.verdict.published)
+            .value("interrupted", |row| row.verdict.interrupted)
+            .value("crashes", |row| row.verdict.crashes)
+            .value("messages", |row| row.verdict.messages)
+            .value("lost", |row| row.verdict.lost)
+            .number("wait_ms", 0, |row| row.verdict.longest_wait_ms)
+            .number("bound_ms", 0, |row| row.verdict.wait_bound_ms)
+            .done();
         ui.table(&table);
         for Row { scheme, users, verdict } in &rows {
             if let Some((seed, what)) = &verdict.first_failure {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use haptic_core::names::Choice;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -15,8 +16,7 @@ use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
 use crate::shared::cooperative::waves::{self, Waves};
 use crate::shared::cooperative::{Collision, Engine, Setup};
-use haptic_sim::report::Made;
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::report::{Columns, Made};
 use haptic_sim::scene::Scene;
 
 /// One-way delays of the sweep, ms.
@@ -190,28 +190,16 @@ impl Cooperative {
             rows.push(WaveRow { users: self.users, one_way_ms, outcome });
         }
         ui.document(&rows)?;
-        let mut table = TextTable::new([
-            "users",
-            "one way ms",
-            "stable",
-            "true mm",
-            "felt N",
-            "peak N",
-            "node energy out/in",
-            "out/put in",
-        ]);
-        for WaveRow { users, one_way_ms, outcome } in &rows {
-            table.push([
-                users.to_string(),
-                one_way_ms.to_string(),
-                if outcome.stable { "yes" } else { "NO" }.to_owned(),
-                significant(outcome.true_discrepancy_mm, 3),
-                significant(outcome.felt_n, 3),
-                significant(outcome.peak_n, 3),
-                format!("{:.12}", outcome.node_out_over_in),
-                format!("{:.6}", outcome.node_out_over_put_in),
-            ]);
-        }
+        let table = Columns::of(&rows)
+            .value("users", |row| row.users)
+            .value("one_way_ms", |row| row.one_way_ms)
+            .value("stable", |row| row.outcome.stable)
+            .significant("true_mm", 3, |row| row.outcome.true_discrepancy_mm)
+            .significant("felt_n", 3, |row| row.outcome.felt_n)
+            .significant("peak_n", 3, |row| row.outcome.peak_n)
+            .number("node_energy_out/in", 12, |row| row.outcome.node_out_over_in)
+            .number("out/put_in", 6, |row| row.outcome.node_out_over_put_in)
+            .done();
         ui.table(&table);
         Ok(())
     }
@@ -227,72 +215,47 @@ impl Cooperative {
 
 impl Report {
     fn print(&self, ui: &Ui) {
-        let mut table = TextTable::new([
-            "users",
-            "one way ms",
-            "bounder",
-            "stable",
-            "radius",
-            "round trip ms",
-            "K N/m",
-            "drag N s/m",
-            "true mm",
-            "felt N",
-            "peak N",
-            "jump N",
-            "engine at client",
-            "up kB/s",
-            "down kB/s",
-        ]);
-        let dash = || "-".to_owned();
-        for row in &self.rows {
-            let outcome = &row.outcome;
-            let number = |value: f64| if outcome.stable { significant(value, 3) } else { dash() };
-            let [_, _, client] = outcome.engine_ticks;
-            table.push([
-                row.users.to_string(),
-                row.one_way_ms.to_string(),
-                if row.bounder { "on" } else { "off" }.to_owned(),
-                if outcome.stable { "yes" } else { "NO" }.to_owned(),
-                row.spectral_radius.map_or_else(dash, |radius| format!("{radius:.6}")),
-                outcome.round_trip_ms.map_or_else(dash, |ms| format!("{ms:.1}")),
-                significant(outcome.stiffness_n_per_m, 3),
-                significant(outcome.drag_n_s_per_m, 3),
-                number(outcome.true_discrepancy_mm),
-                number(outcome.felt_n),
-                number(outcome.peak_n),
-                number(outcome.largest_jump_n),
-                format!("{:.0} %", 100.0 * client as f64 / outcome.ticks.max(1) as f64),
-                significant(1e-3 * outcome.up_bytes_per_s, 3),
-                significant(1e-3 * outcome.down_bytes_per_s, 3),
-            ]);
-        }
+        let stable = |row: &Row| row.outcome.stable;
+        let table = Columns::of(&self.rows)
+            .value("users", |row| row.users)
+            .value("one_way_ms", |row| row.one_way_ms)
+            .value("bounder", |row| if row.bounder { "on" } else { "off" })
+            .value("stable", |row| row.outcome.stable)
+            .number("radius", 6, |row| row.spectral_radius)
+            .number("round_trip_ms", 1, |row| row.outcome.round_trip_ms)
+            .significant("stiffness_n_per_m", 3, |row| row.outcome.stiffness_n_per_m)
+            .head("K")
+            .significant("drag_n_s_per_m", 3, |row| row.outcome.drag_n_s_per_m)
+            .significant("true_mm", 3, |row| row.outcome.true_discrepancy_mm)
+            .where_true(stable)
+            .significant("felt_n", 3, |row| row.outcome.felt_n)
+            .where_true(stable)
+            .significant("peak_n", 3, |row| row.outcome.peak_n)
+            .where_true(stable)
+            .significant("jump_n", 3, |row| row.outcome.largest_jump_n)
+            .where_true(stable)
+            .number("engine_at_client", 0, |row| row.outcome.engine_ticks[2] as f64 / row.outcome.ticks.max(1) as f64)
+            .shown_in("%", 1e2)
+            .significant("up_bytes_per_s", 3, |row| row.outcome.up_bytes_per_s)
+            .shown_in("kB/s", 1e-3)
+            .significant("down_bytes_per_s", 3, |row| row.outcome.down_bytes_per_s)
+            .shown_in("kB/s", 1e-3)
+            .done();
         ui.table(&table);
         if !self.limits.is_empty() {
             writeln!(
                 ui,
                 "\nStiffest object without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
             );
-            let mut table = TextTable::new([
-                "round trip ms",
-                "object",
-                "contact at",
-                "users",
-                "closed form N/m",
-                "simulated N/m",
-                "eigenvalues N/m",
-            ]);
-            for row in &self.limits {
-                table.push([
-                    row.round_trip_ms.to_string(),
-                    row.kind.to_owned(),
-                    format!("{:?}", row.collision).to_lowercase(),
-                    row.users.to_string(),
-                    significant(row.closed_form_n_per_m, 3),
-                    significant(row.simulated_n_per_m, 3),
-                    significant(row.eigenvalues_n_per_m, 3),
-                ]);
-            }
+            let table = Columns::of(&self.limits)
+                .value("round_trip_ms", |row| row.round_trip_ms)
+                .value("object", |row| row.kind)
+                .value("contact_at", |row| row.collision.name())
+                .value("users", |row| row.users)
+                .significant("closed_form_n_per_m", 3, |row| row.closed_form_n_per_m)
+                .significant("simulated_n_per_m", 3, |row| row.simulated_n_per_m)
+                .significant("eigenvalues_n_per_m", 3, |row| row.eigenvalues_n_per_m)
+                .done();
             ui.table(&table);
         }
         ui.wrote(&self.files);

@@ -12,7 +12,7 @@ use crate::cli::flags::{Out, Time, number, switch};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::shared::squash::sweep::{Cell, sweep};
 use crate::shared::squash::{Options, Report, picture, play};
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::report::Columns;
 
 /// What a game goes by, simulated or live.
 #[derive(Clone, Copy, Debug, Args)]
@@ -140,63 +140,46 @@ impl Squash {
     }
 }
 
-fn yes(flag: bool) -> String {
-    if flag { "yes" } else { "NO" }.to_owned()
-}
-
 fn print_sweep(ui: &Ui, cells: &[Cell]) {
-    let mut table = TextTable::new([
-        "round trip ms",
-        "bounder",
-        "rallies",
-        "strokes",
-        "left the court",
-        "agreed",
-        "fastest m/s",
-        "flown before news m",
-        "correction m",
-        "hand in a round trip m",
-    ]);
-    for Cell { round_trip_ms, bounder, report } in cells {
-        table.push([
-            format!("{round_trip_ms:.0}"),
-            (*bounder).to_owned(),
-            report.rallies.to_string(),
-            report.strokes.to_string(),
-            report.left_the_court.to_string(),
-            yes(report.agreed),
-            format!("{:.1}", report.fastest_m_per_s),
-            format!("{:.2}", report.farthest_before_news_m),
-            format!("{:.2}", report.largest_correction_m),
-            format!("{:.2}", report.hand_travel_m),
-        ]);
-    }
+    let table = Columns::of(cells)
+        .number("round_trip_ms", 0, |cell| cell.round_trip_ms)
+        .value("bounder", |cell| cell.bounder)
+        .value("rallies", |cell| cell.report.rallies)
+        .value("strokes", |cell| cell.report.strokes)
+        .value("left_the_court", |cell| cell.report.left_the_court)
+        .value("agreed", |cell| cell.report.agreed)
+        .number("fastest_m_per_s", 1, |cell| cell.report.fastest_m_per_s)
+        .number("flown_before_news_m", 2, |cell| cell.report.farthest_before_news_m)
+        .number("correction_m", 2, |cell| cell.report.largest_correction_m)
+        .number("hand_in_a_round_trip_m", 2, |cell| cell.report.hand_travel_m)
+        .done();
     ui.table(&table);
 }
 
 impl Document {
     fn print(&self, ui: &Ui) {
-        let report = &self.report;
-        let mut table = TextTable::new(["", "squash"]);
-        let mut line = |name: &str, value: String| table.push([name.to_owned(), value]);
-        line("rallies, strokes, longest", format!("{}, {}, {}", report.rallies, report.strokes, report.longest_rally));
-        line("lost, played again", format!("{}, {}", report.lost, report.unseen + report.broken));
-        line("score", report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : "));
-        line("ball left the court before the next player knew", report.left_the_court.to_string());
-        line("all agree on every rally and the score", yes(report.agreed));
-        if let Some(what) = &report.disagreement {
-            line("first disagreement", what.clone());
-        }
-        line("longest round trip, by the server", format!("{:.1} ms", report.round_trip_ms));
-        line("fastest ball, hits made softer", format!("{:.1} m/s, {}", report.fastest_m_per_s, report.bounded));
-        line("farthest flight before the next player knew", format!("{:.2} m", report.farthest_before_news_m));
-        line("largest correction of a reckoned ball", format!("{:.2} m", report.largest_correction_m));
-        line("farthest move of a hand in a round trip", format!("{:.2} m", report.hand_travel_m));
-        line("largest error of a hand at another player", format!("{:.2} m", report.hand_error_m));
-        line("largest pulse on a device", format!("{} N", significant(report.largest_pulse_n, 3)));
-        line("sent by a player", format!("{:.0} bytes/s", report.bytes_per_s));
-        line("state hash", report.state_hash.clone());
-        ui.table(&table);
+        let games = std::slice::from_ref(&self.report);
+        let game = Columns::of(games)
+            .value("rallies, strokes, longest", |game| {
+                format!("{}, {}, {}", game.rallies, game.strokes, game.longest_rally)
+            })
+            .value("lost, played again", |game| format!("{}, {}", game.lost, game.unseen + game.broken))
+            .value("score", |game| game.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : "))
+            .value("ball left the court before the next player knew", |game| game.left_the_court)
+            .value("all agree on every rally and the score", |game| game.agreed)
+            .value("first disagreement", |game| game.disagreement.clone())
+            .number("longest_round_trip_by_the_server_ms", 1, |game| game.round_trip_ms)
+            .number("fastest_ball_m_per_s", 1, |game| game.fastest_m_per_s)
+            .value("hits made softer", |game| game.bounded)
+            .number("farthest_flight_before_the_next_player_knew_m", 2, |game| game.farthest_before_news_m)
+            .number("largest_correction_of_a_reckoned_ball_m", 2, |game| game.largest_correction_m)
+            .number("farthest_move_of_a_hand_in_a_round_trip_m", 2, |game| game.hand_travel_m)
+            .number("largest_error_of_a_hand_at_another_player_m", 2, |game| game.hand_error_m)
+            .significant("largest_pulse_on_a_device_n", 3, |game| game.largest_pulse_n)
+            .number("sent_by_a_player_bytes_per_s", 0, |game| game.bytes_per_s)
+            .value("state hash", |game| game.state_hash.clone())
+            .done();
+        writeln!(ui, "{}", game.down(&["squash"]));
         ui.wrote(&self.files);
     }
 }

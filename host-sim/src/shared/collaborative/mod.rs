@@ -11,7 +11,7 @@
 //! crash and come back from their records, the network falls apart. Then it heals, and the clock of progress starts: every
 //! user who wants to must have published within the bound that the protocol states.
 
-use haptic_core::settings::Choice;
+use haptic_core::names::Choice;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -37,7 +37,7 @@ pub mod run;
 pub mod waves;
 pub mod world;
 
-use haptic_core::settings::Choice;
+use haptic_core::names::Choice;
 use haptic_sim::scene::{Scene, SceneError};
 
 /// Most users.

@@ -15,7 +15,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use haptic_core::settings::Choice;
+use haptic_core::names::Choice;
 use serde::Serialize;
 
 /// What instructions are instructions of.

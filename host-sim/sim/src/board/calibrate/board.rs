@@ -107,7 +107,7 @@ impl Joint {
     /// There is no such joint, or its motion is no motion along an axis.
     pub fn of(settings: &Settings, number: u32) -> Result<Self, String> {
         if !(1..=settings.axis.count).contains(&number) {
-            return Err(format!("--joint {number} is not allowed: axis.count is {}", settings.axis.count));
+            return Err(format!("joint {number} is not allowed: axis.count is {}", settings.axis.count));
         }
         let (encoder, kinematics) = (&settings.encoder, &settings.kinematics);
         let counts_per_unit = match kinematics.model {

@@ -100,9 +100,11 @@ pub fn calibrate(
         Joint::of(&settings, number)?;
     }
     match distance {
-        Distance::Metres(_) if turns => return Err("this joint turns: give --revolutions, not --distance-m".to_owned()),
+        Distance::Metres(_) if turns => {
+            return Err("this joint turns: say by how many revolutions, not by what distance".to_owned());
+        }
         Distance::Revolutions(_) if !turns => {
-            return Err("this joint is a slide: give --distance-m, not --revolutions".to_owned());
+            return Err("this joint is a slide: say by what distance, not by how many revolutions".to_owned());
         }
         _ => {}
     }

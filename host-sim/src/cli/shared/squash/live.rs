@@ -9,7 +9,7 @@ use crate::cli::flags::{KeyFile, Time};
 use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::squash::{self, Options, Report};
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// Arguments of `squash live`.
 #[derive(Debug, Args)]
@@ -46,11 +46,12 @@ impl Live {
 }
 
 fn print(ui: &Ui, report: &Report) {
-    let mut table = TextTable::new(["rally", "strokes", "ending", "loser"]);
-    for rally in &report.rallies {
-        let numbers = [rally.rally.to_string(), rally.strokes.to_string(), rally.ending.clone()];
-        table.push(numbers.into_iter().chain([rally.loser.to_string()]));
-    }
+    let table = Columns::of(&report.rallies)
+        .value("rally", |rally| rally.rally)
+        .value("strokes", |rally| rally.strokes)
+        .value("ending", |rally| rally.ending.clone())
+        .value("loser", |rally| rally.loser)
+        .done();
     ui.table(&table);
     let score = report.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : ");
     writeln!(ui, "score {score}; {} hits of its own, {} balls seen too late", report.strokes, report.unseen);

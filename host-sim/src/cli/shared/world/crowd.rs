@@ -10,7 +10,7 @@ use crate::shared::visit::PACKET_US;
 use crate::shared::visit::host::MOST_LINES;
 use crate::shared::world;
 use crate::trials::crowd;
-use haptic_sim::report::text::TextTable;
+use haptic_sim::report::Columns;
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;
@@ -119,40 +119,24 @@ fn print(ui: &Ui, document: &Document) {
         ui,
         "{processor}, {cores} cores, load {before} before and {after} after; loopback UDP, {RATE_HZ} packets/s a client\n"
     );
-    let mut table = TextTable::new([
-        "clients",
-        "rate Hz",
-        "answered %",
-        "turnaround p50 us",
-        "p99 us",
-        "p99.9 us",
-        "answer p50 us",
-        "p99 us",
-        "round trip p50 us",
-        "p99 us",
-        "server core %",
-        "load core %",
-        "load late p99 us",
-    ]);
-    let share = |share: Option<f64>| share.map_or_else(|| "?".to_owned(), |share| format!("{:.0}", 100.0 * share));
-    for run in &document.runs {
-        let (turnaround, answer, trip) = (run.server.turnaround, run.server.answer, run.round_trip);
-        table.push([
-            run.clients.to_string(),
-            format!("{:.1}", run.rate_hz),
-            format!("{:.2}", 100.0 * run.answered_share()),
-            format!("{:.1}", turnaround.p50_us),
-            format!("{:.1}", turnaround.p99_us),
-            format!("{:.1}", turnaround.p999_us),
-            format!("{:.1}", answer.p50_us),
-            format!("{:.1}", answer.p99_us),
-            format!("{:.1}", trip.p50_us),
-            format!("{:.1}", trip.p99_us),
-            share(run.server.cpu_share),
-            share(run.load_cpu_share),
-            format!("{:.1}", run.load_late.p99_us),
-        ]);
-    }
+    let table = Columns::of(&document.runs)
+        .value("clients", |run| run.clients)
+        .number("rate_hz", 1, |run| run.rate_hz)
+        .number("answered", 2, |run| run.answered_share())
+        .shown_in("%", 1e2)
+        .number("turnaround_p50_us", 1, |run| run.server.turnaround.p50_us)
+        .number("p99_us", 1, |run| run.server.turnaround.p99_us)
+        .number("p99.9_us", 1, |run| run.server.turnaround.p999_us)
+        .number("answer_p50_us", 1, |run| run.server.answer.p50_us)
+        .number("p99_us", 1, |run| run.server.answer.p99_us)
+        .number("round_trip_p50_us", 1, |run| run.round_trip.p50_us)
+        .number("p99_us", 1, |run| run.round_trip.p99_us)
+        .number("server_core", 0, |run| run.server.cpu_share)
+        .shown_in("%", 1e2)
+        .number("load_core", 0, |run| run.load_cpu_share)
+        .shown_in("%", 1e2)
+        .number("load_late_p99_us", 1, |run| run.load_late.p99_us)
+        .done();
     ui.table(&table);
     match (document.holds, document.bends) {
         (Some(holds), None) => writeln!(ui, "The server holds {holds} clients, the most that were tried."),

@@ -10,7 +10,8 @@ use crate::cli::flags::{Out, WorldArgs, number};
 use crate::cli::{Failure, Ui};
 use crate::shared::world::picture;
 use crate::shared::world::stroke::{Energy, Options, Part, stroke};
-use haptic_sim::report::text::{TextTable, significant};
+use haptic_sim::report::Columns;
+use haptic_sim::report::significant;
 
 /// Arguments of `stroke`.
 #[derive(Debug, Args)]
@@ -95,29 +96,20 @@ impl Stroke {
 
 impl Report {
     fn print(&self, ui: &Ui) {
-        let mut table = TextTable::new([
-            "side",
-            "corner before it",
-            "lets go at mm",
-            "largest depth mm",
-            "largest force N",
-            "force at its end N",
-        ]);
-        let or_none = |number: Option<String>| number.unwrap_or_else(|| "-".to_owned());
-        for part in &self.parts {
-            table.push([
-                part.side.clone(),
-                or_none(part.corner_deg.map(|degrees| format!("{degrees:.1}°"))),
-                or_none(part.leaves_at_m.map(|depth_m| format!("{:.3}", 1e3 * depth_m))),
-                format!("{:.3}", 1e3 * part.largest_depth_m),
-                format!("{:.3}", part.largest_force_n),
-                format!("{:.3}", part.last_force_n),
-            ]);
-        }
-        ui.table(&table);
+        let parts = Columns::of(&self.parts)
+            .value("side", |part| part.side.clone())
+            .number("corner_before_it", 1, |part| part.corner_deg)
+            .shown_in("°", 1.0)
+            .number("lets_go_at_m", 3, |part| part.leaves_at_m)
+            .shown_in("mm", 1e3)
+            .number("largest_depth_m", 3, |part| part.largest_depth_m)
+            .shown_in("mm", 1e3)
+            .number("largest_force_n", 3, |part| part.largest_force_n)
+            .number("force_at_its_end_n", 3, |part| part.last_force_n)
+            .done();
+        ui.table(&parts);
         let Energy { work_j, stored_j, moving_j, contact_j, drag_j, arm_j } = self.energy;
-        let mut table = TextTable::new(["energy", "mJ"]);
-        for (name, energy_j) in [
+        let energies = [
             ("work of the person", work_j),
             ("in springs at the end", stored_j),
             ("in motion at the end", moving_j),
@@ -125,9 +117,13 @@ impl Report {
             ("taken by the object's drag", drag_j),
             ("taken by arm and hand", arm_j),
             ("left open by the time step", self.remainder_j),
-        ] {
-            table.push([name.to_owned(), format!("{:.4}", 1e3 * energy_j)]);
-        }
+        ];
+        let table = Columns::of(&energies)
+            .value("energy", |(name, _)| *name)
+            .number("energy_j", 4, |(_, energy_j)| *energy_j)
+            .head("")
+            .shown_in("mJ", 1e3)
+            .done();
         writeln!(ui, "{table}\nThe object was pushed {} mm.", significant(1e3 * self.largest_way_of_the_object_m, 3));
     }
 }
