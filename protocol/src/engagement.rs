@@ -17,7 +17,7 @@
 
 /// Where on the ladder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Rung {
+pub(crate) enum Rung {
     /// No flow, or none for long.
     #[default]
     Apart,
@@ -28,11 +28,11 @@ pub enum Rung {
 }
 
 /// Packet periods of silence before the coordination fades.
-pub const FADE_AFTER: u32 = 3;
+pub(crate) const FADE_AFTER: u32 = 3;
 /// Packet periods of silence before the peers are apart.
-pub const APART_AFTER: u32 = 12;
+pub(crate) const APART_AFTER: u32 = 12;
 /// Packet periods from 0 to full engagement.
-pub const RISE: u32 = 12;
+pub(crate) const RISE: u32 = 12;
 
 const LEVELS: u32 = RISE * (APART_AFTER - FADE_AFTER) / 3;
 const RISE_STEP: u64 = (LEVELS / RISE) as u64;
@@ -41,7 +41,7 @@ const _: () = assert!(LEVELS.is_multiple_of(RISE) && LEVELS.is_multiple_of(APART
 
 /// The ladder and the level.
 #[derive(Clone, Copy, Debug)]
-pub struct Engagement {
+pub(crate) struct Engagement {
     period_us: u64,
     heard_us: Option<u64>,
     updated_us: u64,
@@ -51,18 +51,18 @@ pub struct Engagement {
 
 impl Engagement {
     /// Apart, for flow that comes each `period_us`.
-    pub fn new(period_us: u32) -> Self {
+    pub(crate) fn new(period_us: u32) -> Self {
         Self { period_us: u64::from(period_us), heard_us: None, updated_us: 0, level: 0 }
     }
 
     /// The peers part: level 0 until flow comes again.
-    pub fn part(&mut self) {
+    pub(crate) fn part(&mut self) {
         self.heard_us = None;
         self.level = 0;
     }
 
     /// Flow was taken. Call [`Engagement::update`] with the same `now` before.
-    pub fn hear(&mut self, now: u64) {
+    pub(crate) fn hear(&mut self, now: u64) {
         if self.heard_us.is_none() {
             self.level = 0;
             self.updated_us = now;
@@ -71,7 +71,7 @@ impl Engagement {
     }
 
     /// Lets time pass.
-    pub fn update(&mut self, now: u64) {
+    pub(crate) fn update(&mut self, now: u64) {
         let Some(heard) = self.heard_us else { return };
         let fade = heard.saturating_add(self.periods(FADE_AFTER));
         let apart = heard.saturating_add(self.periods(APART_AFTER));
@@ -94,7 +94,7 @@ impl Engagement {
     }
 
     /// Where on the ladder, as of the last update.
-    pub fn rung(&self) -> Rung {
+    pub(crate) fn rung(&self) -> Rung {
         match self.heard_us {
             None => Rung::Apart,
             Some(heard) if self.updated_us.saturating_sub(heard) > self.periods(FADE_AFTER) => Rung::Fading,
@@ -103,7 +103,7 @@ impl Engagement {
     }
 
     /// How far the coordination may act, 0 to 1, as of the last update.
-    pub fn level(&self) -> f32 {
+    pub(crate) fn level(&self) -> f32 {
         self.level as f32 / self.full() as f32
     }
 }

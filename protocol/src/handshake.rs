@@ -54,7 +54,7 @@ pub enum Error {
 
 /// How an authentic greeting stands to what this peer knows: the first that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub(crate) enum Standing {
     /// Its two challenges are those of the session at hand: nothing new, nothing to say.
     Known,
     /// It echoes the current challenge: its sender is there now, and has the session that follows from it.
@@ -66,7 +66,7 @@ pub enum Standing {
 
 /// What a peer needs to greet and to judge greetings.
 #[derive(Debug)]
-pub struct Handshake {
+pub(crate) struct Handshake {
     ends: Ends,
     line: u32,
     shared: Key,
@@ -80,7 +80,7 @@ pub struct Handshake {
 
 impl Handshake {
     /// Greets under the shared key. `entropy` must differ at every start of the peer and be unforeseeable.
-    pub fn new(shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
+    pub(crate) fn new(shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
         let Ends { local, remote } = ends;
         let greeting_key = |from: wire::PeerId, to: wire::PeerId| shared.derive("greeting").with(&[from.0, to.0]).end();
         let incarnation = u64::from_le_bytes(entropy.derive("incarnation").first());
@@ -100,18 +100,18 @@ impl Handshake {
     }
 
     /// Greets on this line of a server instead of line 0.
-    pub fn set_line(&mut self, line: u32) {
+    pub(crate) fn set_line(&mut self, line: u32) {
         self.line = line;
     }
 
     /// Draws a new current challenge.
-    pub fn renew(&mut self) {
+    pub(crate) fn renew(&mut self) {
         self.drawn = self.drawn.wrapping_add(1);
         self.offer.challenge = self.entropy.derive("challenge").with(&self.drawn.to_le_bytes()).first();
     }
 
     /// Writes a greeting with the current challenge to the front of `out` and gives its length.
-    pub fn greet(&self, kind: GreetingKind, echo: Challenge, out: &mut [u8]) -> Result<usize, wire::Error> {
+    pub(crate) fn greet(&self, kind: GreetingKind, echo: Challenge, out: &mut [u8]) -> Result<usize, wire::Error> {
         let (count, tables) = self.parameters.hashes();
         let Ends { local: from, remote: to } = self.ends;
         let Offer { challenge, incarnation } = self.offer;
@@ -124,7 +124,7 @@ impl Handshake {
     }
 
     /// Reads a greeting if it is for this peer, from the other end and authentic.
-    pub fn open(&self, datagram: &[u8]) -> Result<Greeting, Error> {
+    pub(crate) fn open(&self, datagram: &[u8]) -> Result<Greeting, Error> {
         let (greeting, body, tag) = Greeting::parse(datagram).map_err(Error::Wire)?;
         self.ends.check(greeting.from, greeting.to).map_err(Error::Ends)?;
         if greeting.line != self.line {
@@ -134,7 +134,7 @@ impl Handshake {
     }
 
     /// How an authentic greeting stands to the session at hand and to the current challenge.
-    pub fn judge(&self, greeting: &Greeting, session: Option<&Session>) -> Standing {
+    pub(crate) fn judge(&self, greeting: &Greeting, session: Option<&Session>) -> Standing {
         if session.is_some_and(|session| session.is_named_by(greeting)) {
             Standing::Known
         } else if greeting.echo == self.offer.challenge {
@@ -145,7 +145,7 @@ impl Handshake {
     }
 
     /// The session that a fresh greeting leads to, unless the two peers were told different things.
-    pub fn accept(&self, greeting: &Greeting) -> Result<Session, Error> {
+    pub(crate) fn accept(&self, greeting: &Greeting) -> Result<Session, Error> {
         if let Some(table) = self.parameters.difference(greeting.count, &greeting.tables) {
             return Err(Error::Parameters(table));
         }

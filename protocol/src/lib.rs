@@ -112,9 +112,9 @@
 mod bytes;
 pub mod clock;
 pub mod ends;
-pub mod engagement;
+mod engagement;
 mod error;
-pub mod handshake;
+mod handshake;
 pub mod key;
 pub mod lines;
 pub mod link;
@@ -123,10 +123,14 @@ pub mod parameters;
 #[cfg(feature = "peer")]
 pub mod peer;
 pub mod playout;
-pub mod reliable;
+mod reliable;
 pub mod replay;
 pub mod roles;
-pub mod seal;
-pub mod session;
+mod seal;
+mod session;
 pub mod wire;
 pub mod world;
+
+#[cfg(test)]
+#[path = "../tests/inside/mod.rs"]
+mod inside;

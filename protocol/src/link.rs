@@ -22,7 +22,7 @@ use crate::handshake::Handshake;
 use crate::key::Key;
 use crate::notices::Notices;
 use crate::parameters::Parameters;
-use crate::reliable::{Full, Receiver, Sender};
+use crate::reliable::{Receiver, Sender};
 use crate::seal::Counter;
 use crate::session::Session;
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
@@ -33,6 +33,11 @@ mod stage;
 
 pub use error::{ConfigError, Error};
 pub use stage::{Notice, Stage};
+
+pub use crate::handshake::Error as HandshakeError;
+pub use crate::reliable::{Full, WINDOW as EVENTS};
+pub use crate::seal::Error as SealError;
+pub use crate::session::Error as SessionError;
 
 /// Packet periods between hellos.
 const HELLO_EVERY: u32 = 2;

@@ -33,14 +33,14 @@ struct Pending {
 
 /// The sending end.
 #[derive(Clone, Debug, Default)]
-pub struct Sender {
+pub(crate) struct Sender {
     next: u32,
     pending: [Option<Pending>; WINDOW],
 }
 
 impl Sender {
     /// Takes an event in charge and numbers it.
-    pub fn push(&mut self, event: Event) -> Result<u32, Full> {
+    pub(crate) fn push(&mut self, event: Event) -> Result<u32, Full> {
         let number = self.next;
         // Never further ahead of the oldest than the other end can keep.
         let oldest = self.pending.iter().flatten().map(|pending| number.wrapping_sub(pending.event.number)).max();
@@ -54,7 +54,7 @@ impl Sender {
     }
 
     /// The oldest event that is due, if any. It is due again after `timeout_us`, doubled for every time it was sent.
-    pub fn due(&mut self, now: u64, timeout_us: u64) -> Option<Event> {
+    pub(crate) fn due(&mut self, now: u64, timeout_us: u64) -> Option<Event> {
         let next = self.next;
         let due = self.pending.iter_mut().flatten().filter(|pending| pending.due_us <= now);
         let pending = due.max_by_key(|pending| next.wrapping_sub(pending.event.number))?;
@@ -65,7 +65,7 @@ impl Sender {
     }
 
     /// Forgets what has arrived. An acknowledgement of what was never sent changes nothing.
-    pub fn acknowledge(&mut self, ack: &Ack) {
+    pub(crate) fn acknowledge(&mut self, ack: &Ack) {
         for slot in &mut self.pending {
             let Some(Pending { event, .. }) = slot else { continue };
             // How far beyond `next` the event is: negative ones are before it.
@@ -80,7 +80,7 @@ impl Sender {
     }
 
     /// Everything is due now, as after a silence.
-    pub fn hurry(&mut self) {
+    pub(crate) fn hurry(&mut self) {
         for pending in self.pending.iter_mut().flatten() {
             pending.due_us = 0;
             pending.sent = 0;
@@ -88,14 +88,14 @@ impl Sender {
     }
 
     /// Events not yet acknowledged.
-    pub fn under_way(&self) -> usize {
+    pub(crate) fn under_way(&self) -> usize {
         self.pending.iter().flatten().count()
     }
 }
 
 /// The receiving end.
 #[derive(Clone, Debug, Default)]
-pub struct Receiver {
+pub(crate) struct Receiver {
     /// The number of the event that is handed out next.
     next: u32,
     early: [Option<Event>; WINDOW],
@@ -107,7 +107,7 @@ impl Receiver {
     }
 
     /// Takes in an event; one that was handed out before, or is too far ahead, is dropped.
-    pub fn receive(&mut self, event: Event) {
+    pub(crate) fn receive(&mut self, event: Event) {
         if (event.number.wrapping_sub(self.next) as usize) < WINDOW
             && let Some(slot) = self.slot(event.number)
         {
@@ -116,14 +116,14 @@ impl Receiver {
     }
 
     /// The next event in order, once.
-    pub fn take(&mut self) -> Option<Event> {
+    pub(crate) fn take(&mut self) -> Option<Event> {
         let event = self.slot(self.next)?.take()?;
         self.next = self.next.wrapping_add(1);
         Some(event)
     }
 
     /// What has arrived, for the sender to forget.
-    pub fn ack(&self) -> Ack {
+    pub(crate) fn ack(&self) -> Ack {
         let has = |number: u32| self.early.get(number as usize % WINDOW).is_some_and(Option::is_some);
         let waiting = (0..WINDOW as u32).take_while(|ahead| has(self.next.wrapping_add(*ahead))).count() as u32;
         let next = self.next.wrapping_add(waiting);

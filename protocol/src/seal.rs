@@ -16,7 +16,7 @@ use crate::replay::SEQUENCE_LIMIT;
 use crate::wire::{self, Header, Message, PeerId, TAG_LEN};
 
 /// How many sequence numbers share a traffic key, as a power of 2.
-pub const EPOCH_BITS: u32 = 20;
+pub(crate) const EPOCH_BITS: u32 = 20;
 
 /// Why a datagram cannot be sealed or opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,18 +34,19 @@ pub enum Error {
 
 /// The sequence numbers of one sender.
 #[derive(Debug, Default)]
-pub struct Counter {
+pub(crate) struct Counter {
     next: u64,
 }
 
 impl Counter {
     /// Starts at `next` instead of 0, to try what happens late in a peer's life.
-    pub fn starting_at(next: u64) -> Self {
+    #[cfg(test)]
+    pub(crate) fn starting_at(next: u64) -> Self {
         Self { next }
     }
 
     /// A number that has not been used.
-    pub fn draw(&mut self) -> Result<u64, Error> {
+    pub(crate) fn draw(&mut self) -> Result<u64, Error> {
         if self.next >= SEQUENCE_LIMIT {
             return Err(Error::Exhausted);
         }
@@ -56,7 +57,7 @@ impl Counter {
 }
 
 /// One direction of a session.
-pub struct Direction {
+pub(crate) struct Direction {
     base: Key,
     epoch: u64,
     cipher: ChaCha20Poly1305,
@@ -64,7 +65,7 @@ pub struct Direction {
 
 impl Direction {
     /// The direction from one peer to another, under a session's secret.
-    pub fn new(session_secret: &Key, from: PeerId, to: PeerId) -> Self {
+    pub(crate) fn new(session_secret: &Key, from: PeerId, to: PeerId) -> Self {
         let base = session_secret.derive("direction").with(&[from.0, to.0]).end();
         let cipher = Self::traffic(&base, 0);
         Self { base, epoch: 0, cipher }
@@ -86,7 +87,7 @@ impl Direction {
     /// Writes header, sealed message and tag to the front of `out` and gives their length.
     ///
     /// The header's sequence must be fresh from the sender's one [`Counter`].
-    pub fn seal(&mut self, header: &Header, message: &Message, out: &mut [u8]) -> Result<usize, Error> {
+    pub(crate) fn seal(&mut self, header: &Header, message: &Message, out: &mut [u8]) -> Result<usize, Error> {
         let epoch = header.sequence >> EPOCH_BITS;
         if epoch != self.epoch {
             self.cipher = Self::traffic(&self.base, epoch);
@@ -105,7 +106,7 @@ impl Direction {
     }
 
     /// Opens what [`Header::parse`] took apart, in place; the message as bytes.
-    pub fn open<'a>(
+    pub(crate) fn open<'a>(
         &mut self,
         header: &Header,
         head: &[u8; Header::LEN],

@@ -16,7 +16,7 @@ use crate::wire::{Challenge, Greeting, Header, Message, TABLES, VERSION};
 
 /// What one end puts into a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Offer {
+pub(crate) struct Offer {
     /// Its challenge.
     pub challenge: Challenge,
     /// Its incarnation.
@@ -24,15 +24,15 @@ pub struct Offer {
 }
 
 /// What both ends of a session were told, as a greeting carries it.
-pub type Agreed = (u8, [u64; TABLES]);
+pub(crate) type Agreed = (u8, [u64; TABLES]);
 
 /// Keys and window of one session.
-pub struct Session {
+pub(crate) struct Session {
     ends: Ends,
     /// What this end put in.
-    pub local: Offer,
+    pub(crate) local: Offer,
     /// What the other end put in.
-    pub remote: Offer,
+    pub(crate) remote: Offer,
     number: u32,
     outward: Direction,
     inward: Direction,
@@ -63,7 +63,7 @@ pub enum Error {
 
 impl Session {
     /// The session that two offers make under the shared key.
-    pub fn new(shared: &Key, ends: Ends, local: Offer, remote: Offer, (count, tables): &Agreed) -> Self {
+    pub(crate) fn new(shared: &Key, ends: Ends, local: Offer, remote: Offer, (count, tables): &Agreed) -> Self {
         let local_is_low = ends.local < ends.remote;
         let (low, high) = if local_is_low { (ends.local, ends.remote) } else { (ends.remote, ends.local) };
         let (of_low, of_high) = if local_is_low { (local, remote) } else { (remote, local) };
@@ -93,29 +93,34 @@ impl Session {
     }
 
     /// Whether a greeting's challenges are the two that made this session.
-    pub fn is_named_by(&self, greeting: &Greeting) -> bool {
+    pub(crate) fn is_named_by(&self, greeting: &Greeting) -> bool {
         self.remote.challenge == greeting.challenge && self.local.challenge == greeting.echo
     }
 
     /// What its datagrams are told apart by; not secret.
-    pub fn number(&self) -> u32 {
+    pub(crate) fn number(&self) -> u32 {
         self.number
     }
 
     /// The other end has been heard under these keys: it is there, now, and has them.
-    pub fn is_confirmed(&self) -> bool {
+    pub(crate) fn is_confirmed(&self) -> bool {
         self.taken > 0
     }
 
     /// Seals `message` into the front of `out` and gives the datagram's length.
-    pub fn seal(&mut self, counter: &mut Counter, message: &Message, out: &mut [u8]) -> Result<usize, seal::Error> {
+    pub(crate) fn seal(
+        &mut self,
+        counter: &mut Counter,
+        message: &Message,
+        out: &mut [u8],
+    ) -> Result<usize, seal::Error> {
         let Ends { local: from, remote: to } = self.ends;
         let header = Header { from, to, session: self.number, sequence: counter.draw()? };
         self.outward.seal(&header, message, out)
     }
 
     /// Opens, in place, what [`Header::parse`] took apart; the message as bytes.
-    pub fn open<'a>(
+    pub(crate) fn open<'a>(
         &mut self,
         header: &Header,
         head: &[u8; Header::LEN],
@@ -136,12 +141,12 @@ impl Session {
     }
 
     /// Sealed datagrams taken so far; 2³² − 1 stands for more.
-    pub fn taken(&self) -> u32 {
+    pub(crate) fn taken(&self) -> u32 {
         u32::try_from(self.taken).unwrap_or(u32::MAX)
     }
 
     /// Sealed datagrams of the other end that have not come, so far.
-    pub fn missing(&self) -> u32 {
+    pub(crate) fn missing(&self) -> u32 {
         let Some(newest) = self.window.newest() else { return 0 };
         let sent = newest.saturating_sub(self.first).saturating_add(1);
         u32::try_from(sent.saturating_sub(self.taken)).unwrap_or(u32::MAX)

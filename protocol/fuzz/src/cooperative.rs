@@ -2,8 +2,9 @@
 //! allowed and clients that crash. Never two engines; a version is moved by one of them only, and never after a later one;
 //! the object goes on from where it was told to be; and in the end the server has the engine again in time.
 
+use haptic_protocol::roles::Role;
 use haptic_protocol::roles::collaborative::Lease;
-use haptic_protocol::roles::cooperative::{Body, Client, Message, Server, Told};
+use haptic_protocol::roles::cooperative::{Body, Client, Message, Notice, Server};
 use haptic_protocol::wire::PeerId;
 
 use super::net::{Clock, Net};
@@ -35,7 +36,7 @@ impl World {
             net: Net::new(),
             server: Server::new(lease),
             body: Body::default(),
-            clients: std::array::from_fn(|_| (Client::new(lease), Body::default())),
+            clients: std::array::from_fn(|_| (Client::new(PeerId(0), lease), Body::default())),
             clocks: std::array::from_fn(clock),
             lives: [0; CLIENTS],
             newest: (0, 0),
@@ -54,16 +55,16 @@ impl World {
     fn poll(&mut self, peer: usize) {
         let now = self.now(peer);
         if let Some(at) = peer.checked_sub(1) {
-            if let Some(message) = self.clients[at].0.poll(now) {
-                self.send(peer, 0, message);
-            }
+            let mut said = Vec::new();
+            self.clients[at].0.poll(now, &mut |_, message| said.push(message));
+            said.into_iter().for_each(|message| self.send(peer, 0, message));
             return;
         }
-        let (say, came) = self.server.poll(now);
+        let mut said = Vec::new();
+        self.server.poll(now, &mut |to: PeerId, message| said.push((to, message)));
+        let came = self.server.take_notice();
         self.came(0, came);
-        if let Some((to, message)) = say {
-            self.send(0, usize::from(to.0), message);
-        }
+        said.into_iter().for_each(|(to, message)| self.send(0, usize::from(to.0), message));
     }
 
     fn receive(&mut self, (from, to, (life, message)): (usize, usize, (u32, Message))) {
@@ -73,17 +74,21 @@ impl World {
         let now = self.now(to);
         match to.checked_sub(1) {
             None => {
-                let heard = self.server.receive(now, PeerId(from as u8), &message, self.body);
-                self.came(0, heard.came);
-                if let Some(say) = heard.say {
-                    self.send(0, from, say);
+                let mut said = Vec::new();
+                self.server.moves(self.body);
+                self.server.receive(now, PeerId(from as u8), &message, &mut |_, message| said.push(message));
+                let came = self.server.take_notice();
+                self.came(0, came);
+                said.into_iter().for_each(|message| self.send(0, from, message));
+            }
+            Some(at) => {
+                self.clients[at].0.receive(now, PeerId(0), &message, &mut |_, _| ());
+                match self.clients[at].0.take_notice() {
+                    Some(Notice::Came(body)) => self.came(to, Some(body)),
+                    Some(Notice::Recalled) => self.give_back(at),
+                    None => {}
                 }
             }
-            Some(at) => match self.clients[at].0.receive(now, &message) {
-                Told::Came(body) => self.came(to, Some(body)),
-                Told::Recalled => self.give_back(at),
-                Told::Nothing => {}
-            },
         }
     }
 
@@ -163,7 +168,7 @@ pub(super) fn run(bytes: &[u8]) {
             }
             _ => {
                 world.lives[at] += 1;
-                world.clients[at] = (Client::new(lease), Body::default());
+                world.clients[at] = (Client::new(PeerId(0), lease), Body::default());
             }
         }
         world.look(call & 16 == 0);

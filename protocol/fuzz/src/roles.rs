@@ -96,23 +96,27 @@ fn rings(mut any: Anything) {
 
 fn engines(mut any: Anything) {
     let mut server = cooperative::Server::new(lease());
-    let mut client = cooperative::Client::new(lease());
-    let mut body = cooperative::Body::default();
+    let mut client = cooperative::Client::new(PeerId(0), lease());
+    let (mut body, mut out) = (cooperative::Body::default(), Outbox::<_, QUEUE>::new());
     while any.script.goes_on() {
         let (from, event, act) = any.next(code::COOPERATIVE);
         if let Ok((object, message)) = cooperative::Message::parse(&event) {
             assert_eq!(message.event(object), Ok(event));
-            body = server.receive(any.now, from, &message, body).came.unwrap_or(body);
-            client.receive(any.now, &message);
+            server.moves(body);
+            server.receive(any.now, from, &message, &mut out);
+            body = server.take_notice().unwrap_or(body);
+            client.receive(any.now, PeerId(0), &message, &mut out);
         }
         match act {
             0 => client.ask(any.now),
             1 => client.give_back(any.now, body),
             2 => server.recall(any.now),
             3 => server.told(from, server.version(), cooperative::Body { axes: [[f64::NAN; 2]; 2] }),
-            _ => drop(client.poll(any.now)),
+            _ => client.poll(any.now, &mut out),
         }
-        body = server.poll(any.now).1.unwrap_or(body);
+        server.poll(any.now, &mut out);
+        body = server.take_notice().unwrap_or(body);
+        while out.take().is_some() {}
         assert!(body.axes.iter().flatten().all(|number| number.is_finite()), "{body:?}");
         assert!(server.has_engine() == server.lent_to().is_none());
     }

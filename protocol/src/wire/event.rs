@@ -7,7 +7,7 @@ use crate::error::Error;
 /// One event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// Place in the sender's order; [`crate::reliable`] sets it.
+    /// Place in the sender's order; the link sets it.
     pub number: u32,
     /// What the payload means, for the application to choose.
     pub code: u16,

@@ -1,9 +1,9 @@
 //! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 1 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::format`]).
 
-use haptic_protocol::link::{Error, Link, Stage};
+use haptic_protocol::link::{Error, Link, SessionError, Stage};
+use haptic_protocol::replay;
 use haptic_protocol::wire::{self, Flow, MAX_DATAGRAM, Message};
-use haptic_protocol::{replay, session};
 
 use crate::format::{GREETING, Session, hello};
 use crate::world::{CLEAN, PERIOD, Rng, World, config};
@@ -88,7 +88,7 @@ fn a_number_that_is_none_is_refused_and_the_coordination_goes_on() {
             let after = ear.link.counts();
             assert_eq!((after.taken, after.refused), (before.taken + 1, before.refused + 1));
             let again = ear.link.receive(ear.now, &mut ear.session.seal(2, 1, ear.sequence, &bytes));
-            assert_eq!(again, Err(Error::Session(session::Error::Replay(replay::Error::Replayed))));
+            assert_eq!(again, Err(Error::Session(SessionError::Replay(replay::Error::Replayed))));
             // And the next flow is as good as ever.
             assert_eq!(ear.hear(&bytes), Ok(Some(Message::Flow(good))));
         }

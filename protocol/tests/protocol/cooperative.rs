@@ -3,7 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use haptic_protocol::roles::cooperative::{Body, Client, Lease, Message, Server, Told};
+use haptic_protocol::roles::Role;
+use haptic_protocol::roles::cooperative::{Body, Client, Lease, Message, Notice, Server};
 use haptic_protocol::wire::{Event, PeerId};
 
 use crate::world::Rng;
@@ -64,7 +65,7 @@ impl World {
         let loss = [0.0, 0.1, 0.3, 0.6][rng.below(4) as usize];
         let slowest = [0, 5_000, 80_000, SLOWEST][rng.below(4) as usize];
         let nodes = (0..CLIENTS).map(|_| Node {
-            client: Client::new(lease()),
+            client: Client::new(PeerId(0), lease()),
             rate: 1.0 + (rng.below(20_001) as f64 - 10_000.0) * 1e-6,
             offset: rng.below(1 << 40) as f64,
             incarnation: 0,
@@ -109,19 +110,22 @@ impl World {
             }
             let (_, message) = Message::parse(&event).unwrap();
             if to == 0 {
-                let heard = self.server.receive(time, PeerId(from as u8), &message, self.body);
-                self.body = heard.came.unwrap_or(self.body);
-                self.transfers += u32::from(heard.came.is_some());
-                if let Some(say) = heard.say {
-                    self.send(time, 0, from, &say);
+                let mut said = Vec::new();
+                self.server.moves(self.body);
+                self.server.receive(time, PeerId(from as u8), &message, &mut |_, message| said.push(message));
+                if let Some(body) = self.server.take_notice() {
+                    self.body = body;
+                    self.transfers += 1;
                 }
+                said.iter().for_each(|message| self.send(time, 0, from, message));
             } else {
                 let node = &mut self.nodes[node];
                 let now = node.now(time);
-                match node.client.receive(now, &message) {
-                    Told::Came(body) => node.body = body,
-                    Told::Recalled => node.client.give_back(now, node.body),
-                    Told::Nothing => {}
+                node.client.receive(now, PeerId(0), &message, &mut |_, _| ());
+                match node.client.take_notice() {
+                    Some(Notice::Came(body)) => node.body = body,
+                    Some(Notice::Recalled) => node.client.give_back(now, node.body),
+                    None => {}
                 }
             }
         }
@@ -136,7 +140,7 @@ impl World {
             }
             if !calm && self.rng.chance(1e-3) {
                 let node = &mut self.nodes[at];
-                node.client = Client::new(lease());
+                node.client = Client::new(PeerId(0), lease());
                 node.incarnation += 1;
                 node.dead_until = time + self.rng.below(500_000);
                 continue;
@@ -149,18 +153,17 @@ impl World {
                 let body = self.nodes[at].body;
                 self.nodes[at].client.give_back(now, body);
             }
-            if let Some(message) = self.nodes[at].client.poll(now) {
-                self.send(time, at + 1, 0, &message);
-            }
+            let mut said = Vec::new();
+            self.nodes[at].client.poll(now, &mut |_, message| said.push(message));
+            said.iter().for_each(|message| self.send(time, at + 1, 0, message));
         }
         if self.rng.chance(0.005) {
             self.server.recall(time);
         }
-        let (say, came) = self.server.poll(time);
-        self.body = came.unwrap_or(self.body);
-        if let Some((to, message)) = say {
-            self.send(time, 0, usize::from(to.0), &message);
-        }
+        let mut said = Vec::new();
+        self.server.poll(time, &mut |to: PeerId, message| said.push((to, message)));
+        self.body = self.server.take_notice().unwrap_or(self.body);
+        said.iter().for_each(|(to, message)| self.send(time, 0, usize::from(to.0), message));
         self.look(time);
     }
 

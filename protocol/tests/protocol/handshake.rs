@@ -2,9 +2,8 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::handshake;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, ConfigError, Error, Link, Notice, Stage};
+use haptic_protocol::link::{Config, ConfigError, Error, HandshakeError, Link, Notice, Stage};
 use haptic_protocol::wire::MAX_DATAGRAM;
 
 use crate::world::{CLEAN, Impairment, Rng, World, config, parameters, state};
@@ -53,7 +52,7 @@ fn parameters_that_differ_are_refused_by_name_at_both_ends() {
         assert_eq!(world.notices[peer], [Notice::Refused { table: "coordination" }]);
         assert!(world.flows[peer].is_empty());
     }
-    let error = handshake::Error::Parameters("coordination");
+    let error = HandshakeError::Parameters("coordination");
     assert_eq!(error.to_string(), "the other peer has other parameters: coordination");
     // Told better, it is taken.
     world.restart(1);

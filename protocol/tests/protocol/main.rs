@@ -15,5 +15,4 @@ mod replay;
 mod restarts;
 mod static_scene;
 mod tamper;
-mod vectors;
 mod world;

@@ -2,14 +2,13 @@
 
 use haptic_protocol::link::{Link, Notice};
 use haptic_protocol::roles::static_scene::Download;
-use haptic_protocol::session::Session;
 use haptic_protocol::wire::{Event, MAX_DATAGRAM};
 
 use crate::world::{CLEAN, World};
 
 #[test]
 fn a_link_fits_on_a_microcontroller() {
-    println!("Link {} B, of which session {} B; datagram {MAX_DATAGRAM} B", size_of::<Link>(), size_of::<Session>());
+    println!("Link {} B; datagram {MAX_DATAGRAM} B", size_of::<Link>());
     assert!(size_of::<Link>() <= 4096);
     // `Link: 'static` without a lifetime or a pointer to anything: it is all there is.
     fn owns_everything<T: Send + 'static>() {}

@@ -3,9 +3,9 @@
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, Link};
+use haptic_protocol::link::{Config, Error, HandshakeError, Link, SessionError};
+use haptic_protocol::replay;
 use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
-use haptic_protocol::{replay, session};
 
 use crate::world::{PERIOD, Rng, World, config, state};
 
@@ -138,14 +138,14 @@ fn reflected_replayed_and_redirected_datagrams_are_refused() {
         assert!(matches!(turned, Err(Error::Session(_))), "{name} reflected with its numbers swapped: {turned:?}");
 
         assert_eq!(receive(&mut world, 1, &datagram), Ok(()), "{name}");
-        let replayed = Err(Error::Session(session::Error::Replay(replay::Error::Replayed)));
+        let replayed = Err(Error::Session(SessionError::Replay(replay::Error::Replayed)));
         assert_eq!(receive(&mut world, 1, &datagram), replayed, "{name} replayed");
     }
     for (name, _, mut world, datagram) in greetings() {
         assert!(matches!(receive(&mut world, 0, &datagram), Err(Error::Handshake(_))), "{name} reflected");
         let mut turned = datagram.clone();
         turned.swap(2, 3);
-        let forged = Err(Error::Handshake(haptic_protocol::handshake::Error::Forged));
+        let forged = Err(Error::Handshake(HandshakeError::Forged));
         assert_eq!(receive(&mut world, 0, &turned), forged, "{name} reflected with its numbers swapped");
     }
 }
@@ -159,7 +159,7 @@ fn datagrams_of_other_sessions_are_refused() {
         assert_eq!(receive(&mut world, 1, &datagram), Err(Error::NoSession), "{name}");
         world.run(400_000);
         assert!(world.is_engaged());
-        let other = Err(Error::Session(session::Error::OtherSession));
+        let other = Err(Error::Session(SessionError::OtherSession));
         assert_eq!(receive(&mut world, 1, &datagram), other, "{name}");
         // The same with the number of the session at hand: only the tag tells.
         world.log = Some([vec![], vec![]]);

@@ -8,9 +8,10 @@ use haptic_core::contact::Contact;
 use haptic_core::contact::bounder::{Bound, Bounder};
 use haptic_core::num::Motion;
 use haptic_core::settings::Refused;
+use haptic_protocol::roles::Role;
 use haptic_protocol::roles::cooperative as role;
-use haptic_protocol::roles::cooperative::{Lease, Message, OutOfRange, Told};
-use haptic_protocol::wire::{Moved, Push};
+use haptic_protocol::roles::cooperative::{Lease, Message, Notice, OutOfRange};
+use haptic_protocol::wire::{Moved, PeerId, Push};
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
@@ -106,7 +107,7 @@ impl World {
         let engine = DynamicsEngine::new(&settings[0]);
         let seats = (0..setup.users).map(|index| Seat {
             client: Client::new(scene, &settings[index % 2], index, setup.bounder),
-            role: role::Client::new(lease),
+            role: role::Client::new(PeerId(0), lease),
             up: Way::new(scene, Direction::OneToTwo, index as u32),
             down: Way::new(scene, Direction::TwoToOne, index as u32),
             engine: engine.clone(),
@@ -235,8 +236,9 @@ impl World {
     }
 
     fn server_says(&mut self, now: u64, time: f64) {
-        let (recalled, came) = self.server.poll(now);
-        if let Some(body) = came {
+        let mut recalled = None;
+        self.server.poll(now, &mut |to, message| recalled = Some((to, message)));
+        if let Some(body) = self.server.take_notice() {
             self.engine.take_over(object(body));
         }
         let (here, lent_to, version) = (self.server.has_engine(), self.server.lent_to(), self.server.version());
@@ -285,10 +287,13 @@ impl World {
             // A push that comes again is the one that stands.
             *user = pushed.filter(|new| new.sent_us > user.sent_us).unwrap_or(*user);
         }
-        match down.say.map_or(Told::Nothing, |message| seat.role.receive(now, &message)) {
-            Told::Came(body) => seat.engine.take_over(object(body)),
-            Told::Recalled => seat.role.give_back(now, body(seat.engine.object)),
-            Told::Nothing => {}
+        if let Some(message) = down.say {
+            seat.role.receive(now, PeerId(0), &message, &mut |_, _| ());
+        }
+        match seat.role.take_notice() {
+            Some(Notice::Came(body)) => seat.engine.take_over(object(body)),
+            Some(Notice::Recalled) => seat.role.give_back(now, body(seat.engine.object)),
+            None => {}
         }
     }
 
@@ -313,7 +318,8 @@ impl World {
                 sent_us: now,
             })
         });
-        let say = seat.role.poll(now);
+        let mut say = None;
+        seat.role.poll(now, &mut |_, message| say = Some(message));
         let sensed = (self.collision == Collision::Server).then_some((device, seat.client.bound));
         let up = Up { push, sensed, states, say };
         self.bytes[0] += up.bytes(users) as u64;
@@ -334,9 +340,10 @@ impl World {
             }
         }
         if let Some(message) = up.say {
-            let heard = self.server.receive(now, peer(index), &message, body(self.engine.object));
-            self.seats[index].answer = heard.say.or(self.seats[index].answer);
-            if let Some(body) = heard.came {
+            self.server.moves(body(self.engine.object));
+            let answer = &mut self.seats[index].answer;
+            self.server.receive(now, peer(index), &message, &mut |_, message| *answer = Some(message));
+            if let Some(body) = self.server.take_notice() {
                 self.engine.take_over(object(body));
             }
         }

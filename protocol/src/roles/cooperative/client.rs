@@ -1,6 +1,9 @@
 //! A client's part: it has the engine while a lease from the server runs.
 
 use super::{Body, Lease, Message};
+use crate::notices::Notices;
+use crate::roles::{Out, Role};
+use crate::wire::PeerId;
 
 /// Where the engine is, for this client.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,11 +28,9 @@ enum Place {
     },
 }
 
-/// What a message means to the client.
+/// What a client has to tell its user.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Told {
-    /// Nothing to do.
-    Nothing,
+pub enum Notice {
     /// The engine is here: go on from this.
     Came(Body),
     /// The server wants it back: [`Client::give_back`] when it suits.
@@ -39,16 +40,18 @@ pub enum Told {
 /// One client of one object.
 #[derive(Clone, Debug)]
 pub struct Client {
+    server: PeerId,
     lease: Lease,
     place: Place,
     /// The newest engine that was ever here.
     newest: u32,
+    notices: Notices<Notice, 4>,
 }
 
 impl Client {
     /// Without the engine; the lease must be the server's.
-    pub fn new(lease: Lease) -> Self {
-        Self { lease, place: Place::Away, newest: 0 }
+    pub fn new(server: PeerId, lease: Lease) -> Self {
+        Self { server, lease, place: Place::Away, newest: 0, notices: Notices::default() }
     }
 
     /// Asks for the engine.
@@ -76,20 +79,27 @@ impl Client {
             _ => {}
         }
     }
+}
 
-    /// Takes in a message of the server.
-    pub fn receive(&mut self, now_us: u64, message: &Message) -> Told {
+impl Role for Client {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = Notice;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, _: &mut dyn Out<Message>) {
+        if from != self.server {
+            return;
+        }
         let holder_us = self.lease.holder_us();
         match (&mut self.place, *message) {
             (Place::Asked { since_us, .. }, Message::Lend { version, stamp_us, body }) => {
                 let until_us = stamp_us.saturating_add(holder_us);
                 let ours = stamp_us >= *since_us && stamp_us <= now_us && version > self.newest;
-                if !ours || now_us >= until_us {
-                    return Told::Nothing;
+                if ours && now_us < until_us {
+                    self.newest = version;
+                    self.place = Place::Here { version, until_us, say_us: now_us };
+                    self.notices.put(Notice::Came(body));
                 }
-                self.newest = version;
-                self.place = Place::Here { version, until_us, say_us: now_us };
-                Told::Came(body)
             }
             // An old request, or one that it thought better of: back at once.
             (Place::Away | Place::Returned { .. }, Message::Lend { version, stamp_us, body })
@@ -98,45 +108,43 @@ impl Client {
                 self.newest = version;
                 let until_us = stamp_us.saturating_add(holder_us);
                 self.place = Place::Returned { version, body, until_us, say_us: now_us };
-                Told::Nothing
             }
             (Place::Here { version, until_us, .. }, Message::Renewed { version: of, stamp_us })
                 if *version == of && stamp_us <= now_us && now_us < *until_us =>
             {
                 *until_us = (*until_us).max(stamp_us.saturating_add(holder_us));
-                Told::Nothing
             }
-            (Place::Here { version, .. }, Message::Recall { version: of }) if *version == of => Told::Recalled,
+            (Place::Here { version, .. }, Message::Recall { version: of }) if *version == of => {
+                self.notices.put(Notice::Recalled);
+            }
             (Place::Returned { version, .. }, Message::Taken { version: of }) if *version == of => {
                 self.place = Place::Away;
-                Told::Nothing
             }
-            _ => Told::Nothing,
+            _ => {}
         }
     }
 
-    /// Lets time pass: what to say to the server.
-    pub fn poll(&mut self, now_us: u64) -> Option<Message> {
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
         if let Place::Here { until_us, .. } | Place::Returned { until_us, .. } = self.place
             && now_us >= until_us
         {
             self.place = Place::Away;
         }
-        let next_us = now_us.saturating_add(self.lease.retry_us());
-        match &mut self.place {
-            Place::Asked { say_us, .. } if now_us >= *say_us => {
-                *say_us = next_us;
-                Some(Message::Ask { stamp_us: now_us })
+        let (say_us, message) = match &mut self.place {
+            Place::Away => return,
+            Place::Asked { say_us, .. } => (say_us, Message::Ask { stamp_us: now_us }),
+            Place::Here { version, say_us, .. } => (say_us, Message::Renew { version: *version, stamp_us: now_us }),
+            Place::Returned { version, body, say_us, .. } => {
+                (say_us, Message::Return { version: *version, body: *body })
             }
-            Place::Here { version, say_us, .. } if now_us >= *say_us => {
-                *say_us = next_us;
-                Some(Message::Renew { version: *version, stamp_us: now_us })
-            }
-            Place::Returned { version, body, say_us, .. } if now_us >= *say_us => {
-                *say_us = next_us;
-                Some(Message::Return { version: *version, body: *body })
-            }
-            _ => None,
+        };
+        if now_us >= *say_us {
+            *say_us = now_us.saturating_add(self.lease.retry_us());
+            out.send(self.server, message);
         }
+    }
+
+    fn take_notice(&mut self) -> Option<Notice> {
+        self.notices.take()
     }
 }

@@ -27,6 +27,6 @@ mod client;
 mod message;
 mod server;
 
-pub use client::{Client, Told};
+pub use client::{Client, Notice};
 pub use message::{Body, Message};
-pub use server::{Heard, Server};
+pub use server::Server;

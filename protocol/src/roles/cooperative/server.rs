@@ -1,6 +1,7 @@
 //! The server's part: it has the engine, or has lent it to one client.
 
 use super::{Body, Lease, Message};
+use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// Where the engine is.
@@ -20,31 +21,21 @@ enum Place {
     },
 }
 
-/// What the server has to do about a message.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heard {
-    /// Say this to the client that the message was from.
-    pub say: Option<Message>,
-    /// The engine has come back: go on from here.
-    pub came: Option<Body>,
-}
-
-const NOTHING: Heard = Heard { say: None, came: None };
-
 /// The server of one object.
 #[derive(Clone, Debug)]
 pub struct Server {
     lease: Lease,
     version: u32,
     place: Place,
-    /// The last motion that the holder told.
-    told: Body,
+    /// The object as it is moved here, or as its holder last told.
+    object: Body,
+    came: Option<Body>,
 }
 
 impl Server {
     /// With the engine, version 1.
     pub fn new(lease: Lease) -> Self {
-        Self { lease, version: 1, place: Place::Here, told: Body::default() }
+        Self { lease, version: 1, place: Place::Here, object: Body::default(), came: None }
     }
 
     /// Whether the object is moved here. Never at the same time as at a client.
@@ -72,66 +63,80 @@ impl Server {
         }
     }
 
+    /// The object as it is moved here; while the engine is lent, nothing.
+    pub fn moves(&mut self, body: Body) {
+        if self.has_engine() {
+            self.object = body;
+        }
+    }
+
     /// The holder's flow of states: what the server goes on from if the holder vanishes.
     pub fn told(&mut self, from: PeerId, version: u32, body: Body) {
         if version == self.version && self.lent_to() == Some(from) && body.axes.iter().flatten().all(|n| n.is_finite())
         {
-            self.told = body;
+            self.object = body;
         }
     }
 
-    /// Takes in a message; `body` is the object now, for the case that the engine leaves.
-    pub fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, body: Body) -> Heard {
+    /// The engine comes back, with the object as it is now.
+    fn back(&mut self, body: Body) {
+        self.version = self.version.wrapping_add(1);
+        self.place = Place::Here;
+        self.object = body;
+        self.came = Some(body);
+    }
+}
+
+/// The notice is that the engine has come back, and from where the object goes on.
+impl Role for Server {
+    type Hears = Message;
+    type Says = Message;
+    type Notice = Body;
+
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
         let until = now_us.saturating_add(self.lease.giver_us());
         match (&mut self.place, *message) {
             (Place::Here, Message::Ask { stamp_us }) => {
                 self.version = self.version.wrapping_add(1);
-                self.told = body;
                 self.place =
                     Place::Lent { to: from, until_us: until, told_until_us: until, held: false, recall_us: None };
-                Heard { say: Some(Message::Lend { version: self.version, stamp_us, body }), came: None }
+                out.send(from, Message::Lend { version: self.version, stamp_us, body: self.object });
             }
             // It has not heard: the same again, for the request that it makes now.
             (Place::Lent { to, until_us, told_until_us, held: false, .. }, Message::Ask { stamp_us })
                 if *to == from && now_us < *told_until_us =>
             {
                 *until_us = until;
-                Heard { say: Some(Message::Lend { version: self.version, stamp_us, body: self.told }), came: None }
+                out.send(from, Message::Lend { version: self.version, stamp_us, body: self.object });
             }
             (Place::Lent { to, until_us, held, .. }, Message::Renew { version, stamp_us })
                 if *to == from && version == self.version =>
             {
                 (*until_us, *held) = (until, true);
-                Heard { say: Some(Message::Renewed { version, stamp_us }), came: None }
+                out.send(from, Message::Renewed { version, stamp_us });
             }
-            (Place::Lent { to, .. }, Message::Return { version, body }) if *to == from && version == self.version => {
-                self.back();
-                Heard { say: Some(Message::Taken { version }), came: Some(body) }
+            (place, Message::Return { version, body }) => {
+                // If it is not lent to this one, it was taken, or ran out: either way there is nothing to wait for.
+                if matches!(place, Place::Lent { to, .. } if *to == from) && version == self.version {
+                    self.back(body);
+                }
+                out.send(from, Message::Taken { version });
             }
-            // It was taken, or ran out: either way there is nothing to wait for.
-            (_, Message::Return { version, .. }) => Heard { say: Some(Message::Taken { version }), came: None },
-            _ => NOTHING,
+            _ => {}
         }
     }
 
-    fn back(&mut self) {
-        self.version = self.version.wrapping_add(1);
-        self.place = Place::Here;
-    }
-
-    /// Lets time pass: what to say to whom, and where the object goes on from if the engine has come back by itself.
-    pub fn poll(&mut self, now_us: u64) -> (Option<(PeerId, Message)>, Option<Body>) {
-        let Place::Lent { to, until_us, recall_us, .. } = &mut self.place else { return (None, None) };
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Message>) {
+        let Place::Lent { to, until_us, recall_us, .. } = &mut self.place else { return };
         if now_us >= *until_us {
-            self.back();
-            return (None, Some(self.told));
+            self.back(self.object);
+        } else if let Some(at) = recall_us.as_mut().filter(|at| now_us >= **at) {
+            *at = now_us.saturating_add(self.lease.retry_us());
+            out.send(*to, Message::Recall { version: self.version });
         }
-        match recall_us {
-            Some(at) if now_us >= *at => {
-                *at = now_us.saturating_add(self.lease.retry_us());
-                (Some((*to, Message::Recall { version: self.version })), None)
-            }
-            _ => (None, None),
-        }
+    }
+
+    fn take_notice(&mut self) -> Option<Body> {
+        self.came.take()
     }
 }

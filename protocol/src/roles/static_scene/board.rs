@@ -20,18 +20,18 @@ struct Place {
 #[derive(Clone, Debug)]
 pub struct Board<const CLIENTS: usize> {
     places: Vec<Place, CLIENTS>,
-    patience_us: u64,
+    silence_us: u64,
 }
 
 impl<const CLIENTS: usize> Board<CLIENTS> {
-    /// Nobody yet; who is silent for `patience_us` is forgotten when somebody new needs the room, and not told any more.
-    pub fn new(patience_us: u64) -> Self {
-        Self { places: Vec::new(), patience_us }
+    /// Nobody yet; who is silent for `silence_us` is forgotten when somebody new needs the room, and not told any more.
+    pub fn new(silence_us: u64) -> Self {
+        Self { places: Vec::new(), silence_us }
     }
 
-    /// How many have been heard within the patience.
+    /// How many have been heard lately.
     pub fn present(&self, now: u64) -> usize {
-        self.places.iter().filter(|place| now.saturating_sub(place.heard_us) < self.patience_us).count()
+        self.places.iter().filter(|place| now.saturating_sub(place.heard_us) < self.silence_us).count()
     }
 
     /// Takes in where client `who` says it is, and answers with others. `seat` is where the client was last time, if the
@@ -55,7 +55,7 @@ impl<const CLIENTS: usize> Board<CLIENTS> {
             let at = cursor.wrapping_add(step) % count.max(1);
             if let Some(other) = self.places.get(at)
                 && at != seat
-                && now.saturating_sub(other.heard_us) < self.patience_us
+                && now.saturating_sub(other.heard_us) < self.silence_us
             {
                 let _ = told.push(other.sighting);
             }
@@ -75,8 +75,8 @@ impl<const CLIENTS: usize> Board<CLIENTS> {
         if self.places.push(new).is_ok() {
             return self.places.len().checked_sub(1);
         }
-        let patience_us = self.patience_us;
-        let silent = |place: &Place| now.saturating_sub(place.heard_us) >= patience_us;
+        let silence_us = self.silence_us;
+        let silent = |place: &Place| now.saturating_sub(place.heard_us) >= silence_us;
         let at = self.places.iter().position(silent)?;
         if let Some(place) = self.places.get_mut(at) {
             *place = new;

@@ -34,7 +34,7 @@ impl Ring {
         let (ballot, state) = (self.record.ballot, self.record.state);
         self.part = Part::Candidate(Candidacy { votes: Roster::of([self.config.seat]), ballot, state });
         // Another try, if this one comes to nothing.
-        self.be_patient(now);
+        self.put_off(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
         self.repeat(now, out);
         self.count(now, out);
@@ -98,7 +98,7 @@ impl Ring {
             self.highest = epoch;
             if matches!(self.part, Part::Candidate(_)) {
                 let wait = self.draw(self.config.lease.giver_us() / 4);
-                self.patience_us = now.saturating_add(wait);
+                self.stands_us = now.saturating_add(wait);
             }
         }
     }

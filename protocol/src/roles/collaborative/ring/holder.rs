@@ -241,7 +241,7 @@ impl Ring {
         self.supported = None;
         // It is served: what it wants now it will say again.
         self.note(to, |other| other.wants = false);
-        self.be_patient(now);
+        self.put_off(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
         out.send(PeerId(to), Message::Pass { ballot, state: self.record.state });
     }

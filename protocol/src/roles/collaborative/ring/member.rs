@@ -26,7 +26,7 @@ impl Ring {
         }
         self.bound_until_us = self.bound_until_us.max(now.saturating_add(self.config.lease.giver_us()));
         self.supported = Some(from);
-        self.be_patient(now);
+        self.put_off(now);
         let (version, wants, leaves) = (state.version, self.wants, self.leaving);
         out.send(PeerId(from), Message::Held { ballot, version, number, wants, leaves });
     }
@@ -87,7 +87,7 @@ impl Ring {
             if !again {
                 self.step_back();
                 self.record.promised = epoch;
-                self.be_patient(now);
+                self.put_off(now);
             }
             out.send(PeerId(from), Message::Vote { epoch, ballot: self.record.ballot, state: self.record.state });
         }

@@ -173,7 +173,7 @@ pub struct Ring {
     bound_until_us: u64,
     supported: Option<u8>,
     /// A candidate if nothing is heard until then.
-    patience_us: u64,
+    stands_us: u64,
     /// The highest epoch heard of.
     highest: u32,
     /// When something is to be said again.
@@ -196,7 +196,7 @@ impl Ring {
             leaving: false,
             bound_until_us: if record.promised == 0 { now } else { now.saturating_add(config.lease.giver_us()) },
             supported: None,
-            patience_us: 0,
+            stands_us: 0,
             highest: record.promised,
             next_us: now,
             holds: Requests::default(),
@@ -204,7 +204,7 @@ impl Ring {
             random: config.seed,
             notices: Notices::default(),
         };
-        ring.be_patient(now);
+        ring.put_off(now);
         ring
     }
 
@@ -287,12 +287,12 @@ impl Ring {
     }
 
     /// Waits for a lease, and longer the later this seat comes in the ring, before it makes a new token.
-    fn be_patient(&mut self, now: u64) {
+    fn put_off(&mut self, now: u64) {
         let lease = self.config.lease.giver_us();
         let first = self.supported.unwrap_or(0);
         let place = self.record.state.roster.after(first).take_while(|seat| *seat != self.config.seat).count();
         let wait = lease.saturating_add((place as u64).saturating_mul(lease / 4)).saturating_add(self.draw(lease / 4));
-        self.patience_us = now.saturating_add(wait);
+        self.stands_us = now.saturating_add(wait);
     }
 
     /// Any number below `end`; splitmix64.
@@ -340,7 +340,7 @@ impl Role for Ring {
         let member = self.record.state.roster.contains(self.config.seat);
         if member
             && !matches!(self.part, Part::Holder(_))
-            && now >= self.patience_us
+            && now >= self.stands_us
             && self.is_free(now, self.config.seat)
         {
             self.stand(now, out);

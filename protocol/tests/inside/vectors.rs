@@ -1,17 +1,17 @@
 //! Known answers, made by a second implementation (`vectors.py`, from FORMAT.md and the RFCs alone): another language can talk
 //! to this crate.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::handshake::{Error, Handshake};
-use haptic_protocol::key::Key;
-use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::roles::static_scene::Server;
-use haptic_protocol::seal::{self, Counter};
-use haptic_protocol::session::{self, Offer, Session};
-use haptic_protocol::wire::{
+use crate::ends::Ends;
+use crate::handshake::{Error, Handshake};
+use crate::key::Key;
+use crate::parameters::{Parameters, Table};
+use crate::roles::static_scene::Server;
+use crate::seal::{self, Counter};
+use crate::session::{self, Offer, Session};
+use crate::wire::{
     Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting, Topic,
 };
-use haptic_protocol::world::{Bounds, Database, Object, Region, Scope, Shape, Wall};
+use crate::world::{Bounds, Database, Object, Region, Scope, Shape, Wall};
 
 const HELLO: &str = concat!(
     "0101010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f08070605040302010200",
@@ -123,7 +123,7 @@ fn a_hello_with_its_tables_and_tag() {
     // The tables were hashed there and here: nothing differs, so there is a session to be had.
     assert!(handshake(2).accept(&greeting).is_ok());
     assert_eq!(greeting.count, 2);
-    assert_eq!(handshake(1).open(&bytes(HELLO)).map(|_| ()), Err(Error::Ends(haptic_protocol::ends::Error::OwnNumber)));
+    assert_eq!(handshake(1).open(&bytes(HELLO)).map(|_| ()), Err(Error::Ends(crate::ends::Error::OwnNumber)));
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn keys_move_on_and_a_reordered_datagram_of_the_last_epoch_is_still_opened() {
 
 #[test]
 fn the_last_sequence_number_is_the_last() {
-    let mut counter = Counter::starting_at(haptic_protocol::replay::SEQUENCE_LIMIT - 1);
+    let mut counter = Counter::starting_at(crate::replay::SEQUENCE_LIMIT - 1);
     assert!(counter.draw().is_ok());
     for _ in 0..3 {
         assert_eq!(counter.draw(), Err(seal::Error::Exhausted));
