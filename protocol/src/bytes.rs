@@ -121,16 +121,6 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The version byte.
-    pub(crate) fn version(&mut self, version: u8) {
-        self.bytes(&[version]);
-    }
-
-    /// The kind byte.
-    pub(crate) fn kind(&mut self, kind: u8) {
-        self.bytes(&[kind]);
-    }
-
     /// The length written, or what was wrong.
     pub(crate) fn end(self) -> Result<usize, Error> {
         if !self.finite {
@@ -143,13 +133,11 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A `message` that is one field of `N` bytes.
-pub(crate) fn bytes_of<const N: usize>(field: &impl Field, message: &'static str) -> Result<[u8; N], Error> {
-    let mut bytes = [0; N];
-    let mut writer = Writer::new(&mut bytes, message);
+/// Writes a `message` that is one field to the front of `out` and gives its length.
+pub(crate) fn emit(field: &impl Field, message: &'static str, out: &mut [u8]) -> Result<usize, Error> {
+    let mut writer = Writer::new(out, message);
     writer.put(field);
-    writer.end()?;
-    Ok(bytes)
+    writer.end()
 }
 
 /// A value of fixed length in a message.
@@ -282,9 +270,7 @@ macro_rules! layout {
 
             /// Writes it to the front of `out` and gives its length.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, $crate::error::Error> {
-                let mut writer = $crate::bytes::Writer::new(out, $message);
-                writer.put(self);
-                writer.end()
+                $crate::bytes::emit(self, $message, out)
             }
         }
     };
@@ -342,7 +328,7 @@ macro_rules! layout {
 
             fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
                 let start = writer.at();
-                $(writer.$first($value);)*
+                $(writer.bytes(&[$value]);)*
                 $(
                     writer.zeros_to(start + $at);
                     writer.put(&$crate::bytes::byte_of(&[$(self.$flag),+]));
@@ -439,7 +425,7 @@ macro_rules! messages {
                 let mut writer = $crate::bytes::Writer::new(&mut bytes, $message);
                 match self {
                     $(Self::$Variant $({ $($field,)* $($($flag,)+)? })? => {
-                        writer.kind($kind);
+                        writer.bytes(&[$kind]);
                         $($(writer.put(&$crate::bytes::byte_of(&[$($crate::bytes::Flag::is_set($flag)),+]));)?)?
                         if $objects != 0 {
                             writer.zeros_to(2);

@@ -33,7 +33,7 @@ struct Point {
 }
 
 /// The other peer's clock as seen from here.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
     round_trip_us: Option<f32>,
     jitter_us: f32,
@@ -43,21 +43,6 @@ pub struct Clock {
     points: usize,
     offset: Option<Point>,
     drift: f64,
-}
-
-impl Default for Clock {
-    fn default() -> Self {
-        Self {
-            round_trip_us: None,
-            jitter_us: 0.0,
-            fastest: None,
-            block_began_us: 0,
-            line: [Point::default(); LINE],
-            points: 0,
-            offset: None,
-            drift: 0.0,
-        }
-    }
 }
 
 impl Clock {

@@ -2,7 +2,7 @@
 //! then a tag over it of 16 bytes, 200 in all. [`crate::handshake`] makes and checks the tag and says what the two challenges do.
 
 use super::header::PeerId;
-use crate::bytes::{Field, Reader, Writer, layout};
+use crate::bytes::{Field, Reader, Writer, emit, layout};
 use crate::error::{Error, VERSION};
 use crate::key::TAG_LEN;
 
@@ -84,8 +84,6 @@ impl Greeting {
 
     /// Writes everything but the tag to the front of `out` and gives its length, [`Greeting::LEN`].
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let mut writer = Writer::new(out, "greeting");
-        writer.put(self);
-        writer.end()
+        emit(self, "greeting", out)
     }
 }

@@ -1,7 +1,7 @@
 //! Header: what can be read of a sealed datagram. It is authenticated together with what it heads: 16 bytes, then the sealed
 //! message, then a tag of 16 bytes. Kinds 1 and 2 are greetings.
 
-use crate::bytes::{Reader, Writer, layout, newtype};
+use crate::bytes::{Reader, emit, layout, newtype};
 use crate::error::{Error, VERSION};
 use crate::key::TAG_LEN;
 
@@ -40,8 +40,6 @@ impl Header {
 
     /// The header as bytes.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let mut writer = Writer::new(out, "header");
-        writer.put(self);
-        writer.end()
+        emit(self, "header", out)
     }
 }

@@ -12,7 +12,6 @@
 //! change of meaning gets a new version byte.
 
 mod ask;
-mod event;
 mod flow;
 mod greeting;
 mod header;
@@ -20,21 +19,19 @@ mod moved;
 mod part;
 mod payload;
 mod presence;
-mod sample;
 mod telemetry;
 #[cfg(test)]
 mod tests;
 mod upkeep;
 
 pub use ask::{Ask, Bits, Topic};
-pub use event::Event;
 pub use flow::Flow;
 pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
 pub use header::{Header, PeerId};
 pub use moved::{Moved, Push};
 pub use part::{Page, Part, Payload};
+pub use payload::{Event, Sample};
 pub use presence::{Presence, Sighting};
-pub use sample::Sample;
 pub use telemetry::Telemetry;
 pub use upkeep::{Ack, Goodbye, Probe, Reply};
 

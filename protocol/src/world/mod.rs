@@ -14,7 +14,7 @@ use heapless::Vec;
 pub use record::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, RecordError, Region};
 pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
-use crate::bytes::bytes_of;
+use crate::bytes;
 use crate::error::Error;
 use crate::key::Key;
 
@@ -147,7 +147,9 @@ pub(crate) fn world_checksum<'a>(
     regions: impl IntoIterator<Item = &'a Region>,
     objects: impl IntoIterator<Item = &'a Object>,
 ) -> Result<u64, Error> {
-    let mut sum = Key::new([0; Key::LEN]).derive("world").with(&bytes_of::<{ Manifest::LEN }>(manifest, "manifest")?);
+    let mut known = [0; Manifest::LEN];
+    bytes::emit(manifest, "manifest", &mut known)?;
+    let mut sum = Key::new([0; Key::LEN]).derive("world").with(&known);
     for region in regions {
         sum = sum.with(&region.emit()?);
     }

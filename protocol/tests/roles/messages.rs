@@ -3,8 +3,9 @@
 use haptic_protocol::roles::code;
 use haptic_protocol::roles::collaborative::lock::{self, Copy};
 use haptic_protocol::roles::collaborative::ring::{self, Ballot, Roster, State};
+use haptic_protocol::roles::cooperative::{self, Body};
 use haptic_protocol::roles::squash::{self, Ball, Ending, Game, Phase, Turn, Verdict};
-use haptic_protocol::wire::{Event, PeerId};
+use haptic_protocol::wire::{Error, Event, PeerId};
 use proptest::prelude::*;
 
 pub(crate) fn locks() -> impl Strategy<Value = lock::Message> {
@@ -123,4 +124,40 @@ fn literal_bytes() {
         leaves: false,
     };
     assert_eq!(held.event(1).unwrap().payload(), [2, 1, 1, 0, 0x11, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0]);
+}
+
+#[test]
+fn an_engine_that_is_handed_over() {
+    use cooperative::Message;
+    let renew = Message::Renew { version: 7, stamp_us: 0x0a0b }.event(0x0102).unwrap();
+    assert_eq!(renew.code, 0x0201);
+    assert_eq!(renew.payload(), [3, 0, 2, 1, 7, 0, 0, 0, 0x0b, 0x0a, 0, 0, 0, 0, 0, 0]);
+    let at = Body { axes: [[1.0, -0.5], [0.25, 0.0]] };
+    for message in [
+        Message::Ask { stamp_us: u64::MAX },
+        Message::Lend { version: 1, stamp_us: 2, body: at },
+        Message::Renew { version: u32::MAX, stamp_us: 0 },
+        Message::Renewed { version: 3, stamp_us: 4 },
+        Message::Recall { version: 5 },
+        Message::Return { version: 6, body: at },
+        Message::Taken { version: 7 },
+    ] {
+        assert_eq!(Message::parse(&message.event(9).unwrap()), Ok((9, message)));
+    }
+    let said = Message::Return { version: 6, body: at }.event(0).unwrap();
+    let bytes = said.payload();
+    let heard = |bytes: &[u8]| Message::parse(&Event::new(code::COOPERATIVE, bytes).unwrap());
+    for len in 0..bytes.len() {
+        assert!(heard(&bytes[..len]).is_err());
+    }
+    assert!(heard(&[bytes, &[0]].concat()).is_err());
+    for (at, with) in [(0, 0), (0, 8), (1, 1)] {
+        let mut broken = bytes.to_vec();
+        broken[at] = with;
+        assert!(heard(&broken).is_err());
+    }
+    let mut broken = bytes.to_vec();
+    broken[8..16].copy_from_slice(&f64::NAN.to_le_bytes());
+    assert_eq!(heard(&broken), Err(Error::NotFinite { message: "cooperative" }));
+    assert!(Message::parse(&Event::new(code::LOCK, bytes).unwrap()).is_err());
 }

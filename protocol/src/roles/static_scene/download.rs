@@ -74,7 +74,7 @@ impl PageSet {
 }
 
 /// What a client knows of one server's world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Download<const N: usize> {
     scope: Scope,
     tag: u8,
@@ -95,29 +95,6 @@ pub struct Download<const N: usize> {
     manifest_us: u64,
     /// What was asked for and has not come is asked for again at this time, µs.
     round_us: u64,
-}
-
-impl<const N: usize> Default for Download<N> {
-    fn default() -> Self {
-        Self {
-            scope: Scope::All,
-            tag: 0,
-            told: None,
-            regions: Vec::new(),
-            asked_regions: 0,
-            pages: PageSet::default(),
-            asked_pages: PageSet::default(),
-            entries: Vec::new(),
-            left_out: 0,
-            held: Vec::new(),
-            complete: false,
-            corrupt: 0,
-            objects_taken: 0,
-            doubt: false,
-            manifest_us: 0,
-            round_us: 0,
-        }
-    }
 }
 
 impl<const N: usize> Download<N> {

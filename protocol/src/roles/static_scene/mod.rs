@@ -5,13 +5,6 @@
 //! and again for what has not come, so a server remembers nothing about anybody's download. That makes it resumable by
 //! itself: after a broken session, another server or another version of the world, only what is missing or has changed is
 //! asked for. Nobody waits: forces come from what is there, whatever the network does.
-//!
-//! | | |
-//! |---|---|
-//! | [`Server`] | answers questions from a database; the whole world or one region of it |
-//! | [`Download`] | what a client knows of one server's world, and what it asks next |
-//! | [`Roam`] | which servers a client needs where it is, and when it moves from one to the next |
-//! | [`Board`] | where everybody is, told to everybody else |
 
 mod board;
 mod download;
