@@ -116,8 +116,8 @@ impl<'a> Writer<'a> {
 
     /// Fills up to offset `at` with 0.
     pub(crate) fn zeros_to(&mut self, at: usize) {
-        for _ in self.written..at {
-            self.bytes(&[0]);
+        while let Some(gap) = at.checked_sub(self.written).filter(|gap| *gap > 0) {
+            self.bytes([0; 8].get(..gap).unwrap_or(&[0; 8]));
         }
     }
 
@@ -148,6 +148,39 @@ pub(crate) trait Field: Sized {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
     /// Puts it next.
     fn write(&self, writer: &mut Writer<'_>);
+
+    /// Takes several off the front.
+    fn read_all(reader: &mut Reader<'_>, all: &mut [Self]) -> Result<(), Error> {
+        all.iter_mut().try_for_each(|one| reader.get().map(|read| *one = read))
+    }
+
+    /// Puts several next.
+    fn write_all(all: &[Self], writer: &mut Writer<'_>) {
+        all.iter().for_each(|one| one.write(writer));
+    }
+}
+
+/// Bytes are copied at once where there are several.
+impl Field for u8 {
+    const LEN: usize = 1;
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
+        reader.array().map(|[byte]| byte)
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) {
+        writer.bytes(&[*self]);
+    }
+
+    fn read_all(reader: &mut Reader<'_>, all: &mut [Self]) -> Result<(), Error> {
+        let bytes = reader.slice(all.len())?;
+        all.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        Ok(())
+    }
+
+    fn write_all(all: &[Self], writer: &mut Writer<'_>) {
+        writer.bytes(all);
+    }
 }
 
 macro_rules! numbers {
@@ -171,7 +204,6 @@ macro_rules! numbers {
 }
 
 numbers! {
-    u8, |_| true;
     u16, |_| true;
     u32, |_| true;
     u64, |_| true;
@@ -185,14 +217,12 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
         let mut all = [T::default(); N];
-        for one in &mut all {
-            *one = T::read(reader)?;
-        }
+        T::read_all(reader, &mut all)?;
         Ok(all)
     }
 
     fn write(&self, writer: &mut Writer<'_>) {
-        self.iter().for_each(|one| one.write(writer));
+        T::write_all(self, writer);
     }
 }
 

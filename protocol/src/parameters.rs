@@ -79,18 +79,14 @@ impl Parameters {
         for (name, key, value) in keys {
             let table = match last.take() {
                 Some(table) if table.name == name => table,
-                Some(other) => {
-                    all.add(other)?;
+                other => {
+                    other.map_or(Ok(()), |other| all.add(other))?;
                     Table::new(name)
                 }
-                None => Table::new(name),
             };
             last = Some(put(table, key, value));
         }
-        if let Some(table) = last {
-            all.add(table)?;
-        }
-        Ok(all)
+        last.map_or(Ok(()), |table| all.add(table)).map(|()| all)
     }
 
     /// Adds a table; both peers add the same ones in the same order.

@@ -73,6 +73,13 @@ impl PageSet {
     }
 }
 
+/// The first of these that fit into one question, which spans 256 numbers.
+fn batch_of(numbers: impl Iterator<Item = usize>) -> Vec<usize, BURST> {
+    let mut numbers = numbers.peekable();
+    let first = numbers.peek().copied().unwrap_or(0);
+    numbers.filter(|number| (first..first + Bits::COUNT).contains(number)).take(BURST).collect()
+}
+
 /// What a client knows of one server's world.
 #[derive(Clone, Debug, Default)]
 pub struct Download<const N: usize> {
@@ -189,36 +196,22 @@ impl<const N: usize> Download<N> {
 
     /// A question for things that are missing and were not asked for in this round.
     fn missing(&mut self) -> Option<Ask> {
-        let mut batch = Vec::<usize, BURST>::new();
-        // One question spans 256 numbers.
-        let fits = |batch: &Vec<usize, BURST>, number: usize| {
-            !batch.is_full() && batch.first().is_none_or(|first| (*first..first + Bits::COUNT).contains(&number))
-        };
-        let known = self.regions.iter().map(Option::is_some);
-        for (number, _) in known.enumerate().filter(|(_, known)| !known) {
-            if self.asked_regions >> number & 1 == 0 && fits(&batch, number) {
-                self.asked_regions |= 1 << number;
-                let _ = batch.push(number);
-            }
-        }
+        let asked = |number: &usize| self.asked_regions >> number & 1 == 1;
+        let regions = self.regions.iter().enumerate().filter(|(_, known)| known.is_none()).map(|(number, _)| number);
+        let batch = batch_of(regions.filter(|number| !asked(number)));
         if !batch.is_empty() {
+            batch.iter().for_each(|number| self.asked_regions |= 1 << number);
             return Some(self.ask(Topic::Region, batch));
         }
-        for number in 0..self.page_count() {
-            if !self.pages.has(number) && !self.asked_pages.has(number) && fits(&batch, number) {
-                self.asked_pages.set(number);
-                let _ = batch.push(number);
-            }
-        }
+        let batch = batch_of((0..self.page_count()).filter(|at| !self.pages.has(*at) && !self.asked_pages.has(*at)));
         if !batch.is_empty() {
+            batch.iter().for_each(|number| self.asked_pages.set(*number));
             return Some(self.ask(Topic::Page, batch));
         }
-        for entry in self.entries.iter_mut().filter(|entry| !entry.held && !entry.asked) {
-            if fits(&batch, usize::from(entry.number)) {
-                entry.asked = true;
-                let _ = batch.push(usize::from(entry.number));
-            }
-        }
+        let missing = self.entries.iter().filter(|entry| !entry.held && !entry.asked);
+        let batch = batch_of(missing.map(|entry| usize::from(entry.number)));
+        let asked = self.entries.iter_mut().filter(|entry| batch.contains(&usize::from(entry.number)));
+        asked.for_each(|entry| entry.asked = true);
         (!batch.is_empty()).then(|| self.ask(Topic::Object, batch))
     }
 
