@@ -26,16 +26,19 @@ impl<'a> Reader<'a> {
     }
 
     /// Bytes taken so far.
+    #[inline]
     pub(crate) fn at(&self) -> usize {
         self.got.saturating_sub(self.rest.len())
     }
 
     /// The next field.
+    #[inline]
     pub(crate) fn get<T: Field>(&mut self) -> Result<T, Error> {
         T::read(self)
     }
 
     /// The next `N` bytes as they are.
+    #[inline]
     pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
         let (field, rest) = self.rest.split_first_chunk().ok_or(self.length())?;
         self.rest = rest;
@@ -43,6 +46,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `count` bytes as they are.
+    #[inline]
     pub(crate) fn slice(&mut self, count: usize) -> Result<&'a [u8], Error> {
         let (field, rest) = self.rest.split_at_checked(count).ok_or(self.length())?;
         self.rest = rest;
@@ -50,6 +54,7 @@ impl<'a> Reader<'a> {
     }
 
     /// What lies before offset `at` must be 0.
+    #[inline]
     pub(crate) fn zeros_to(&mut self, at: usize) -> Result<(), Error> {
         let gap = self.slice(at.saturating_sub(self.at()))?;
         if gap.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(self.reserved()) }
@@ -95,16 +100,19 @@ impl<'a> Writer<'a> {
     }
 
     /// Bytes written so far.
+    #[inline]
     pub(crate) fn at(&self) -> usize {
         self.written
     }
 
     /// The next field.
+    #[inline]
     pub(crate) fn put(&mut self, field: &impl Field) {
         field.write(self);
     }
 
     /// The next bytes as they are.
+    #[inline]
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         self.written = self.written.saturating_add(bytes.len());
         let rest = core::mem::take(&mut self.rest);
@@ -115,6 +123,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Fills up to offset `at` with 0.
+    #[inline]
     pub(crate) fn zeros_to(&mut self, at: usize) {
         while let Some(gap) = at.checked_sub(self.written).filter(|gap| *gap > 0) {
             self.bytes([0; 8].get(..gap).unwrap_or(&[0; 8]));
@@ -164,10 +173,12 @@ pub(crate) trait Field: Sized {
 impl Field for u8 {
     const LEN: usize = 1;
 
+    #[inline]
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
         reader.array().map(|[byte]| byte)
     }
 
+    #[inline]
     fn write(&self, writer: &mut Writer<'_>) {
         writer.bytes(&[*self]);
     }
@@ -188,12 +199,14 @@ macro_rules! numbers {
         impl Field for $Number {
             const LEN: usize = size_of::<Self>();
 
+            #[inline]
             fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
                 let fits: fn(Self) -> bool = $fits;
                 let number = Self::from_le_bytes(reader.array()?);
                 if fits(number) { Ok(number) } else { Err(Error::NotFinite { message: reader.message }) }
             }
 
+            #[inline]
             fn write(&self, writer: &mut Writer<'_>) {
                 let fits: fn(Self) -> bool = $fits;
                 writer.finite &= fits(*self);
@@ -215,12 +228,14 @@ numbers! {
 impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
     const LEN: usize = N * T::LEN;
 
+    #[inline]
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
         let mut all = [T::default(); N];
         T::read_all(reader, &mut all)?;
         Ok(all)
     }
 
+    #[inline]
     fn write(&self, writer: &mut Writer<'_>) {
         T::write_all(self, writer);
     }
@@ -263,6 +278,7 @@ impl<T: Field> Flag for Option<T> {
         set.then(|| reader.get()).transpose()
     }
 
+    #[inline]
     fn write(&self, writer: &mut Writer<'_>) {
         self.iter().for_each(|value| writer.put(value));
     }
@@ -331,6 +347,7 @@ macro_rules! layout {
                 $len
             };
 
+            #[inline]
             fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
                 let start = reader.at();
                 $(reader.$first($value)?;)*
@@ -356,6 +373,7 @@ macro_rules! layout {
                 Ok(Self { $($($flag,)+)? $($field,)* })
             }
 
+            #[inline]
             fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
                 let start = writer.at();
                 $(writer.bytes(&[$value]);)*
@@ -388,6 +406,7 @@ macro_rules! byte_enum {
         impl $crate::bytes::Field for $Name {
             const LEN: usize = 1;
 
+            #[inline]
             fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
                 match reader.get::<u8>()? {
                     $($value => Ok(Self::$Variant),)+
@@ -395,6 +414,7 @@ macro_rules! byte_enum {
                 }
             }
 
+            #[inline]
             fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
                 writer.put(&(*self as u8));
             }
@@ -408,10 +428,12 @@ macro_rules! newtype {
         impl $crate::bytes::Field for $Name {
             const LEN: usize = size_of::<Self>();
 
+            #[inline]
             fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
                 reader.get().map(Self)
             }
 
+            #[inline]
             fn write(&self, writer: &mut $crate::bytes::Writer<'_>) {
                 writer.put(&self.0);
             }

@@ -1,4 +1,6 @@
-//! What only the crate itself can see: known answers of its keys and seals, and reliable events without a link.
+//! What only the crate itself can see: known answers of its keys and seals, and the ladder of silence and
+//! reliable events without a link.
 
+mod engagement;
 mod reliable;
 mod vectors;
