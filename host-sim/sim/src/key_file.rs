@@ -10,9 +10,6 @@ use haptic_protocol::key::Key;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 
 /// Randomness from the system.
-///
-/// # Errors
-/// The system has none, in one line.
 pub fn entropy() -> Result<[u8; Key::LEN], String> {
     let mut bytes = [0; Key::LEN];
     getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
@@ -20,26 +17,17 @@ pub fn entropy() -> Result<[u8; Key::LEN], String> {
 }
 
 /// Makes a new key file; an existing file is never overwritten.
-///
-/// # Errors
-/// Why it could not be made, in one line.
 pub fn generate(path: &Path) -> Result<(), String> {
     write(path, &Key::new(entropy()?))
 }
 
 /// Writes a key to a new file that only its owner may read; an existing file is never overwritten.
-///
-/// # Errors
-/// Why it could not be made, in one line.
 pub fn write(path: &Path, key: &Key) -> Result<(), String> {
     let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
     write_secret(path, format!("{digits}\n").as_bytes())
 }
 
 /// The same for a key in another form.
-///
-/// # Errors
-/// Why it could not be made, in one line.
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
     let mut options = OpenOptions::new();
@@ -50,9 +38,6 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Reads a key file.
-///
-/// # Errors
-/// It cannot be read, others can read it, or it holds no key: in one line.
 pub fn read(path: &Path) -> Result<Key, String> {
     let place = path.display();
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?;

@@ -32,12 +32,12 @@ const PASSING: [ErrorKind; 6] = [
 
 /// Whether a run is to end early.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stop(Arc<AtomicBool>);
+pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
     /// Asked by Ctrl-C and SIGTERM: what runs ends with its report and exit status 0. The second of them ends the process at
     /// once, with status 2.
-    pub(crate) fn on_signals() -> Result<Self, String> {
+    pub fn on_signals() -> Result<Self, String> {
         let stop = Self::default();
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, 2, stop.0.clone())
@@ -48,41 +48,43 @@ impl Stop {
     }
 
     /// Asks.
-    pub(crate) fn ask(&self) {
+    pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
     /// Whether that was asked for.
-    pub(crate) fn is_asked(&self) -> bool {
+    pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
 /// How well the ticks were kept.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct Punctuality {
+pub struct Punctuality {
+    /// Ticks.
     #[serde(rename = "beats")]
-    pub(crate) ticks: u64,
+    pub ticks: u64,
     /// Ticks that began more than a period late.
-    pub(crate) missed: u64,
+    pub missed: u64,
     /// Latest a tick began, µs.
-    pub(crate) worst_us: u64,
+    pub worst_us: u64,
     /// Sum of all lateness, µs.
     #[serde(skip)]
     total_us: u64,
-    pub(crate) realtime_priority: bool,
+    /// The thread runs at a real-time priority.
+    pub realtime_priority: bool,
 }
 
 impl Punctuality {
     /// Mean lateness, µs.
-    pub(crate) fn mean_us(&self) -> f64 {
+    pub fn mean_us(&self) -> f64 {
         self.total_us as f64 / self.ticks.max(1) as f64
     }
 }
 
 /// Ticks of one thread.
 #[derive(Debug)]
-pub(crate) struct Ticker {
+pub struct Ticker {
     start: Instant,
     period: Duration,
     kept: Punctuality,
@@ -90,12 +92,12 @@ pub(crate) struct Ticker {
 
 impl Ticker {
     /// The first tick is now.
-    pub(crate) fn new(period: Duration) -> Self {
+    pub fn new(period: Duration) -> Self {
         Self { start: Instant::now(), period, kept: Punctuality::default() }
     }
 
     /// The same, and the thread asks for a real-time priority.
-    pub(crate) fn realtime(period: Duration) -> Self {
+    pub fn realtime(period: Duration) -> Self {
         let kept = Punctuality { realtime_priority: realtime(), ..Punctuality::default() };
         Self { kept, ..Self::new(period) }
     }
@@ -104,8 +106,13 @@ impl Ticker {
         self.start + self.period.saturating_mul(u32::try_from(self.kept.ticks).unwrap_or(u32::MAX))
     }
 
+    /// How well they were kept so far.
+    pub fn kept(&self) -> Punctuality {
+        self.kept
+    }
+
     /// Sleeps until the next tick, if that is still to come.
-    fn wait(&mut self) {
+    pub fn wait(&mut self) {
         let deadline = self.deadline();
         std::thread::sleep(deadline.saturating_duration_since(Instant::now()));
         let late = Instant::now().saturating_duration_since(deadline);
@@ -118,7 +125,7 @@ impl Ticker {
 }
 
 /// Asks for a real-time priority for this thread, and says whether it got one.
-pub(crate) fn realtime() -> bool {
+pub fn realtime() -> bool {
     let priority = thread_priority::ThreadPriority::Crossplatform(50.try_into().unwrap_or_default());
     thread_priority::set_thread_priority_and_policy(
         thread_priority::thread_native_id(),
@@ -129,7 +136,7 @@ pub(crate) fn realtime() -> bool {
 }
 
 /// An actor of the engine's as an endpoint runs it. Times are ns since the endpoint was opened.
-pub(crate) trait Live: Actor<SocketAddr, Packet = [u8]> {
+pub trait Live: Actor<SocketAddr, Packet = [u8]> {
     /// Whether it has ended, after a tick, and what is wrong if something is.
     fn end(&self) -> Option<Result<(), String>>;
 
@@ -144,7 +151,7 @@ pub(crate) trait Live: Actor<SocketAddr, Packet = [u8]> {
 
 /// A socket and the clock that its times are read from.
 #[derive(Debug)]
-pub(crate) struct Endpoint {
+pub struct Endpoint {
     socket: UdpSocket,
     address: SocketAddr,
     answers: bool,
@@ -155,12 +162,12 @@ pub(crate) struct Endpoint {
 
 impl Endpoint {
     /// Emptied at every tick.
-    pub(crate) fn polled(listen: SocketAddr) -> Result<Self, String> {
+    pub fn polled(listen: SocketAddr) -> Result<Self, String> {
         Self::open(listen, false)
     }
 
     /// Hears each datagram as it comes.
-    pub(crate) fn answering(listen: SocketAddr) -> Result<Self, String> {
+    pub fn answering(listen: SocketAddr) -> Result<Self, String> {
         Self::open(listen, true)
     }
 
@@ -174,33 +181,34 @@ impl Endpoint {
     }
 
     /// The same with a clock that began at `start`.
-    pub(crate) fn since(self, start: Instant) -> Self {
+    pub fn since(self, start: Instant) -> Self {
         Self { start, ..self }
     }
 
     /// Where it listens.
-    pub(crate) fn address(&self) -> SocketAddr {
+    pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    pub(crate) fn now_ns(&self) -> u64 {
+    /// Time since it was opened, ns.
+    pub fn now_ns(&self) -> u64 {
         self.start.elapsed().as_nanos() as u64
     }
 
     /// Sends a datagram; one that the system does not take now is late, and a network may lose it as well. Whether it was taken.
-    pub(crate) fn send(&self, to: SocketAddr, datagram: &[u8]) -> bool {
+    pub fn send(&self, to: SocketAddr, datagram: &[u8]) -> bool {
         let sent = self.socket.send_to(datagram, to).is_ok();
         self.unsent.fetch_add(u64::from(!sent), Ordering::Relaxed);
         sent
     }
 
     /// Datagrams that the system did not take.
-    pub(crate) fn unsent(&self) -> u64 {
+    pub fn unsent(&self) -> u64 {
         self.unsent.load(Ordering::Relaxed)
     }
 
     /// Takes what has come, oldest first, until there is nothing left or it is `until`; an endpoint that answers waits until then.
-    pub(crate) fn drain(&self, until: Instant, mut each: impl FnMut(SocketAddr, &mut [u8])) -> Result<(), String> {
+    pub fn drain(&self, until: Instant, mut each: impl FnMut(SocketAddr, &mut [u8])) -> Result<(), String> {
         let mut came = [0; 2048];
         while Instant::now() < until {
             match self.socket.recv_from(&mut came) {
@@ -218,7 +226,7 @@ impl Endpoint {
     }
 
     /// Runs an actor to its end, its goodbye included; without anybody there for no longer than `patience_s`.
-    pub(crate) fn run(
+    pub fn run(
         &self,
         mut ticker: Ticker,
         patience_s: f64,
@@ -251,104 +259,5 @@ impl Endpoint {
         };
         actor.goodbye(self.now_ns(), &mut send);
         ended.map(|()| ticker.kept)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Counts what it hears; sends itself twice as much of it, so that its socket is never empty again; ends after 20 ticks.
-    struct Echo {
-        own: SocketAddr,
-        heard: u64,
-        ticks: u32,
-        goodbyes: u32,
-        alone: bool,
-    }
-
-    impl Actor<SocketAddr> for Echo {
-        type Packet = [u8];
-
-        fn hear(&mut self, _: u64, from: SocketAddr, packet: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
-            self.heard += 1;
-            self.own = from;
-            out(from, packet);
-            out(from, packet);
-        }
-
-        fn act(&mut self, _: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
-            self.ticks += 1;
-            out(self.own, &[1]);
-        }
-    }
-
-    impl Live for Echo {
-        fn end(&self) -> Option<Result<(), String>> {
-            (self.ticks == 20).then_some(Ok(()))
-        }
-
-        fn missing(&self) -> Option<String> {
-            self.alone.then(|| "nobody".to_owned())
-        }
-
-        fn goodbye(&mut self, _: u64, _: &mut Out<'_, SocketAddr, [u8]>) {
-            self.goodbyes += 1;
-        }
-    }
-
-    /// What came of a run, and how many ticks and goodbyes there were.
-    fn run(open: fn(SocketAddr) -> Result<Endpoint, String>, alone: bool, stop: &Stop) -> (Result<u64, String>, Echo) {
-        let endpoint = open(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a socket on loopback");
-        let mut echo = Echo { own: endpoint.address(), heard: 0, ticks: 0, goodbyes: 0, alone };
-        let kept = endpoint.run(Ticker::new(Duration::from_millis(5)), 0.02, stop, &mut echo);
-        (kept.map(|kept| kept.ticks), echo)
-    }
-
-    #[test]
-    fn ticks_are_counted_and_so_is_their_lateness() {
-        let mut ticker = Ticker::new(Duration::from_secs(60));
-        ticker.wait();
-        assert_eq!((ticker.kept.ticks, ticker.kept.missed), (1, 0), "{ticker:?}");
-        let mut ticker = Ticker::new(Duration::from_millis(10));
-        ticker.wait();
-        std::thread::sleep(Duration::from_millis(45));
-        // Due at 10 ms and 20 ms, and not skipped.
-        (0..2).for_each(|_| ticker.wait());
-        let Punctuality { ticks, missed, worst_us, .. } = ticker.kept;
-        assert!(ticks == 3 && (2..=3).contains(&missed) && worst_us >= 35_000, "{ticker:?}");
-        assert!(ticker.kept.mean_us() >= 20_000.0 && ticker.kept.mean_us() <= worst_us as f64, "{ticker:?}");
-    }
-
-    /// What the system says of this thread is what [`realtime`] says.
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_realtime_priority_is_told_as_it_is() {
-        let (told, policy) = std::thread::spawn(|| {
-            let told = realtime();
-            let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("a thread's state");
-            // Field 41 of proc(5), counted behind the name, which is field 2: 1 is SCHED_FIFO.
-            (told, stat.rsplit(") ").next().and_then(|rest| rest.split(' ').nth(38)).map(str::to_owned))
-        })
-        .join()
-        .expect("a thread");
-        assert_eq!(told, policy.as_deref() == Some("1"), "{policy:?}");
-    }
-
-    #[test]
-    fn a_flood_holds_up_no_tick_and_every_end_has_its_goodbye() {
-        let stop = Stop::default();
-        for open in [Endpoint::polled, Endpoint::answering] {
-            let start = Instant::now();
-            let (kept, echo) = run(open, false, &stop);
-            assert!(kept == Ok(20) && echo.heard > 1_000 && echo.goodbyes == 1, "{kept:?}, {} heard", echo.heard);
-            assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
-        }
-        let (kept, echo) = run(Endpoint::polled, true, &stop);
-        assert_eq!((kept, echo.goodbyes), (Err("nobody".to_owned()), 1));
-        assert!((1..20).contains(&echo.ticks), "{} ticks", echo.ticks);
-        stop.ask();
-        let (kept, echo) = run(Endpoint::polled, true, &stop);
-        assert_eq!((kept, echo.ticks, echo.goodbyes), (Ok(1), 0, 1));
     }
 }

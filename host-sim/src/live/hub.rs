@@ -19,7 +19,6 @@ use haptic_sim::scene::Scene;
 /// Where, for how many and how long.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Peers.
     pub(crate) users: usize,
     pub(crate) listen: SocketAddr,
     /// Time from when all are there, s.
@@ -39,16 +38,13 @@ pub(crate) struct LineReport {
     pub(crate) address: Option<String>,
     /// How many lives of the peer there were.
     pub(crate) lives: usize,
-    /// Wave energy at the hub's end.
     #[serde(flatten)]
     pub(crate) energy: Energy,
     /// Where the peer last said that its copy is, mm.
     pub(crate) copy_mm: Option<f64>,
-    /// What the peer last said about itself.
     pub(crate) said: Option<Other>,
     pub(crate) round_trip_us: Option<u32>,
     pub(crate) datagrams_taken: u32,
-    /// Datagrams of the peer that never came.
     pub(crate) datagrams_missing: u32,
     /// What the link reported, in order, with the time in s since the start.
     pub(crate) notices: Vec<(f64, String)>,
@@ -56,19 +52,19 @@ pub(crate) struct LineReport {
 
 impl LineReport {
     fn new((line, (end, port)): (u32, (&Line<SocketAddr>, &Port))) -> Self {
-        let counts = end.link().counts();
+        let counts = end.link.counts();
         Self {
             line,
             number: number_on(line),
-            address: end.address().map(|address| address.to_string()),
-            lives: end.notices().iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count(),
+            address: end.address.map(|address| address.to_string()),
+            lives: end.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count(),
             energy: port.energy,
-            copy_mm: end.heard().map(|said| 1e3 * f64::from(said.object_position)),
-            said: end.heard().map(Other::new),
-            round_trip_us: end.link().clock().round_trip_us(),
+            copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
+            said: end.heard.as_ref().map(Other::new),
+            round_trip_us: end.link.clock().round_trip_us(),
             datagrams_taken: counts.taken,
             datagrams_missing: counts.missing,
-            notices: told(end.notices()),
+            notices: told(&end.notices),
         }
     }
 }
@@ -87,7 +83,6 @@ pub(crate) struct Report {
     /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
     pub(crate) datagrams_refused: u64,
     pub(crate) lines: Vec<LineReport>,
-    /// How well the tick was kept.
     pub(crate) punctuality: Punctuality,
 }
 
@@ -120,7 +115,7 @@ impl Live for Meeting<'_> {
             Some(packets) => (packets >= self.packets).then_some(Ok(())),
             None => (1..)
                 .zip(self.hub.lines())
-                .find_map(|(line, (end, _))| differs(end.link(), &format!("the peer on line {line}")).map(Err)),
+                .find_map(|(line, (end, _))| differs(&end.link, &format!("the peer on line {line}")).map(Err)),
         }
     }
 
@@ -128,7 +123,7 @@ impl Live for Meeting<'_> {
         if self.hub.packets().is_some() {
             return None;
         }
-        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.link().is_up());
+        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.link.is_up());
         let absent: Vec<String> =
             absent.map(|(line, _): (u32, _)| format!("{line} (peer number {})", number_on(line))).collect();
         let Options { users, listen, patience_s, .. } = self.options;
@@ -145,9 +140,6 @@ impl Live for Meeting<'_> {
 }
 
 /// Runs the hub to the end, or until it is stopped.
-///
-/// # Errors
-/// A scene that is refused, a socket that cannot be opened, or peers that are not all there in time: in one line.
 pub(crate) fn run(scene: &Scene, key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
     let timing = &scene.peer.timing;
     let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);

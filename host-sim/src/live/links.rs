@@ -153,7 +153,6 @@ impl Links {
         self.others.iter().filter(|(link, _)| link.is_up()).count()
     }
 
-    /// Datagrams that were refused.
     pub(super) fn refused(&self) -> u32 {
         self.met().map(|met| met.refused).sum()
     }

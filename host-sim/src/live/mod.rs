@@ -1,12 +1,12 @@
 //! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`].
 
-pub(crate) mod endpoint;
+pub mod endpoint;
 pub(crate) mod hub;
 mod links;
 pub mod operator;
 pub(crate) mod peer;
 pub(crate) mod quantiles;
-pub(crate) mod relay;
+pub mod relay;
 pub(crate) mod serve;
 pub(crate) mod squash;
 pub(crate) mod visit;

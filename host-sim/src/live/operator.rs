@@ -84,9 +84,6 @@ pub struct Operator {
 
 impl Operator {
     /// Gets in touch with the board at `board`, whichever it is, under the key of `key_file`.
-    ///
-    /// # Errors
-    /// No socket, no key, or nobody there who holds it: in one line.
     pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
         let key = key_file::read(key_file)?;
         let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
@@ -123,9 +120,6 @@ impl Operator {
     }
 
     /// Says a line and gives the answer, which begins with `ok` or `error`.
-    ///
-    /// # Errors
-    /// A line that is too long, or no answer: in one line.
     pub fn ask(&mut self, line: &str) -> Result<String, String> {
         if line.len() > LONGEST {
             return Err(format!("a line of {} bytes is not allowed: it must be at most {LONGEST}", line.len()));
@@ -143,9 +137,6 @@ impl Operator {
 
     /// Has every `every`-th tick sent for so long, and gives what came. A board that was away, or has started anew, has forgotten
     /// it: it is told again as soon as it is back. If it then refuses, that ends it: what came is given with the refusal.
-    ///
-    /// # Errors
-    /// A board that refuses or does not answer at the beginning: in one line.
     pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
         let line = format!("stream {every}");
         let answer = self.ask(&line)?;
@@ -173,9 +164,6 @@ impl Operator {
     }
 
     /// Listens for so long, and gives the samples that came since the last time.
-    ///
-    /// # Errors
-    /// The socket fails, in one line.
     pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, String> {
         let stop = self.stop.clone();
         self.wait(time, |_| stop.is_asked())?;

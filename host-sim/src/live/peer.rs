@@ -46,20 +46,16 @@ pub(crate) struct Report {
     /// What the link reported, in order, with the time in s since the start.
     pub(crate) notices: Vec<(f64, String)>,
     pub(crate) round_trip_us: Option<u32>,
-    /// Jitter of the round trip, µs.
     pub(crate) jitter_us: u32,
     /// The other peer's clock less this one's, µs.
     pub(crate) clock_offset_us: Option<i64>,
     /// How much faster the other peer's clock runs, ppm.
     pub(crate) clock_drift_ppm: f32,
-    /// What the other peer last said about itself.
     pub(crate) other: Option<Other>,
     pub(crate) datagrams_taken: u32,
-    /// Datagrams of the other peer that never came.
     pub(crate) datagrams_missing: u32,
     /// Datagrams refused: forged, replayed or broken.
     pub(crate) datagrams_refused: u32,
-    /// How well the 1 kHz tick was kept.
     pub(crate) punctuality: Punctuality,
 }
 
@@ -69,7 +65,6 @@ pub(crate) struct Other {
     ticks: u32,
     /// 0 disarmed, 1 armed, 2 faulted.
     mode: u8,
-    /// Its fault's number, 0 none.
     fault: u8,
     pub(crate) coordination_force_n: f32,
     /// The round trip as it measures it, µs.
@@ -153,9 +148,6 @@ impl Live for Peer<'_> {
 }
 
 /// Runs one peer to the end of its experiment, or until it is stopped.
-///
-/// # Errors
-/// A scene or key that is refused, a socket that cannot be opened, or nobody answering: in one line.
 pub(crate) fn run(scene: &Scene, key: Key, options: &Options, stop: &Stop) -> Result<Report, String> {
     let node = Node::new(scene, options.number, key, entropy()?)?;
     let period_s = scene.peer.timing.control_period_s;

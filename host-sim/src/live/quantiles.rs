@@ -27,9 +27,6 @@ pub(crate) struct Quantiles {
 
 impl Times {
     /// None yet.
-    ///
-    /// # Panics
-    /// Never: these bounds are allowed.
     pub(crate) fn new() -> Self {
         Self {
             bins: Histogram::new_with_bounds(1, LONGEST_NS, FIGURES).expect("bounds that are allowed"),

@@ -21,15 +21,12 @@ use haptic_sim::engine::{Actor, Out};
 const WAITED_NS: u64 = 20_000;
 
 /// What a server saw and did.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Report {
-    /// Time served, s.
     pub(crate) served_s: f64,
-    /// Checksum of the world.
     pub(crate) world: String,
     /// Most clients with a session at once.
     pub(crate) clients: usize,
-    /// Datagrams and what they were.
     pub(crate) counts: Counts,
     /// From a datagram taken to its last answer sent.
     pub(crate) answer: Quantiles,
@@ -39,7 +36,6 @@ pub(crate) struct Report {
     pub(crate) unsent: u64,
     /// Share of one core that the thread used; `None` where the system does not tell.
     pub(crate) cpu_share: Option<f64>,
-    /// The thread ran at a real-time priority.
     pub(crate) realtime_priority: bool,
 }
 
@@ -132,9 +128,6 @@ impl<F: Fn(u32) -> Option<u64>> Live for Serving<'_, F> {
 }
 
 /// Serves until the time is over, or it is stopped.
-///
-/// # Errors
-/// The socket fails, in one line.
 pub(crate) fn run(
     endpoint: &Endpoint,
     host: &mut Host<SocketAddr>,

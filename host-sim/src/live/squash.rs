@@ -23,13 +23,11 @@ use haptic_sim::key_file::entropy;
 pub(crate) struct Options {
     /// 0 is the server, 1 … the players.
     pub(crate) number: u8,
-    /// Where each of them listens, in order.
     pub(crate) addresses: Vec<SocketAddr>,
     /// The server bounds the ball.
     pub(crate) bounder: bool,
     /// The player's hand is damped.
     pub(crate) motion_bounder: bool,
-    /// How long, s.
     pub(crate) seconds: f64,
 }
 
@@ -39,9 +37,7 @@ pub(crate) struct Rally {
     pub(crate) rally: u16,
     /// Hits.
     pub(crate) strokes: u16,
-    /// How it ended.
     pub(crate) ending: String,
-    /// Who was active then.
     pub(crate) loser: u8,
 }
 
@@ -57,11 +53,9 @@ impl From<Verdict> for Rally {
 pub(crate) struct Report {
     /// 0 is the server, 1 … the players.
     pub(crate) number: u8,
-    /// Rallies that ended while it was there.
     pub(crate) rallies: Vec<Rally>,
     /// Points of player 1, 2, ….
     pub(crate) score: Vec<u8>,
-    /// Hits that it made.
     pub(crate) strokes: u32,
     /// Balls that had left the court before it knew of the hit.
     pub(crate) unseen: u32,
@@ -71,9 +65,7 @@ pub(crate) struct Report {
     pub(crate) others: Vec<Met>,
     /// Links to others that are up in the end.
     pub(crate) links: usize,
-    /// Datagrams that were refused.
     pub(crate) refused: u32,
-    /// How well the 1 kHz tick was kept.
     pub(crate) punctuality: Punctuality,
 }
 
@@ -176,9 +168,6 @@ impl Live for Process<'_> {
 }
 
 /// Plays until the time is over, or it is stopped.
-///
-/// # Errors
-/// A number without an address, a socket that cannot be opened, nobody there: in one line.
 pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
     let count = options.addresses.len();
     if !(3..=PLAYERS + 1).contains(&count) {

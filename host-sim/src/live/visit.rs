@@ -37,7 +37,6 @@ pub(crate) struct Options {
     /// The key of this client's line.
     pub(crate) key: Key,
     pub(crate) line: u32,
-    /// Where this client listens; port 0 is any.
     pub(crate) listen: SocketAddr,
     /// Servers by number.
     pub(crate) servers: Vec<(u8, SocketAddr)>,
@@ -51,7 +50,6 @@ pub(crate) struct Options {
     pub(crate) to_m: [f64; 2],
     /// … and back in this time, s.
     pub(crate) stroke_s: f64,
-    /// How long, s.
     pub(crate) duration_s: f64,
     /// A client to tell straight.
     pub(crate) friend: Option<Friend>,
@@ -88,7 +86,6 @@ impl Options {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Seen {
     pub(crate) line: u32,
-    /// Where, m.
     pub(crate) position_m: [f32; 2],
 }
 
@@ -104,17 +101,13 @@ pub(crate) struct Report {
     pub(crate) objects: usize,
     /// Objects that came, since the beginning, from the servers it has links to now.
     pub(crate) objects_taken: u32,
-    /// Version of the world.
     pub(crate) world_version: Option<u32>,
-    /// Checksum of the world.
     pub(crate) world: Option<String>,
     /// Parts that were not what their checksum said.
     pub(crate) corrupt: u32,
     /// Where it is at home.
     pub(crate) home: u8,
-    /// How often it moved.
     pub(crate) moves: u32,
-    /// Largest force, N.
     pub(crate) largest_force_n: f64,
     /// Largest change of the force in one control period, N.
     pub(crate) largest_step_n: f64,
@@ -124,9 +117,7 @@ pub(crate) struct Report {
     pub(crate) felt_alone_ticks: u64,
     /// Others that were seen in the last second.
     pub(crate) others: Vec<Seen>,
-    /// Round trip to home, µs.
     pub(crate) round_trip_us: Option<u32>,
-    /// How well the 1 kHz tick was kept.
     pub(crate) punctuality: Punctuality,
 }
 
@@ -199,9 +190,6 @@ impl Live for Visit<'_> {
 }
 
 /// Visits until the time is over, or it is stopped.
-///
-/// # Errors
-/// A socket that cannot be opened, no randomness, or nobody there: in one line.
 pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
     // Asked once before the clock starts; a generator that has worked once does not fail later.
     entropy()?;

@@ -56,18 +56,15 @@ struct Client {
 }
 
 /// What became of a crowd.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Report {
     pub(crate) clients: u32,
     /// Clients that had their neighbourhood before the measurement ended.
     pub(crate) complete: u32,
-    /// Time of the measurement, s.
     pub(crate) measured_s: f64,
-    /// Packets of clients.
     pub(crate) packets: u64,
     /// Packets a second of each client; 125 if the load was never late.
     pub(crate) rate_hz: f64,
-    /// Packets that were answered.
     pub(crate) answered: u64,
     /// Objects' places that the answers carried.
     pub(crate) sightings: u64,
@@ -75,11 +72,8 @@ pub(crate) struct Report {
     pub(crate) round_trip: Quantiles,
     /// How late the load was with its packets.
     pub(crate) load_late: Quantiles,
-    /// Share of one core that the load used.
     pub(crate) load_cpu_share: Option<f64>,
-    /// The load ran at a real-time priority.
     pub(crate) load_realtime_priority: bool,
-    /// What the server saw.
     pub(crate) server: serve::Report,
 }
 
@@ -91,14 +85,11 @@ impl Report {
 }
 
 /// `clients` clients at one server of `world`, for `warm_up_s` and then, measured, for `seconds`, or until it is stopped.
-///
-/// # Errors
-/// A socket that cannot be opened, or no randomness: in one line.
 pub(crate) fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64, stop: &Stop) -> Result<Report, String> {
     let (key, start) = (Key::new(entropy()?), Instant::now());
     let loopback = SocketAddr::from(([127, 0, 0, 1], 0));
     let (server, load) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));
-    let mut host = Host::new(key.clone(), SERVER, clients, world.clone(), None, || entropy().unwrap_or([1; Key::LEN]))?;
+    let mut host = Host::new(key.clone(), SERVER, clients, world.clone(), None, || entropy().unwrap_or_default())?;
     let sent = (0..clients).map(|_| AtomicU64::new(0)).collect::<Vec<_>>();
     let sent_ns = |line: u32| sent.get(line as usize - 1).map(|sent| sent.load(Ordering::Relaxed));
     let done = Stop::default();
@@ -121,15 +112,10 @@ struct Load<'a> {
     clients: Vec<Client>,
     sessions: std::collections::HashMap<u32, usize>,
     measured: Option<Computed>,
-    packets: u64,
-    answered: u64,
-    sightings: u64,
     round_trip: Times,
     late: Times,
-    cpu_share: Option<f64>,
-    realtime_priority: bool,
     rested_ns: u64,
-    measured_s: f64,
+    seen: Report,
 }
 
 impl<'a> Load<'a> {
@@ -164,20 +150,15 @@ impl<'a> Load<'a> {
             clients: clients?,
             sessions: std::collections::HashMap::new(),
             measured: None,
-            packets: 0,
-            answered: 0,
-            sightings: 0,
             round_trip: Times::new(),
             late: Times::new(),
-            cpu_share: None,
-            realtime_priority: false,
             rested_ns: 0,
-            measured_s: 0.0,
+            seen: Report { clients: count as u32, ..Report::default() },
         })
     }
 
     fn run(mut self, warm_up_s: f64, seconds: f64, stop: &Stop) -> Result<Self, String> {
-        self.realtime_priority = realtime();
+        self.seen.load_realtime_priority = realtime();
         let (period_ns, count) = (1_000 * PACKET_US, self.clients.len() as u64);
         let (warm_ns, end_ns) = ((1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
         let (mut next, mut slipped_ns, mut measured_ns) = (0_u64, self.endpoint.now_ns(), 0);
@@ -202,8 +183,8 @@ impl<'a> Load<'a> {
             next += 1;
         }
         if let Some(measured) = &self.measured {
-            self.measured_s = 1e-9 * (self.endpoint.now_ns() - measured_ns) as f64;
-            self.cpu_share = measured.share();
+            self.seen.measured_s = 1e-9 * (self.endpoint.now_ns() - measured_ns) as f64;
+            self.seen.load_cpu_share = measured.share();
         }
         // What is under way still counts.
         self.wait(self.endpoint.now_ns() + 100_000_000)?;
@@ -263,7 +244,7 @@ impl<'a> Load<'a> {
             let said = Presence::new(client.tick, [Sighting { who: 0, position, velocity }]);
             if let Some(len) = client.link.send(now, said, &mut out) {
                 client.sent_ns[client.tick as usize % UNDER_WAY] = now_ns;
-                self.packets += u64::from(self.measured.is_some());
+                self.seen.packets += u64::from(self.measured.is_some());
                 send(&out[..len]);
             }
             if let Some(ask) = client.download.poll(now, 4 * PACKET_US)
@@ -273,7 +254,7 @@ impl<'a> Load<'a> {
             }
         } else {
             // It would have said something.
-            self.packets += u64::from(self.measured.is_some());
+            self.seen.packets += u64::from(self.measured.is_some());
         }
         while let Some(len) = client.link.poll(now, &mut out) {
             send(&out[..len]);
@@ -293,8 +274,8 @@ impl<'a> Load<'a> {
             Ok(Some(Message::Presence(told))) => {
                 let sent_ns = std::mem::take(&mut client.sent_ns[told.tick as usize % UNDER_WAY]);
                 if self.measured.is_some() && sent_ns > 0 {
-                    self.answered += 1;
-                    self.sightings += told.seen().len() as u64;
+                    self.seen.answered += 1;
+                    self.seen.sightings += told.seen().len() as u64;
                     self.round_trip.add(now_ns - sent_ns);
                 }
             }
@@ -315,19 +296,14 @@ impl<'a> Load<'a> {
     }
 
     fn report(self, server: serve::Report) -> Report {
+        let Report { clients, packets, measured_s, .. } = self.seen;
         Report {
-            clients: self.clients.len() as u32,
             complete: self.clients.iter().filter(|client| client.complete).count() as u32,
-            measured_s: self.measured_s,
-            packets: self.packets,
-            rate_hz: self.packets as f64 / (self.measured_s * self.clients.len() as f64).max(1e-9),
-            answered: self.answered,
-            sightings: self.sightings,
+            rate_hz: packets as f64 / (measured_s * f64::from(clients)).max(1e-9),
             round_trip: self.round_trip.quantiles(),
             load_late: self.late.quantiles(),
-            load_cpu_share: self.cpu_share,
-            load_realtime_priority: self.realtime_priority,
             server,
+            ..self.seen
         }
     }
 }

@@ -58,7 +58,6 @@ const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
 pub(crate) struct Options {
     /// Forged datagrams per second, both peers together.
     pub(crate) rate_per_s: f64,
-    /// Length of the flood, s.
     pub(crate) seconds: f64,
 }
 
@@ -78,7 +77,6 @@ pub(crate) struct Attacked {
     pub(crate) states_changed: u64,
     /// Whether the session lasted from before the flood to the end.
     pub(crate) session_stayed: bool,
-    /// Whether coordination acted at the end.
     pub(crate) engaged: bool,
     /// Share of the other peer's flow that came through during the flood.
     pub(crate) flow_through: f64,
@@ -95,28 +93,14 @@ pub(crate) struct Report {
     pub(crate) rate_asked_per_s: f64,
     /// Forged datagrams per second that were sent.
     pub(crate) rate_sent_per_s: f64,
-    /// Forged datagrams sent, by kind.
     pub(crate) sent: Vec<(&'static str, u64)>,
     /// Share of them that the system dropped, because a socket's buffer was full.
     pub(crate) dropped_by_system: f64,
-    /// Time the flood took, s.
     pub(crate) flood_s: f64,
     /// The same on the peers' clocks, ms: less, where the machine did not keep up with them.
     pub(crate) flood_ms_of_peers: u64,
-    /// The two peers.
     pub(crate) peers: Vec<Attacked>,
-    /// How well the tick was kept.
     pub(crate) punctuality: Punctuality,
-}
-
-/// What a peer notes for the evaluation, in ticks.
-#[derive(Default)]
-struct Log {
-    under_attack: Attacked,
-    /// When each flow that came was sent.
-    flows: Vec<u64>,
-    /// When each flow came.
-    came: Vec<u64>,
 }
 
 /// What the threads share.
@@ -131,9 +115,6 @@ struct Field {
 }
 
 /// Holds the scene's object through a flood, which is over early if it is stopped.
-///
-/// # Errors
-/// A scene that is refused, or sockets that cannot be had: in one line.
 pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Report, String> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
@@ -148,8 +129,9 @@ pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Repor
         let flood = scope.spawn(|| flood(&field, &stranger, addresses, options, period, stop));
         let peers: Vec<_> = (nodes.into_iter().zip(&endpoints).enumerate())
             .map(|(index, (node, endpoint))| {
-                let (log, period_us, other) = (Log::default(), period.as_micros() as u64, addresses[1 - index]);
-                let mut held = Held { field: &field, index, node, other, now: 0, period_us, log, over: false };
+                let (field, period_us, other) = (&field, period.as_micros() as u64, addresses[1 - index]);
+                let (attacked, flows) = (Attacked::default(), Vec::new());
+                let mut held = Held { field, index, node, other, now: 0, period_us, over: false, attacked, flows };
                 scope.spawn(move || {
                     let kept = endpoint.run(Ticker::realtime(period), f64::MAX, &Stop::default(), &mut held);
                     kept.map(|kept| (held, kept))
@@ -169,7 +151,7 @@ pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Repor
     let ticks = field.now.load(Ordering::Relaxed);
     let [from, to] = [0, 1].map(|end: usize| field.flood[end].load(Ordering::Relaxed));
     let ms = |ticks: u64| (ticks as f64 * 1e3 * period.as_secs_f64()).round() as u64;
-    let arrived: u64 = held.iter().map(|(held, _)| held.log.under_attack.forged_arrived).sum();
+    let arrived: u64 = held.iter().map(|(held, _)| held.attacked.forged_arrived).sum();
     let total: u64 = sent.iter().sum();
     Ok(Report {
         rate_asked_per_s: options.rate_per_s,
@@ -192,8 +174,10 @@ struct Held<'a> {
     /// The tick that is on.
     now: u64,
     period_us: u64,
-    log: Log,
     over: bool,
+    attacked: Attacked,
+    /// When each flow that came was sent, and when it came, ticks.
+    flows: Vec<[u64; 2]>,
 }
 
 impl Actor<SocketAddr> for Held<'_> {
@@ -202,7 +186,7 @@ impl Actor<SocketAddr> for Held<'_> {
     fn hear(&mut self, _: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
         let now_us = self.now * self.period_us;
         if from != self.other {
-            return forged(&mut self.node, &mut self.log.under_attack, now_us, datagram);
+            return forged(&mut self.node, &mut self.attacked, now_us, datagram);
         }
         let copy = datagram.to_vec();
         if let Ok(flow) = self.node.receive(now_us, datagram) {
@@ -213,8 +197,7 @@ impl Actor<SocketAddr> for Held<'_> {
             seen.push(copy);
             if let Some(flow) = flow {
                 // The first tick is 0.
-                self.log.flows.push(u64::from(flow.tick));
-                self.log.came.push(self.now);
+                self.flows.push([u64::from(flow.tick), self.now]);
             }
         }
     }
@@ -339,23 +322,25 @@ fn evaluate(
     packet: u64,
     ms: &impl Fn(u64) -> u64,
 ) -> Attacked {
-    let Held { log, node, period_us, .. } = held;
+    let Held { attacked, flows, node, period_us, .. } = held;
     let lost = |&(at_us, notice): &(u64, Notice)| notice == Notice::Lost && at_us >= flood.start * period_us;
     // Flow is sent every packet period.
-    let phase = log.flows.last().map_or(0, |sent| sent % packet);
+    let phase = flows.last().map_or(0, |[sent, _]| sent % packet);
     let sent = |ticks: std::ops::Range<u64>| ticks.filter(move |tick| tick % packet == phase);
-    let came = |tick: &u64| log.flows.binary_search(tick).is_ok();
-    let marks = [flood.start].into_iter().chain(log.came.iter().copied().filter(|came| flood.contains(came)));
+    let came = |tick: &u64| flows.binary_search_by_key(tick, |[sent, _]| *sent).is_ok();
+    let marks =
+        [flood.start].into_iter().chain(flows.iter().map(|[_, came]| *came).filter(|came| flood.contains(came)));
     let marks: Vec<u64> = marks.chain([flood.end]).collect();
     let silence = marks.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
     // Up to the last that may still be on its way.
     let missing = sent(flood.end..ticks.saturating_sub(2 * packet)).filter(|tick| !came(tick)).max();
     Attacked {
-        session_stayed: log.came.first().is_some_and(|first| *first < flood.start) && !node.notices().iter().any(lost),
+        session_stayed: flows.first().is_some_and(|[_, first]| *first < flood.start)
+            && !node.notices().iter().any(lost),
         engaged: node.is_engaged(),
         flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
         longest_silence_ms: ms(silence),
         whole_after_ms: missing.map_or(0, |sent| ms(sent + packet - flood.end)),
-        ..log.under_attack
+        ..attacked
     }
 }

@@ -8,6 +8,7 @@ mod collaborate;
 mod command_line;
 mod cooperative;
 mod costs;
+mod endpoint;
 mod flood;
 mod hub;
 mod live;

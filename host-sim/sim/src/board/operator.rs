@@ -33,9 +33,6 @@ pub struct Session {
 
 impl Session {
     /// Calls board `number` (1 or 2). `entropy` must never be the same twice.
-    ///
-    /// # Errors
-    /// A key or number that is refused, in one line.
     pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         let mut parameters = Parameters::new();
         // What the lines mean; a board that means something else is refused by name.

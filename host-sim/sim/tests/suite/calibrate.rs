@@ -6,7 +6,7 @@ use haptic_sim::board::calibrate::board::{Board, Joint, Run, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::simulated::Shared;
-use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, motion, settings_file, sign};
+use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::scene::Scene;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -76,7 +76,7 @@ fn a_new_board_finds_out_everything_about_its_device() {
             for line in ["set probe.check_duty 0.08", "apply"] {
                 assert!(board.ask(line).expect("an answer").starts_with("ok"));
             }
-            let found = sign::calibrate(&mut board, 1).expect("sign");
+            let found = motor::sign(&mut board, 1).expect("sign");
             assert_eq!(flag(&found, "motor.reversed"), motor_reversed, "{name}");
             give(&mut board, &found, &name);
 
@@ -86,12 +86,12 @@ fn a_new_board_finds_out_everything_about_its_device() {
             give(&mut board, &found, &name);
 
             // The mass is still there: it is one device now.
-            let found = inertia::calibrate(&mut board, 1).expect("inertia");
+            let found = motion::inertia(&mut board, 1).expect("inertia");
             near(&name, number(&found, "device.mass_kg"), world.mass_kg + 0.2, 0.02);
             let delay = number(&found, "device.force_delay_ticks");
             assert!((delay - 0.7).abs() < 0.15, "{name}: {delay} ticks");
 
-            let found = friction::calibrate(&mut board, 1).expect("friction");
+            let found = motion::friction(&mut board, 1).expect("friction");
             near(&name, number(&found, "device.damping_n_s_per_m"), world.damping_n_s_per_m, 0.15);
             near(&name, number(&found, "plant.coulomb_n"), truth.world.plant.coulomb_n, 0.1);
         }
@@ -195,19 +195,19 @@ fn what_the_data_do_not_give_is_refused() {
     refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Revolutions(1.0)), "by what distance");
     // Held, or stuck: friction beyond what any probe can do.
     let held = "plant.coulomb_n=50";
-    refused(sign::calibrate(&mut new(held), 1), "did not move: let go of it");
-    refused(friction::calibrate(&mut new(held), 1), "too little");
-    refused(inertia::calibrate(&mut new(held), 1), "too little");
+    refused(motor::sign(&mut new(held), 1), "did not move: let go of it");
+    refused(motion::friction(&mut new(held), 1), "too little");
+    refused(motion::inertia(&mut new(held), 1), "too little");
     refused(motor::calibrate(&mut new(held), &mut Idle, 1, Known::Mass(0.2)), "too little");
     // Pushed by a hand all the time.
-    refused(sign::calibrate(&mut new("user.1.push_n=5"), 1), "let go of it");
+    refused(motor::sign(&mut new("user.1.push_n=5"), 1), "let go of it");
     // The wrong sign is no mass below zero.
-    refused(inertia::calibrate(&mut new("motor.reversed=true"), 1), "`calibrate sign` first");
+    refused(motion::inertia(&mut new("motor.reversed=true"), 1), "`calibrate sign` first");
     // Readings of somebody who looks elsewhere, and a device that is not at the gauge.
     refused(motor::calibrate(&mut new("plant.coulomb_n=50"), &mut Idle, 1, Known::Gauge), "lie on no line");
     refused(motor::calibrate(&mut new(""), &mut Idle, 1, Known::Gauge), "the joint gave way");
     refused(motor::calibrate(&mut new(""), &mut Idle, 1, Known::Mass(0.2)), "the added mass shows as");
-    refused(inertia::calibrate(&mut new("axis.count=2 kinematics.model=five-bar"), 1), "five-bar");
+    refused(motion::inertia(&mut new("axis.count=2 kinematics.model=five-bar"), 1), "five-bar");
 }
 
 /// A board whose telemetry loses every hundredth tick.
@@ -225,7 +225,7 @@ impl Board for Lossy {
 #[test]
 fn ticks_that_get_lost_are_noticed() {
     let mut board = Lossy(Shared::new(&scene("")).expect("a board"));
-    refused(inertia::calibrate(&mut board, 1), "got lost on the way");
+    refused(motion::inertia(&mut board, 1), "got lost on the way");
     let mut person = board.0.clone();
     refused(counts::calibrate(&mut board, &mut person, 1, Distance::Metres(0.1)), "got lost on the way");
 }

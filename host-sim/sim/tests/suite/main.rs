@@ -1,4 +1,5 @@
-//! Runs against an independent oracle, and calibration of a simulated board.
+//! Runs against an independent oracle, calibration of a simulated board, and recordings.
 
 mod calibrate;
 mod oracle;
+mod recording;

@@ -17,7 +17,7 @@ use haptic_sim::board::calibrate::board::Board;
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::simulated::Shared;
-use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
+use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -179,7 +179,7 @@ impl Calibrate {
                 };
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
-            What::Sign { at } => at.run(ui, |board, _| sign::calibrate(board, at.joint)),
+            What::Sign { at } => at.run(ui, |board, _| motor::sign(board, at.joint)),
             What::Motor { at, gauge, added_mass_kg } => {
                 let known = match (gauge, added_mass_kg) {
                     (true, _) => Known::Gauge,
@@ -188,8 +188,8 @@ impl Calibrate {
                 };
                 at.run(ui, |board, person| motor::calibrate(board, person, at.joint, known))
             }
-            What::Friction { at } => at.run(ui, |board, _| friction::calibrate(board, at.joint)),
-            What::Inertia { at } => at.run(ui, |board, _| inertia::calibrate(board, at.joint)),
+            What::Friction { at } => at.run(ui, |board, _| motion::friction(board, at.joint)),
+            What::Inertia { at } => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }
     }
 }

@@ -29,34 +29,15 @@ use haptic_sim::scene::Scene;
 /// The hub's end of one line.
 #[derive(Debug)]
 pub struct Line<A> {
-    link: Link,
-    /// Where its peer last proved itself from.
-    address: Option<A>,
-    inbox: Inbox,
-    heard: Option<Telemetry>,
-    notices: Vec<(u64, Notice)>,
-}
-
-impl<A: Copy> Line<A> {
     /// The link.
-    pub fn link(&self) -> &Link {
-        &self.link
-    }
-
+    pub link: Link,
     /// Where its peer last proved itself from.
-    pub fn address(&self) -> Option<A> {
-        self.address
-    }
-
+    pub address: Option<A>,
     /// What its peer last said about itself.
-    pub fn heard(&self) -> Option<&Telemetry> {
-        self.heard.as_ref()
-    }
-
+    pub heard: Option<Telemetry>,
     /// What the link has reported so far, in order, with the time of each in µs.
-    pub fn notices(&self) -> &[(u64, Notice)] {
-        &self.notices
-    }
+    pub notices: Vec<(u64, Notice)>,
+    inbox: Inbox,
 }
 
 /// Which number of the scene the peer on a line has, lines counted from 1.

@@ -12,7 +12,7 @@ use board_bench::wire::Line;
 use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
-use haptic_sim::board::calibrate::{Found, Person, Task, friction, inertia, settings_file, sign};
+use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::scene::Scene;
 
 /// The bench with one board, as its operator and the person at its device share it.
@@ -114,7 +114,7 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     assert_eq!(found[1], Found::flag("encoder.reversed", true));
     keep(&found, &mut board);
 
-    let found = sign::calibrate(&mut board, 1).expect("sign");
+    let found = motor::sign(&mut board, 1).expect("sign");
     assert_eq!(found, [Found::flag("motor.reversed", false)]);
     keep(&found, &mut board);
 
@@ -122,18 +122,18 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     near("motor.newton_or_newton_metre_per_a", &found, 6.5, 0.02);
     keep(&found, &mut board);
 
-    let found = inertia::calibrate(&mut board, 1).expect("inertia");
+    let found = motion::inertia(&mut board, 1).expect("inertia");
     near("device.mass_kg", &found, 0.35, 0.02);
     keep(&found, &mut board);
 
-    let found = friction::calibrate(&mut board, 1).expect("friction");
+    let found = motion::friction(&mut board, 1).expect("friction");
     near("device.damping_n_s_per_m", &found, 0.8, 0.15);
     near("plant.coulomb_n", &found, 0.2, 0.1);
     keep(&found, &mut board);
 
     // Settings of the device have changed since the last check: once more, and then it arms.
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
-    assert_eq!(sign::calibrate(&mut board, 1).expect("sign"), [Found::flag("motor.reversed", false)]);
+    assert_eq!(motor::sign(&mut board, 1).expect("sign"), [Found::flag("motor.reversed", false)]);
     assert_eq!(board.ask("arm").expect("an answer"), "ok armed");
     Scene::load(Some(&file), &[]).expect("the simulator takes the file");
 }

@@ -41,22 +41,13 @@ impl Tick {
 /// A board, or what stands for one.
 pub trait Board {
     /// Says a line and gives the answer, which begins with `ok` or `error`.
-    ///
-    /// # Errors
-    /// No answer.
     fn ask(&mut self, line: &str) -> Result<String, String>;
 
     /// Lets so much time pass, and gives the ticks that came since the last time.
-    ///
-    /// # Errors
-    /// The board is gone.
     fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String>;
 }
 
 /// Says a line that must be answered with `ok`, and gives what follows it.
-///
-/// # Errors
-/// What the board says against it.
 pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     let answer = board.ask(line)?;
     match answer.strip_prefix("ok") {
@@ -66,9 +57,6 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
 }
 
 /// The settings that a calibration depends on, as the board has them.
-///
-/// # Errors
-/// The board does not say one of them.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
@@ -102,9 +90,6 @@ pub struct Joint {
 
 impl Joint {
     /// Joint `number` of the device that the settings describe.
-    ///
-    /// # Errors
-    /// There is no such joint, or its motion is no motion along an axis.
     pub fn of(settings: &Settings, number: u32) -> Result<Self, String> {
         if !(1..=settings.axis.count).contains(&number) {
             return Err(format!("joint {number} is not allowed: axis.count is {}", settings.axis.count));
@@ -146,9 +131,6 @@ pub struct Run {
 }
 
 /// What a line's probe of a joint gives, tick by tick.
-///
-/// # Errors
-/// The board refuses it, faults, or its ticks get lost on the way.
 pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String> {
     say(board, "stream 1")?;
     let outcome = record(board, line);

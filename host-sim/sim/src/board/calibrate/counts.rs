@@ -24,9 +24,6 @@ const FEWEST: f64 = 200.0;
 const RESTING: f64 = 4.0;
 
 /// Counts and sign, from what the two marks differ by.
-///
-/// # Errors
-/// Too few counts.
 pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, String> {
     if moved_counts.abs() < FEWEST {
         return Err(format!(
@@ -79,9 +76,6 @@ fn follow(
 }
 
 /// Asks the person to move joint `number`, and gives its scale.
-///
-/// # Errors
-/// What is wrong, in one line.
 pub fn calibrate(
     board: &mut dyn Board,
     person: &mut dyn Person,

@@ -1,28 +1,16 @@
 //! Calibration: what a person and a board find out together about a device, and leave in a settings file.
 //!
-//! | module | finds | by |
-//! |---|---|---|
-//! | [`counts`] | `encoder.counts_per_m` or `counts_per_rev`, `encoder.reversed` | a known distance, moved by hand |
-//! | [`sign`] | `motor.reversed` | a weak push both ways |
-//! | [`motor`] | `motor.newton_or_newton_metre_per_a` | a force gauge, or a mass that is added |
-//! | [`friction`] | `device.damping_n_s_per_m`, `plant.coulomb_n` | cosines of force |
-//! | [`inertia`] | `device.mass_kg`, `device.force_delay_ticks` | the same |
-//! | [`motion`] | the fit behind the last three | least squares on weighted integrals |
-//! | [`board`] | what they need of a board: lines, ticks, settings | |
-//! | [`simulated`] | a board with a software device, to practise on | |
-//! | [`settings_file`] | the file | |
+//! Counts and their sign by a known distance, moved by hand; a motor's sign by a weak push both ways, its constant by a force gauge
+//! or a mass that is added; friction, mass and delay by least squares on how a joint moves under cosines of force.
 //!
 //! Every number comes with an interval that holds it in about 19 of 20 calibrations, as far as noise goes; one that the
 //! data do not give is refused, with what to do about it.
 
 pub mod board;
 pub mod counts;
-pub mod friction;
-pub mod inertia;
 pub mod motion;
 pub mod motor;
 pub mod settings_file;
-pub mod sign;
 pub mod simulated;
 
 /// A number with the half width of its 95 % interval.
@@ -111,14 +99,8 @@ impl std::fmt::Display for Task {
 /// The person at the device.
 pub trait Person {
     /// Asks for something to be done, and comes back when it is.
-    ///
-    /// # Errors
-    /// Nobody is there.
     fn please(&mut self, task: &Task) -> Result<(), String>;
 
     /// Asks for a number.
-    ///
-    /// # Errors
-    /// Nobody is there, or it is no number.
     fn reading(&mut self, what: &str) -> Result<f64, String>;
 }

@@ -1,4 +1,4 @@
-//! Mass, friction and delay of a joint from how it moves under known duties: the fit behind three calibrations.
+//! Mass, friction and delay of a joint from how it moves under known duties. Needs scale, sign and, for newtons, motor constant.
 //!
 //! m·a + b·v + c·sgn(v) + o = d(t − τ), d the duty, all else in units of full duty. Acceleration is never formed: both sides
 //! are weighted with a smooth window φ that vanishes at its ends, with its first three derivatives, and integrated by parts,
@@ -19,8 +19,8 @@
 
 use std::f64::consts::PI;
 
-use super::Estimate;
 use super::board::{Board, Joint, Run, run, settings};
+use super::{Estimate, Found};
 use haptic_core::settings::Settings;
 
 /// Length of a window, s.
@@ -152,9 +152,6 @@ fn solve(rows: &[([f64; UNKNOWNS], f64)]) -> Option<[(f64, f64); UNKNOWNS]> {
 }
 
 /// Fits the runs of a joint.
-///
-/// # Errors
-/// They say too little.
 pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
     let mut delay_s = 0.0;
     let mut found = [(0.0, 0.0); UNKNOWNS];
@@ -185,9 +182,6 @@ const FREQUENCIES_HZ: [f64; 5] = [4.0, 6.0, 9.0, 13.0, 18.0];
 const WEAKEST: f64 = 0.02;
 
 /// Moves joint `number` with cosines, as hard as the board's limits let it, and gives the runs.
-///
-/// # Errors
-/// What the board says against it.
 pub fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result<Vec<Run>, String> {
     let mut runs = Vec::new();
     let limits = &settings.probe;
@@ -213,9 +207,6 @@ pub fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result
 }
 
 /// Moves joint `number` and fits it.
-///
-/// # Errors
-/// What is wrong, in one line.
 pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Settings), String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
@@ -241,4 +232,35 @@ pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Se
 /// Force at the hand for full duty, N, as the settings have it.
 pub fn newton_per_duty(settings: &Settings, joint: &Joint) -> f64 {
     settings.motor.newton_or_newton_metre_per_a * settings.motor.full_scale_a / joint.lever.abs()
+}
+
+/// Moves joint `number` and gives its friction: viscous and dry, N at the hand.
+pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+    let (motion, joint, settings) = identify(board, number)?;
+    let newton = newton_per_duty(&settings, &joint);
+    // A friction below zero is none, as far as the data go.
+    let at_least_none = |estimate: Estimate| Estimate { value: estimate.value.max(0.0), ..estimate };
+    for (name, estimate) in [("viscous", motion.damping), ("dry", motion.dry)] {
+        if estimate.value < -3.0 * estimate.within {
+            return Err(format!("{name} friction comes out at {}: something else pushes", estimate.times(newton)));
+        }
+    }
+    Ok(vec![
+        Found::number("device.damping_n_s_per_m", at_least_none(motion.damping.times(newton)), "N·s/m"),
+        Found::number("plant.coulomb_n", at_least_none(motion.dry.times(newton)), "N"),
+    ])
+}
+
+/// Moves joint `number` and gives its mass, kg at the hand, and by how much force follows duty.
+pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+    let (motion, joint, settings) = identify(board, number)?;
+    let newton = newton_per_duty(&settings, &joint);
+    let delay = motion.delay_s.times(1.0 / joint.period_s);
+    if delay.value > 1.0 + delay.within {
+        return Err(format!("force follows duty by {delay} control periods, more than the 1 that a scene can have"));
+    }
+    Ok(vec![
+        Found::number("device.mass_kg", motion.mass.times(newton), "kg"),
+        Found::number("device.force_delay_ticks", Estimate { value: delay.value.clamp(0.0, 1.0), ..delay }, "ticks"),
+    ])
 }

@@ -1,4 +1,4 @@
-//! Motor constant: force (or torque) per ampere, against something known.
+//! Motor constant, force (or torque) per ampere, against something known; and the sign of a motor.
 //!
 //! With a gauge: the joint pushes against a force gauge at three duties, the person reads it, and the slope over the duties is the
 //! constant; friction and the gauge's zero are in the intercept. With a mass: the joint is moved alone and with a known mass
@@ -6,7 +6,7 @@
 
 use haptic_core::settings::Settings;
 
-use super::board::{Board, Joint, run, settings};
+use super::board::{Board, Joint, run, say, settings};
 use super::{Estimate, Found, Person, Task, motion};
 
 /// What is known.
@@ -19,9 +19,6 @@ pub enum Known {
 }
 
 /// Slope of a line through points, with its 95 % interval.
-///
-/// # Errors
-/// They lie on no line.
 pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     let count = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
@@ -55,9 +52,6 @@ fn constant(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Fo
 }
 
 /// Finds the constant of joint `number`'s motor.
-///
-/// # Errors
-/// What is wrong, in one line.
 pub fn calibrate(
     board: &mut dyn Board,
     person: &mut dyn Person,
@@ -109,4 +103,27 @@ fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: 
     let newton_per_duty = kilograms / difference;
     let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
     Ok(vec![constant(estimate, &settings, &joint)])
+}
+
+/// Checks joint `number` before arming, on a board that may still have it wrong, and gives `motor.reversed` as it should be. The
+/// encoder's own sign comes first ([`super::counts`]): it says which way the axis points.
+pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+    let reversed = settings(board)?.motor.reversed;
+    say(board, &format!("check {number}"))?;
+    let mut answer = String::new();
+    // A check takes 0.4 s at the most.
+    for _ in 0..20 {
+        board.ticks(0.05)?;
+        answer = say(board, "probed")?;
+        if !answer.contains(" running") {
+            break;
+        }
+    }
+    if answer.contains("; agree: ") {
+        Ok(vec![Found::flag("motor.reversed", reversed)])
+    } else if answer.contains("; disagree: ") {
+        Ok(vec![Found::flag("motor.reversed", !reversed)])
+    } else {
+        Err(answer.split_once("; ").map_or(answer.clone(), |(_, verdict)| verdict.to_owned()))
+    }
 }

@@ -11,9 +11,6 @@ use super::board::{Board, say};
 use crate::scene::Scene;
 
 /// Adds what was found to the file at `path`, which is made if it is not there.
-///
-/// # Errors
-/// The file is no scene, or cannot be written.
 pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
     let place = path.display();
     let before = if path.exists() {
@@ -42,10 +39,7 @@ pub fn named(text: &str) -> Vec<String> {
     document.iter().flat_map(keys).collect()
 }
 
-/// Gives a board what of a file is the board's, keys that it names only, and has it taken.
-///
-/// # Errors
-/// The file is no scene, or what the board says against it.
+/// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
     let scene = Scene::load(Some(path), &[]).map_err(|error| error.to_string())?;
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;

@@ -40,9 +40,6 @@ pub struct Shared(Rc<RefCell<Simulated>>);
 
 impl Shared {
     /// The device that `truth` describes, on a new board.
-    ///
-    /// # Errors
-    /// The board cannot run with it.
     pub fn new(truth: &Scene) -> Result<Self, String> {
         let mut truth = truth.clone();
         truth.world.plant.encoder = true;
