@@ -26,7 +26,7 @@ impl Trace {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load()?;
         let timing = &scene.peer.timing;
-        let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+        let packet_s = timing.packet_period_s();
         NetworkTrace::record(&scene, (self.time.seconds / packet_s).ceil() as u64).write(&self.file)?;
         writeln!(ui, "wrote {}", self.file.display());
         ui.document(&json!({ "files": [&self.file] }))
