@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
-use crate::shared::visit::PACKET_US;
-use crate::shared::visit::host::MOST_LINES;
 use crate::shared::world;
+use crate::shared::world::PACKET_US;
+use crate::shared::world::host::MOST_LINES;
 use crate::trials::crowd;
 use haptic_sim::report::Columns;
 

@@ -8,7 +8,7 @@ use crate::cli::flags::{KeyFile, Time, WorldArgs};
 use crate::cli::{Failure, Ui, granted};
 use crate::live::endpoint::{Endpoint, Stop};
 use crate::live::serve;
-use crate::shared::visit::host::{Host, MOST_LINES};
+use crate::shared::world::host::{Host, MOST_LINES};
 use haptic_sim::key_file;
 
 /// Arguments of `serve`.
