@@ -228,7 +228,7 @@ fn a_planted_rule_loses_what_it_says() {
     assert_eq!((there.lost, back.lost), (there.taken.div_ceil(3), 0));
     // The hub is told of what it did not get.
     let (line, _) = meeting.hub().lines().next().expect("a line");
-    assert!(line.link().counts().missing > 100, "{there:?}");
+    assert!(line.link.counts().missing > 100, "{there:?}");
 }
 
 #[test]
