@@ -7,6 +7,7 @@ use std::borrow::BorrowMut;
 use std::collections::VecDeque;
 
 use haptic_protocol::playout::Playout;
+use haptic_protocol::wire::Message;
 
 use super::rule::{Arrival, Direction, Fate, Rule, of_scene};
 use crate::scene::Scene;
@@ -25,6 +26,13 @@ impl Payload for [u8] {
             *byte ^= 0x10;
             true
         })
+    }
+}
+
+/// A message of a role.
+impl Payload for Message {
+    fn corrupt(&mut self) -> bool {
+        false
     }
 }
 

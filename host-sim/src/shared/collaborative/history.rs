@@ -17,79 +17,70 @@ pub struct History {
     /// The published value that has the most edits in it.
     tip: Value,
     official: Value,
+    /// The first thing that was wrong.
+    pub wrong: Option<String>,
 }
 
 impl Default for History {
     fn default() -> Self {
         let start = Value::default();
-        Self { made: HashMap::from([(start, (start, 0))]), published: Vec::new(), tip: start, official: start }
+        Self {
+            made: HashMap::from([(start, (start, 0))]),
+            published: Vec::new(),
+            tip: start,
+            official: start,
+            wrong: None,
+        }
     }
 }
 
 impl History {
-    /// Somebody edits: a value that never was before, made from `base`.
-    ///
-    /// # Errors
-    /// Nobody has ever made `base`.
-    pub fn edit(&mut self, base: &Value) -> Result<Value, String> {
-        let depth = self.depth(base)?;
+    /// Somebody edits: a value that never was before, made from `base`. Wrong if nobody has ever made `base`.
+    pub fn edit(&mut self, base: &Value) -> Value {
+        let depth = self.depth(base) + 1;
         let mut value = Value::default();
         value[..8].copy_from_slice(&(self.made.len() as u64).to_le_bytes());
-        value[8..16].copy_from_slice(&(depth + 1).to_le_bytes());
-        self.made.insert(value, (*base, depth + 1));
-        Ok(value)
+        value[8..16].copy_from_slice(&depth.to_le_bytes());
+        self.made.insert(value, (*base, depth));
+        value
     }
 
-    /// An author is told that its value is published.
-    ///
-    /// # Errors
-    /// It and something that was published before do not build on each other.
-    pub fn publish(&mut self, value: &Value) -> Result<(), String> {
-        let (inner, outer) =
-            if self.depth(value)? < self.depth(&self.tip)? { (*value, self.tip) } else { (self.tip, *value) };
-        if !self.holds(&outer, &inner)? {
-            return Err(format!(
-                "edits {} and {} are both published and do not build on each other",
-                name(&inner),
-                name(&outer)
-            ));
+    /// An author is told that its value is published. Wrong if it and something that was published before do not build on
+    /// each other.
+    pub fn publish(&mut self, value: &Value) {
+        let inside = self.depth(value) < self.depth(&self.tip.clone());
+        let (inner, outer) = if inside { (*value, self.tip) } else { (self.tip, *value) };
+        if !self.holds(&outer, &inner) {
+            let (inner, outer) = (name(&inner), name(&outer));
+            self.complain(format!("edits {inner} and {outer} are both published and do not build on each other"));
         }
         self.tip = outer;
         self.published.push(*value);
-        Ok(())
     }
 
-    /// The official copy, where there is one.
-    ///
-    /// # Errors
-    /// It does not build on what was official before.
-    pub fn official(&mut self, value: &Value) -> Result<(), String> {
-        if !self.holds(value, &self.official)? {
-            return Err(format!(
-                "edit {} became official and does not build on edit {}",
-                name(value),
-                name(&self.official)
-            ));
+    /// The official copy, where there is one. Wrong if it does not build on what was official before.
+    pub fn official(&mut self, value: &Value) {
+        if !self.holds(value, &self.official.clone()) {
+            let (new, old) = (name(value), name(&self.official));
+            self.complain(format!("edit {new} became official and does not build on edit {old}"));
         }
         self.official = *value;
-        Ok(())
     }
 
-    /// What somebody has in the end.
-    ///
-    /// # Errors
-    /// Something that was published is not in it.
-    pub fn last(&self, value: &Value) -> Result<(), String> {
-        for published in &self.published {
-            if !self.holds(value, published)? {
-                return Err(format!(
-                    "edit {} was published and is not in the last state, edit {}",
-                    name(published),
-                    name(value)
-                ));
-            }
+    /// What peer `who` has in the end. Wrong if something that was published is not in it.
+    pub fn last(&mut self, who: usize, value: &Value) {
+        let missing = self.published.clone().into_iter().find(|published| !self.holds(value, published));
+        if let Some(missing) = missing {
+            let (missing, value) = (name(&missing), name(value));
+            self.complain(format!(
+                "peer {who}: edit {missing} was published and is not in the last state, edit {value}"
+            ));
         }
-        Ok(())
+    }
+
+    /// Keeps the first complaint.
+    pub fn complain(&mut self, what: String) {
+        self.wrong.get_or_insert(what);
     }
 
     /// How many updates their authors were told are published.
@@ -97,17 +88,22 @@ impl History {
         self.published.len() as u64
     }
 
-    fn depth(&self, value: &Value) -> Result<u64, String> {
-        self.made.get(value).map(|(_, depth)| *depth).ok_or_else(|| format!("nobody has made {}", name(value)))
+    /// How many edits a value is away from the beginning. Wrong if nobody has made it.
+    fn depth(&mut self, value: &Value) -> u64 {
+        let depth = self.made.get(value).map(|(_, depth)| *depth);
+        if depth.is_none() {
+            self.complain(format!("nobody has made {}", name(value)));
+        }
+        depth.unwrap_or(0)
     }
 
     /// Whether `inner` is in `outer`.
-    fn holds(&self, outer: &Value, inner: &Value) -> Result<bool, String> {
-        let (mut at, end) = (*outer, self.depth(inner)?);
-        while self.depth(&at)? > end {
+    fn holds(&mut self, outer: &Value, inner: &Value) -> bool {
+        let (mut at, end) = (*outer, self.depth(inner));
+        while self.depth(&at) > end {
             at = self.made[&at].0;
         }
-        Ok(at == *inner)
+        at == *inner
     }
 }
 
@@ -122,18 +118,24 @@ mod tests {
     #[test]
     fn one_branch_is_well_and_two_are_a_lost_update() {
         let mut history = History::default();
-        let one = history.edit(&Value::default()).unwrap();
-        let two = history.edit(&one).unwrap();
-        let other = history.edit(&Value::default()).unwrap();
+        let one = history.edit(&Value::default());
+        let two = history.edit(&one);
+        let other = history.edit(&Value::default());
         // Told in another order than made: well.
-        history.publish(&two).unwrap();
-        history.publish(&one).unwrap();
-        history.last(&two).unwrap();
-        assert!(history.last(&one).unwrap_err().contains("edit 2 was published"));
-        assert!(history.publish(&other).unwrap_err().contains("do not build on each other"));
-        history.official(&one).unwrap();
-        history.official(&two).unwrap();
-        assert!(history.official(&other).unwrap_err().contains("does not build on edit 2"));
-        assert!(history.edit(&[9; 24]).unwrap_err().contains("nobody has made"));
+        history.publish(&two);
+        history.publish(&one);
+        history.last(0, &two);
+        history.official(&one);
+        history.official(&two);
+        assert_eq!(history.wrong, None);
+        let wrong = |what: &dyn Fn(&mut History)| {
+            let mut history = history.clone();
+            what(&mut history);
+            history.wrong.expect("something is wrong")
+        };
+        assert!(wrong(&|history| history.last(0, &one)).contains("edit 2 was published"));
+        assert!(wrong(&|history| history.publish(&other)).contains("do not build on each other"));
+        assert!(wrong(&|history| history.official(&other)).contains("does not build on edit 2"));
+        assert!(wrong(&|history| drop(history.edit(&[9; 24]))).contains("nobody has made"));
     }
 }

@@ -1,15 +1,20 @@
 //! Server and clients of a lock as the world sees them. Peer 0 is the server.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use haptic_protocol::roles::collaborative::lock::{self, Client, Message, Notice, Phase, Record, Server};
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
-use haptic_protocol::roles::{Outbox, Role};
-use haptic_protocol::wire::{Event, PeerId};
+use haptic_protocol::roles::{self, Carried as _, Role as _};
+use haptic_protocol::wire::{self, PeerId};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::rng::Rng;
 
 use super::history::History;
 use super::user::{LONGEST_EDIT_US, User};
 use super::world::{Cast, Peer};
 use super::{MOST_USERS, Mistake, Trial};
-use haptic_sim::rng::Rng;
+use crate::shared::said;
 
 /// The object.
 const OBJECT: u16 = 7;
@@ -30,15 +35,14 @@ pub enum LockPeer {
 pub struct ServerPeer {
     server: Server<CLIENTS>,
     stored: Record<CLIENTS>,
-    out: Outbox<Message, 32>,
     no_fence: bool,
+    history: Rc<RefCell<History>>,
 }
 
 /// A client and its user.
 pub struct ClientPeer {
     client: Client,
     user: User,
-    out: Outbox<Message, 8>,
 }
 
 fn lease() -> Lease {
@@ -47,18 +51,15 @@ fn lease() -> Lease {
 }
 
 /// A server and the trial's users.
-pub fn peers(trial: &Trial) -> Cast<LockPeer> {
+pub fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Cast<LockPeer> {
     let mut rng = Rng::new(!trial.seed);
     let server = Server::new(lease(), Value::default());
-    let stored = server.record().clone();
-    let no_fence = trial.mistake == Some(Mistake::NoFence);
-    let mut peers = vec![LockPeer::Server(Box::new(ServerPeer { server, stored, out: Outbox::new(), no_fence }))];
+    let (stored, no_fence) = (server.record().clone(), trial.mistake == Some(Mistake::NoFence));
+    let server = ServerPeer { server, stored, no_fence, history: Rc::clone(history) };
+    let mut peers = vec![LockPeer::Server(Box::new(server))];
     peers.extend((0..trial.users).map(|_| {
-        LockPeer::Client(Box::new(ClientPeer {
-            client: client(&mut rng),
-            user: User::new(0, &mut rng),
-            out: Outbox::new(),
-        }))
+        let mut user = User::new(Rng::new(rng.below(u64::MAX)), history);
+        LockPeer::Client(Box::new(ClientPeer { client: client(&mut user.rng), user }))
     }));
     let users = u64::from(trial.users);
     Cast {
@@ -72,89 +73,82 @@ fn client(rng: &mut Rng) -> Client {
 }
 
 impl ServerPeer {
-    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, history: &mut History) -> Result<(), String> {
+    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn roles::Out<Message>) {
         match message {
             Some((from, Message::Release { fence, value })) if self.no_fence && fence != 0 => {
                 // As if the server did not look who it is from, and under which grant.
                 let (holder, fence) = (self.server.holder().unwrap_or(from), self.server.record().fence);
-                self.server.receive(now, holder, &Message::Release { fence, value }, &mut self.out);
+                self.server.receive(now, holder, &Message::Release { fence, value }, out);
             }
-            Some((from, message)) => self.server.receive(now, from, &message, &mut self.out),
-            None => self.server.poll(now, &mut self.out),
+            Some((from, message)) => self.server.receive(now, from, &message, out),
+            None => self.server.poll(now, out),
         }
         self.stored.clone_from(self.server.record());
-        history.official(&self.server.copy().value)
+        self.history.borrow_mut().official(&self.server.copy().value);
     }
 }
 
 impl ClientPeer {
-    fn step(
-        &mut self,
-        now: u64,
-        message: Option<(PeerId, Message)>,
-        history: &mut History,
-        rng: &mut Rng,
-    ) -> Result<(), String> {
+    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn roles::Out<Message>) {
+        let Self { client, user } = self;
         match message {
-            Some((from, message)) => self.client.receive(now, from, &message, &mut self.out),
-            None => self.client.poll(now, &mut self.out),
+            Some((from, message)) => client.receive(now, from, &message, out),
+            None => client.poll(now, out),
         }
-        while let Some(notice) = self.client.take_notice() {
+        while let Some(notice) = client.take_notice() {
             match notice {
-                Notice::Published { version } => self.user.has_published(version, now, history, rng)?,
-                Notice::Expired | Notice::TooLate { .. } => self.user.is_interrupted(),
+                Notice::Published { version } => user.has_published(version, now),
+                Notice::Expired | Notice::TooLate { .. } => user.is_interrupted(),
                 Notice::Granted | Notice::Changed { .. } => {}
             }
         }
-        match (self.user.wish(now), self.client.phase()) {
-            (Wish::Edit, Phase::Idle) => self.client.ask(now),
+        match (user.wish(now), client.phase()) {
+            (Wish::Edit, Phase::Idle) => client.ask(now),
             (Wish::Leave, Phase::Asking) => {
-                self.client.withdraw(&mut self.out);
-                self.user.plan(now, rng);
+                client.withdraw(out);
+                user.plan(now);
             }
-            (_, Phase::Owner { .. }) if self.client.owns(now) => {
-                if let Some(value) = self.user.edits(now, &self.client.copy().value, history)? {
-                    self.client.release(now, Some(value), &mut self.out).map_err(|error| error.to_string())?;
+            (_, Phase::Owner { .. }) if client.owns(now) => {
+                if let Some(value) = user.edits(now, &client.copy().value) {
+                    user.must(client.release(now, Some(value), out));
                 }
             }
-            (Wish::Leave, Phase::Idle) if self.user.is_gone(now) => self.user.plan(now, rng),
+            (Wish::Leave, Phase::Idle) if user.is_gone(now) => user.plan(now),
             _ => {}
         }
-        Ok(())
+    }
+}
+
+impl LockPeer {
+    fn step(&mut self, now_ns: u64, message: Option<(PeerId, Message)>, out: &mut Out<'_, usize, wire::Message>) {
+        let (now, out) = (now_ns / 1_000, &mut said(OBJECT, out));
+        match self {
+            Self::Server(peer) => peer.step(now, message, out),
+            Self::Client(peer) => peer.step(now, message, out),
+        }
+    }
+}
+
+impl Actor<usize> for LockPeer {
+    type Packet = wire::Message;
+
+    fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
+        if let Some((OBJECT, message)) = Message::read(message) {
+            self.step(now_ns, Some((PeerId(from as u8), message)), out);
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
+        self.step(now_ns, None, out);
     }
 }
 
 impl Peer for LockPeer {
-    fn step(
-        &mut self,
-        now: u64,
-        message: Option<(PeerId, &Event)>,
-        history: &mut History,
-        rng: &mut Rng,
-    ) -> Result<(), String> {
-        let message = message.and_then(|(from, event)| match Message::parse(event) {
-            Ok((OBJECT, message)) => Some((from, message)),
-            _ => None,
-        });
-        match self {
-            Self::Server(peer) => peer.step(now, message, history),
-            Self::Client(peer) => peer.step(now, message, history, rng),
-        }
-    }
-
-    fn say(&mut self) -> Vec<(PeerId, Event)> {
-        let event = |message: &Message| message.event(OBJECT);
-        match self {
-            Self::Server(peer) => peer.out.events(event).collect(),
-            Self::Client(peer) => peer.out.events(event).collect(),
-        }
-    }
-
     fn owns(&self, now: u64) -> bool {
         matches!(self, Self::Client(peer) if peer.client.owns(now))
     }
 
-    fn restart(&mut self, now: u64, forgets: bool, rng: &mut Rng) {
+    fn restart(&mut self, now: u64, forgets: bool) {
         match self {
             Self::Server(peer) => {
                 let record = if forgets {
@@ -163,13 +157,11 @@ impl Peer for LockPeer {
                     peer.stored.clone()
                 };
                 peer.server = Server::restore(lease(), now, record);
-                peer.out = Outbox::new();
             }
             Self::Client(peer) => {
-                peer.client = client(rng);
+                peer.client = client(&mut peer.user.rng);
                 peer.user.forgets();
-                peer.user.plan(now, rng);
-                peer.out = Outbox::new();
+                peer.user.plan(now);
             }
         }
     }

@@ -11,6 +11,8 @@
 //! crash and come back from their records, the network falls apart. Then it heals, and the clock of progress starts: every
 //! user who wants to must have published within the bound that the protocol states.
 
+use std::rc::Rc;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -163,8 +165,9 @@ pub fn campaign(trial: &Trial, runs: u64, done: &(impl Fn() + Sync)) -> Verdict 
 
 /// One run.
 pub fn one(trial: &Trial) -> Run {
+    let history = Rc::default();
     match trial.scheme {
-        Scheme::Lock => world::run(trial, lock::peers(trial)),
-        Scheme::Ring => world::run(trial, ring::peers(trial)),
+        Scheme::Lock => world::run(trial, &history, lock::peers(trial, &history)),
+        Scheme::Ring => world::run(trial, &history, ring::peers(trial, &history)),
     }
 }

@@ -1,16 +1,21 @@
 //! Members of a token ring as the world sees them. Some begin as founders and the others join; all but the first leave and join
 //! again in the time of trouble, and one leaves for good.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use haptic_protocol::roles::collaborative::ring::{self, Config, Message, Notice, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
-use haptic_protocol::roles::{Outbox, Role};
-use haptic_protocol::wire::{Event, PeerId};
+use haptic_protocol::roles::{Carried as _, Role as _};
+use haptic_protocol::wire::{self, PeerId};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::rng::Rng;
 
 use super::history::History;
 use super::user::{LONGEST_EDIT_US, User};
 use super::world::{Cast, Peer};
 use super::{Mistake, Trial};
-use haptic_sim::rng::Rng;
+use crate::shared::said;
 
 /// The object.
 const OBJECT: u16 = 9;
@@ -34,12 +39,11 @@ pub struct Member {
     since_us: Option<u64>,
     for_good: bool,
     user: User,
-    out: Outbox<Message, 64>,
     no_majority: bool,
 }
 
 /// The trial's users. With four or more, the last but one leaves for good.
-pub fn peers(trial: &Trial) -> Cast<Member> {
+pub fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Cast<Member> {
     let mut rng = Rng::new(!trial.seed);
     let users = trial.users;
     let lease = Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"));
@@ -59,8 +63,7 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
                 stays_us: (seat > 0).then(|| 500_000 + rng.below(LEAVES_US)),
                 since_us: None,
                 for_good,
-                user: User::new(0, &mut rng),
-                out: Outbox::new(),
+                user: User::new(Rng::new(rng.below(u64::MAX)), history),
                 no_majority: trial.mistake == Some(Mistake::NoMajority),
             }
         })
@@ -70,19 +73,17 @@ pub fn peers(trial: &Trial) -> Cast<Member> {
 }
 
 impl Member {
-    /// Joins again, with what it has stored.
-    fn comes_back(&mut self, now: u64, rng: &mut Rng) {
-        self.config.seed = rng.below(u64::MAX);
-        self.ring = Ring::new(self.config, now, self.stored);
+    /// Another life, with what it has stored or with this record.
+    fn begins(&mut self, now: u64, record: Record) {
+        self.config.seed = self.user.rng.below(u64::MAX);
+        self.ring = Ring::new(self.config, now, record);
         self.user.forgets();
-        self.stays_us = (!self.user.is_patient()).then(|| rng.below(LEAVES_US));
-        self.since_us = Some(now);
     }
 
-    fn told(&mut self, now: u64, history: &mut History, rng: &mut Rng) -> Result<(), String> {
+    fn is_told(&mut self, now: u64) {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
-                Notice::Published { version } => self.user.has_published(version, now, history, rng)?,
+                Notice::Published { version } => self.user.has_published(version, now),
                 Notice::Overdue | Notice::Lost => {
                     self.user.forgets();
                     self.user.is_interrupted();
@@ -90,67 +91,68 @@ impl Member {
                 Notice::Granted => {}
             }
         }
-        Ok(())
     }
-}
 
-impl Peer for Member {
-    fn step(
-        &mut self,
-        now: u64,
-        message: Option<(PeerId, &Event)>,
-        history: &mut History,
-        rng: &mut Rng,
-    ) -> Result<(), String> {
-        match message.map(|(from, event)| (from, Message::parse(event))) {
-            Some((_, Ok((OBJECT, vote @ Message::Vote { .. })))) if self.no_majority => {
-                for seat in self.config.contacts.seats() {
-                    self.ring.receive(now, PeerId(seat), &vote, &mut self.out);
-                }
-            }
-            Some((from, Ok((OBJECT, message)))) => self.ring.receive(now, from, &message, &mut self.out),
-            _ => self.ring.poll(now, &mut self.out),
-        }
-        self.told(now, history, rng)?;
+    /// What follows from what was heard and from the time.
+    fn acts(&mut self, now: u64, out: &mut Out<'_, usize, wire::Message>) {
+        let out = &mut said(OBJECT, out);
+        self.is_told(now);
         let since_us = *self.since_us.get_or_insert(now);
         if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
             self.ring.leave();
             if self.ring.has_left() && !self.for_good {
-                self.comes_back(now, rng);
+                // Joins again.
+                self.begins(now, self.stored);
+                self.stays_us = (!self.user.is_patient()).then(|| self.user.rng.below(LEAVES_US));
+                self.since_us = Some(now);
             }
         } else if self.ring.owns(now) {
-            if let Some(value) = self.user.edits(now, &self.ring.state().value, history)? {
-                self.ring.publish(now, value, &mut self.out).map_err(|error| error.to_string())?;
+            if let Some(value) = self.user.edits(now, &self.ring.state().value) {
+                self.user.must(self.ring.publish(now, value, out));
             }
         } else if !self.user.waits() {
             match self.user.wish(now) {
                 Wish::Edit => self.ring.ask(),
                 Wish::Leave if self.user.is_gone(now) => {
-                    self.ring.give_up(now, &mut self.out);
-                    self.user.plan(now, rng);
+                    self.ring.give_up(now, out);
+                    self.user.plan(now);
                 }
                 _ => {}
             }
         }
-        self.told(now, history, rng)?;
+        self.is_told(now);
         self.stored = *self.ring.record();
-        Ok(())
+    }
+}
+
+impl Actor<usize> for Member {
+    type Packet = wire::Message;
+
+    fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
+        let now = now_ns / 1_000;
+        let Some((OBJECT, message)) = Message::read(message) else { return };
+        let everybody = self.no_majority && matches!(message, Message::Vote { .. });
+        let voters = self.config.contacts.seats().filter(|_| everybody);
+        for from in voters.chain((!everybody).then_some(from as u8)) {
+            self.ring.receive(now, PeerId(from), &message, &mut said(OBJECT, out));
+        }
+        self.acts(now, out);
     }
 
-    fn say(&mut self) -> Vec<(PeerId, Event)> {
-        self.out.events(|message| message.event(OBJECT)).collect()
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
+        self.ring.poll(now_ns / 1_000, &mut said(OBJECT, out));
+        self.acts(now_ns / 1_000, out);
     }
+}
 
+impl Peer for Member {
     fn owns(&self, now: u64) -> bool {
         self.ring.owns(now)
     }
 
-    fn restart(&mut self, now: u64, forgets: bool, rng: &mut Rng) {
-        self.config.seed = rng.below(u64::MAX);
-        self.ring = Ring::new(self.config, now, if forgets { self.blank } else { self.stored });
-        self.user.forgets();
-        self.user.plan(now, rng);
-        self.out = Outbox::new();
+    fn restart(&mut self, now: u64, forgets: bool) {
+        self.begins(now, if forgets { self.blank } else { self.stored });
+        self.user.plan(now);
     }
 
     fn insist(&mut self, now: u64) -> bool {

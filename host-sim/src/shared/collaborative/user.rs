@@ -1,9 +1,12 @@
 //! A user at an object: comes near, edits as soon as it may, moves away; sometimes loses patience before.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use haptic_protocol::roles::collaborative::{Approach, Value, Wish};
+use haptic_sim::rng::Rng;
 
 use super::history::History;
-use haptic_sim::rng::Rng;
 
 /// How fast a hand comes and goes, m/s.
 const SPEED_M_PER_S: f64 = 0.5;
@@ -33,11 +36,14 @@ pub struct User {
     edited: Option<Value>,
     published: u64,
     interrupted: u64,
+    /// Everything random about this peer.
+    pub rng: Rng,
+    history: Rc<RefCell<History>>,
 }
 
 impl User {
-    /// A user who comes for the first time soon after `now`.
-    pub fn new(now: u64, rng: &mut Rng) -> Self {
+    /// A user who comes for the first time soon after the beginning.
+    pub fn new(rng: Rng, history: &Rc<RefCell<History>>) -> Self {
         let mut user = Self {
             comes_us: 0,
             goes_us: 0,
@@ -47,17 +53,19 @@ impl User {
             edited: None,
             published: 0,
             interrupted: 0,
+            rng,
+            history: Rc::clone(history),
         };
-        user.plan(now, rng);
+        user.plan(0);
         user
     }
 
     /// The next visit.
-    pub fn plan(&mut self, now: u64, rng: &mut Rng) {
-        self.comes_us = now + rng.below(300_000);
-        self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + rng.below(1_500_000) };
-        self.edit_us = 10_000 + rng.below(LONGEST_EDIT_US - 10_000);
-        if !self.patient && rng.chance(0.125) {
+    pub fn plan(&mut self, now: u64) {
+        self.comes_us = now + self.rng.below(300_000);
+        self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + self.rng.below(1_500_000) };
+        self.edit_us = 10_000 + self.rng.below(LONGEST_EDIT_US - 10_000);
+        if !self.patient && self.rng.chance(0.125) {
             self.edit_us *= STUBBORN;
         }
         self.editing_us = None;
@@ -89,16 +97,13 @@ impl User {
     }
 
     /// The user may edit `base`; what it has made of it, once it has finished.
-    ///
-    /// # Errors
-    /// Nobody has ever made `base`.
-    pub fn edits(&mut self, now: u64, base: &Value, history: &mut History) -> Result<Option<Value>, String> {
+    pub fn edits(&mut self, now: u64, base: &Value) -> Option<Value> {
         let since_us = now.saturating_sub(*self.editing_us.get_or_insert(now));
         if since_us < self.edit_us && self.wish(now) != Wish::Leave {
-            return Ok(None);
+            return None;
         }
-        self.edited = Some(history.edit(base)?);
-        Ok(self.edited)
+        self.edited = Some(self.history.borrow_mut().edit(base));
+        self.edited
     }
 
     /// Whether it waits to be told that what it made is published.
@@ -106,25 +111,26 @@ impl User {
         self.edited.is_some()
     }
 
-    /// What it made is published, as this version.
-    ///
-    /// # Errors
-    /// It has made nothing, or what the checker says.
-    pub fn has_published(
-        &mut self,
-        version: u32,
-        now: u64,
-        history: &mut History,
-        rng: &mut Rng,
-    ) -> Result<(), String> {
-        let value = self.edited.take().ok_or_else(|| format!("version {version} was never edited"))?;
-        history.publish(&value)?;
+    /// What it made is published, as this version. Wrong if it has made nothing.
+    pub fn has_published(&mut self, version: u32, now: u64) {
+        let mut history = self.history.borrow_mut();
+        match self.edited.take() {
+            Some(value) => history.publish(&value),
+            None => history.complain(format!("version {version} was never edited")),
+        }
+        drop(history);
         self.published += 1;
-        self.plan(now, rng);
+        self.plan(now);
         if self.patient {
             self.comes_us = u64::MAX;
         }
-        Ok(())
+    }
+
+    /// What its role must not refuse it.
+    pub fn must<E: std::fmt::Display>(&self, done: Result<(), E>) {
+        if let Err(error) = done {
+            self.history.borrow_mut().complain(error.to_string());
+        }
     }
 
     /// It may no longer, and had not finished.
