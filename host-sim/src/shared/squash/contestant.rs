@@ -1,7 +1,7 @@
 //! A contestant: a player's role and the bot that plays it, simulated or live.
 
 use haptic_protocol::roles::squash::{Court, Message, Notice, Player, PlayerConfig, Strike};
-use haptic_protocol::roles::{Outbox, Role};
+use haptic_protocol::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 
 use super::bot::{Action, BALL_KG, Bot, MOTION};
@@ -28,6 +28,11 @@ impl Contestant {
         Self { number, player, bot: Bot::new(court, seed), was_active: false }
     }
 
+    /// Which player.
+    pub fn number(&self) -> PeerId {
+        self.number
+    }
+
     /// The bot is told what has happened, and so is `each`.
     pub fn hears(&mut self, now: u64, mut each: impl FnMut(&Player, Notice)) {
         while let Some(notice) = self.player.take_notice() {
@@ -47,7 +52,7 @@ impl Contestant {
     }
 
     /// One tick of hand and role, the hand `damped` by the round trip or not; the hit, if it makes one.
-    pub fn tick<const Q: usize>(&mut self, now: u64, damped: bool, out: &mut Outbox<Message, Q>) -> Option<Strike> {
+    pub fn tick(&mut self, now: u64, damped: bool, out: &mut dyn Out<Message>) -> Option<Strike> {
         let damping = if damped { MOTION.damping_n_s_per_m(self.player.round_trip_us()) } else { 0.0 };
         let action = self.bot.tick(now as f64 * 1e-6, TICK_S, self.player.ball(now), f64::from(damping));
         self.player.place(self.bot.racket());

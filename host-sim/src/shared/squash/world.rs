@@ -1,275 +1,267 @@
 //! One game from one seed: server and players with clocks of their own, bots, and the scene's network between all of them.
 //!
-//! Everything moves in control periods of true time. Peer 0 is the server; the network between the peers is a [`Mesh`].
+//! Everything moves in control periods of true time. Seat 0 is the server.
 
 use std::collections::VecDeque;
 
 use haptic_protocol::roles::squash::{
-    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, SERVER, Server, ServerConfig,
+    Court, Game as Known, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, SERVER, Server, ServerConfig, Strike,
 };
-use haptic_protocol::roles::{Outbox, Role};
-use haptic_protocol::wire::{PeerId, SEAL_LEN};
+use haptic_protocol::roles::{Carried as _, Role as _};
+use haptic_protocol::wire::{self, PeerId};
+use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
+use haptic_sim::network::link::Route;
+use haptic_sim::network::rule::{Direction, SeededRule};
+use haptic_sim::rng::Rng;
+use haptic_sim::scene::Network;
 
 use super::bot::SCALE;
 use super::contestant::{Contestant, TICK_S};
 use super::referee::Referee;
 use super::{Change, Game, Moment, Options};
-use haptic_sim::network::link::InFlight;
-use haptic_sim::network::mesh::{Clock, Letter, Mesh};
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Network;
+use crate::shared::{said, sealed_len};
 
-struct Peer {
-    clock: Clock,
-    on: bool,
+/// Who sits at the engine.
+enum Peer {
+    Server(Box<Server>),
+    Player(Box<Playing>),
 }
 
-struct Seat {
+/// A contestant, and what the referee has not seen of it yet.
+struct Playing {
     contestant: Contestant,
-    out: Outbox<Message, 64>,
+    damped: bool,
     bytes: u64,
+    strike: Option<Strike>,
+    /// What it was told, and whether that makes it the next to hit.
+    notices: Vec<(Notice, bool)>,
     /// Where the hand was in each tick of the last round trip.
     trail: VecDeque<[f64; 2]>,
 }
 
-struct World<'a> {
-    options: &'a Options,
-    peers: Vec<Peer>,
-    server: Server,
-    server_out: Outbox<Message, 64>,
-    seats: Vec<Seat>,
-    mesh: Mesh,
-    flying: InFlight<Letter>,
-    rng: Rng,
-    referee: Referee,
-    rallies: u16,
+impl Peer {
+    /// Player `number`, in another life than any before.
+    fn player(number: usize, damped: bool, rng: &mut Rng) -> Self {
+        let (life, seed) = (rng.below(1 << 16) as u16, rng.below(u64::MAX));
+        let contestant = Contestant::new(PeerId(number as u8), life, seed);
+        let (strike, notices, trail) = (None, Vec::new(), VecDeque::new());
+        Self::Player(Box::new(Playing { contestant, damped, bytes: 0, strike, notices, trail }))
+    }
+
+    fn game(&self) -> &Known {
+        match self {
+            Self::Server(server) => server.game(),
+            Self::Player(playing) => playing.contestant.player.game(),
+        }
+    }
 }
 
-fn seat(number: usize, rng: &mut Rng) -> Seat {
-    let (life, seed) = (rng.below(1 << 16) as u16, rng.below(u64::MAX));
-    let contestant = Contestant::new(PeerId(number as u8), life, seed);
-    Seat { contestant, out: Outbox::new(), bytes: 0, trail: VecDeque::new() }
-}
-
-impl<'a> World<'a> {
-    fn new(options: &'a Options) -> Self {
-        let mut rng = Rng::new(options.seed);
-        let count = usize::from(options.players) + 1;
-        let peers = (0..count)
-            .map(|_| {
-                // Quartz: 100 ppm.
-                let (start_us, ppm) = (rng.below(1 << 40), rng.below(201) as f64 - 100.0);
-                Peer { clock: Clock { start_us, rate: 1.0 + ppm * 1e-6 }, on: true }
-            })
-            .collect();
-        let network =
-            Network { extra_delay_s: options.network.extra_delay_s + options.round_trip_s / 2.0, ..options.network };
-        let mesh = Mesh::new(count, network, PLACE_EVERY_US as f64 / 1e6, &mut rng);
-        let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
-        Self {
-            options,
-            peers,
-            server: Server::new(config),
-            server_out: Outbox::new(),
-            seats: (1..count).map(|number| seat(number, &mut rng)).collect(),
-            mesh,
-            flying: InFlight::default(),
-            rng,
-            referee: Referee::new(Court::SINGLES, options.players),
-            rallies: 0,
-        }
-    }
-
-    /// The game is over, and everybody who is there knows.
-    fn is_over(&self) -> bool {
-        let seats = self.seats.iter().zip(&self.peers[1..]).filter(|(_, peer)| peer.on);
-        seats
-            .map(|(seat, _)| seat.contestant.player.game())
-            .chain([self.server.game()])
-            .all(|game| game.phase == Phase::Over)
-    }
-
-    fn clock(&self, peer: usize, true_us: u64) -> u64 {
-        self.peers[peer].clock.at(true_us)
-    }
-
-    /// What a peer has said goes out.
-    fn send(&mut self, now_us: u64, from: usize) {
-        let said: Vec<_> = match from.checked_sub(1) {
-            None => self.server_out.events(|message| message.event(0)).collect(),
-            Some(seat) => {
-                let Seat { out, bytes, .. } = &mut self.seats[seat];
-                out.events(|message| message.event(0))
-                    .inspect(|(_, event)| *bytes += (SEAL_LEN + event.emitted_len()) as u64)
-                    .collect()
-            }
-        };
-        for (to, event) in said {
-            let to = usize::from(to.0);
-            if to < self.peers.len() {
-                for delay_us in self.mesh.delays_us(from, to, now_us) {
-                    self.flying.put(now_us + delay_us, Letter { from, to, event });
-                }
-            }
-        }
-    }
-
-    /// What has arrived.
-    fn deliver(&mut self, now_us: u64) {
-        while let Some((due, Letter { from, to, event })) = self.flying.take(now_us) {
-            let Ok((_, message)) = Message::parse(&event) else { continue };
-            if !self.peers[to].on {
-                continue;
-            }
-            let (clock, from) = (self.clock(to, due), PeerId(from as u8));
-            if to == 0 {
-                self.server.receive(clock, from, &message, &mut self.server_out);
-                self.judge();
-            } else {
-                let Seat { contestant, out, .. } = &mut self.seats[to - 1];
-                contestant.player.receive(clock, from, &message, out);
-                self.notices(due, to);
-            }
-            self.send(due, to);
-        }
-    }
-
-    /// What the server has decided since.
-    fn judge(&mut self) {
-        let last = self.server.game().last;
-        if last.rally > self.rallies {
-            self.rallies = last.rally;
-            self.referee.decided(last);
-        }
-    }
-
-    fn notices(&mut self, now_us: u64, at: usize) {
-        let clock = self.clock(at, now_us);
-        let referee = &mut self.referee;
-        self.seats[at - 1].contestant.hears(clock, |player, notice| match notice {
-            Notice::Begins { .. } => {}
-            Notice::Hit { turn, corrected_m: [x, y] } => {
-                let corrected = f64::from(x).hypot(f64::from(y));
-                referee.report.largest_correction_m = referee.report.largest_correction_m.max(corrected);
-                if player.game().active(turn.stroke) == Some(PeerId(at as u8)) {
-                    referee.next_knows(now_us as f64 * 1e-6, turn);
-                }
-            }
-            Notice::Ends { verdict, score, seen } => referee.told(at as u8, verdict, score, seen),
+impl Playing {
+    /// What it was told since, for the bot and for the referee.
+    fn is_told(&mut self, now_us: u64) {
+        let Self { contestant, notices, .. } = self;
+        let number = contestant.number();
+        contestant.hears(now_us, |player, notice| {
+            let next = matches!(notice, Notice::Hit { turn, .. } if player.game().active(turn.stroke) == Some(number));
+            notices.push((notice, next));
         });
     }
+}
 
-    /// A tick of a player's body and role.
-    fn play(&mut self, now_us: u64, at: usize) {
-        let clock = self.clock(at, now_us);
-        let Seat { contestant, out, trail, .. } = &mut self.seats[at - 1];
-        if let Some(strike) = contestant.tick(clock, self.options.motion_bounder, out) {
-            let ball = contestant.player.ball(clock).unwrap_or_default();
-            let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
-            let report = &mut self.referee.report;
-            report.largest_pulse_n = report.largest_pulse_n.max(SCALE * x.hypot(y));
-            if ball.velocity[0] > 0.0 {
-                self.referee.hit(now_us as f64 * 1e-6, at as u8, strike.turn, ball, strike.bounded);
+/// Counts what a player says.
+fn counted<'a>(bytes: &'a mut u64, out: &'a mut Out<'_, usize, wire::Message>) -> impl FnMut(usize, &wire::Message) {
+    move |to, message| {
+        *bytes += sealed_len(message) as u64;
+        out(to, message);
+    }
+}
+
+impl Actor<usize> for Peer {
+    type Packet = wire::Message;
+
+    fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
+        let (now_us, from) = (now_ns / 1_000, PeerId(from as u8));
+        let Some((_, message)) = Message::read(message) else { return };
+        match self {
+            Self::Server(server) => server.receive(now_us, from, &message, &mut said(0, out)),
+            Self::Player(playing) => {
+                let mut out = counted(&mut playing.bytes, out);
+                playing.contestant.player.receive(now_us, from, &message, &mut said(0, &mut out));
+                drop(out);
+                playing.is_told(now_us);
             }
         }
-        let [x, y] = contestant.bot.position();
-        let long = (self.options.round_trip_s / TICK_S).round().max(1.0) as usize;
-        trail.push_back([x, y]);
-        if trail.len() > long {
-            trail.pop_front();
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
+        let now_us = now_ns / 1_000;
+        match self {
+            Self::Server(server) => server.poll(now_us, &mut said(0, out)),
+            Self::Player(playing) => {
+                let mut out = counted(&mut playing.bytes, out);
+                playing.strike = playing.contestant.tick(now_us, playing.damped, &mut said(0, &mut out));
+                drop(out);
+                playing.is_told(now_us);
+            }
+        }
+    }
+}
+
+/// The players with their numbers, of all seats.
+fn players(seats: &[Seat<Peer>]) -> impl Iterator<Item = (usize, &Seat<Peer>, &Playing)> {
+    seats.iter().enumerate().filter_map(|(at, seat)| match &seat.actor {
+        Peer::Player(playing) => Some((at, seat, playing.as_ref())),
+        Peer::Server(_) => None,
+    })
+}
+
+/// The referee watches a turn.
+fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
+    let (now_s, by) = (seen.now_ns as f64 * 1e-9, seen.seat as u8);
+    let clock = seen.seats[seen.seat].clock;
+    let playing = match &mut seen.seats[seen.seat].actor {
+        Peer::Server(server) => {
+            let last = server.game().last;
+            if last.rally > *rallies {
+                *rallies = last.rally;
+                referee.decided(last);
+            }
+            return;
+        }
+        Peer::Player(playing) => playing,
+    };
+    let (strike, notices) = (playing.strike.take(), std::mem::take(&mut playing.notices));
+    if let Some(strike) = strike {
+        let ball = playing.contestant.player.ball(clock.at(seen.now_ns) / 1_000).unwrap_or_default();
+        let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
+        let pulse_n = &mut referee.report.largest_pulse_n;
+        *pulse_n = pulse_n.max(SCALE * x.hypot(y));
+        if ball.velocity[0] > 0.0 {
+            referee.hit(now_s, by, strike.turn, ball, strike.bounded);
+        }
+    }
+    for (notice, next) in notices {
+        match notice {
+            Notice::Begins { .. } => {}
+            Notice::Hit { turn, corrected_m: [x, y] } => {
+                let corrected_m = &mut referee.report.largest_correction_m;
+                *corrected_m = corrected_m.max(f64::from(x).hypot(f64::from(y)));
+                if next {
+                    referee.next_knows(now_s, turn);
+                }
+            }
+            Notice::Ends { verdict, score, seen } => referee.told(by, verdict, score, seen),
+        }
+    }
+}
+
+/// How far every hand went in a round trip of so many ticks, and from where the others think that it is.
+fn measure(referee: &mut Referee, seats: &mut [Seat<Peer>], round_trip: usize) {
+    for at in 1..seats.len() {
+        let Seat { actor: Peer::Player(playing), off: false, .. } = &mut seats[at] else { continue };
+        let [x, y] = playing.contestant.bot.position();
+        playing.trail.push_back([x, y]);
+        if playing.trail.len() > round_trip {
+            playing.trail.pop_front();
         }
         let away = |[a, b]: [f64; 2]| (a - x).hypot(b - y);
-        let travelled = trail.front().copied().map_or(0.0, away);
-        self.referee.report.hand_travel_m = self.referee.report.hand_travel_m.max(travelled);
-        for (other, seat) in self.seats.iter().enumerate() {
-            if other + 1 != at
-                && self.peers[other + 1].on
-                && let Some(heard) = seat.contestant.player.racket_of(PeerId(at as u8))
-            {
-                let error = away(heard.position.map(f64::from));
-                self.referee.report.hand_error_m = self.referee.report.hand_error_m.max(error);
-            }
-        }
-        self.notices(now_us, at);
-        self.send(now_us, at);
+        let travelled = playing.trail.front().copied().map_or(0.0, away);
+        let others = players(seats).filter(|(other, seat, _)| *other != at && !seat.off);
+        let heard = others.filter_map(|(_, _, other)| other.contestant.player.racket_of(PeerId(at as u8)));
+        let error = heard.map(|heard| away(heard.position.map(f64::from))).fold(0.0, f64::max);
+        let report = &mut referee.report;
+        report.hand_travel_m = report.hand_travel_m.max(travelled);
+        report.hand_error_m = report.hand_error_m.max(error);
     }
+}
 
-    fn change(&mut self, at: usize, change: Change) {
-        match change {
-            Change::Leaves => self.seats[at - 1].contestant.player.leave(),
-            Change::Vanishes => self.peers[at].on = false,
-            Change::Comes => {
-                self.peers[at].on = true;
-                self.seats[at - 1] = seat(at, &mut self.rng);
-                self.referee.came_back(at as u8);
-            }
-        }
-    }
-
-    fn moment(&self, now_us: u64) -> Moment {
-        let on = |at: &usize| self.peers[*at + 1].on;
-        let seats = || self.seats.iter().enumerate();
-        let turn = self.seats.iter().map(|seat| seat.contestant.player.turn()).max().unwrap_or_default();
-        Moment {
-            time_s: now_us as f64 * 1e-6,
-            balls: seats().map(|(at, seat)| seat.contestant.player.ball(self.clock(at + 1, now_us))).collect(),
-            hands: self.seats.iter().map(|seat| seat.contestant.bot.position()).collect(),
-            active: (0..self.seats.len()).filter(on).find(|at| self.seats[*at].contestant.player.is_active()),
-            turn: (turn.rally, turn.stroke),
-        }
+fn moment(seats: &[Seat<Peer>], now_ns: u64) -> Moment {
+    let turn = players(seats).map(|(.., playing)| playing.contestant.player.turn()).max().unwrap_or_default();
+    let ball = |(_, seat, playing): (usize, &Seat<Peer>, &Playing)| {
+        playing.contestant.player.ball(seat.clock.at(now_ns) / 1_000)
+    };
+    let mut on = players(seats).filter(|(_, seat, _)| !seat.off);
+    Moment {
+        time_s: now_ns as f64 * 1e-9,
+        balls: players(seats).map(ball).collect(),
+        hands: players(seats).map(|(.., playing)| playing.contestant.bot.position()).collect(),
+        active: on.find(|(.., playing)| playing.contestant.player.is_active()).map(|(at, ..)| at - 1),
+        turn: (turn.rally, turn.stroke),
     }
 }
 
 /// Plays one game.
 pub fn play(options: &Options) -> Game {
-    let mut world = World::new(options);
+    let mut rng = Rng::new(options.seed);
+    let (count, damped) = (usize::from(options.players) + 1, options.motion_bounder);
+    let mut clock = |_| {
+        // Quartz: 100 ppm.
+        let (start_us, ppm) = (rng.below(1 << 40), rng.below(201) as f64 - 100.0);
+        Clock { start_ns: 1_000 * start_us, rate: 1.0 + ppm * 1e-6 }
+    };
+    let clocks: Vec<Clock> = (0..count).map(&mut clock).collect();
+    let delay_s = options.network.extra_delay_s + options.round_trip_s / 2.0;
+    let route = |_| {
+        let network = Network { extra_delay_s: delay_s, seed: rng.below(1 << 32) as u32, ..options.network };
+        Route::new(0).with_rule(SeededRule::new(network, Direction::OneToTwo, PLACE_EVERY_US as f64 / 1e6))
+    };
+    let mut routes: Vec<Route> = (0..count * count).map(route).collect();
+    let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
+    let seats = clocks.into_iter().enumerate().map(|(at, clock)| {
+        let actor =
+            if at == 0 { Peer::Server(Box::new(Server::new(config))) } else { Peer::player(at, damped, &mut rng) };
+        Seat { clock, ..Seat::new(actor) }
+    });
+    let (seats, period_ns) = (seats.collect(), (1e9 * TICK_S) as u64);
+    let mut engine = Engine::new(period_ns, seats, |from, to| std::mem::take(&mut routes[from * count + to]));
+    let mut referee = Referee::new(Court::SINGLES, options.players);
     let ticks = (options.seconds / TICK_S).round() as u64;
-    let mut moments = Vec::new();
-    let mut present = vec![true; usize::from(options.players)];
-    let mut played_s = options.seconds;
-    for tick in 1..=ticks {
-        let now_us = (tick as f64 * TICK_S * 1e6).round() as u64;
-        world.deliver(now_us);
-        for (at_s, number, change) in &options.changes {
+    let round_trip = (options.round_trip_s / TICK_S).round().max(1.0) as usize;
+    let (mut moments, mut present, mut rallies) = (Vec::new(), vec![true; count - 1], 0);
+    // The game is over, and everybody who is there knows.
+    let is_over =
+        |seats: &[Seat<Peer>]| seats.iter().filter(|seat| !seat.off).all(|seat| seat.actor.game().phase == Phase::Over);
+    while engine.tick() < ticks && !is_over(&engine.seats) {
+        let tick = engine.tick();
+        for &(at_s, number, change) in &options.changes {
             if (at_s / TICK_S).round() as u64 == tick {
-                world.change(usize::from(*number), *change);
-                present[usize::from(*number) - 1] = *change == Change::Comes;
+                let (at, seat) = (usize::from(number), &mut engine.seats[usize::from(number)]);
+                match (change, &mut seat.actor) {
+                    (Change::Leaves, Peer::Player(playing)) => playing.contestant.player.leave(),
+                    (Change::Leaves, Peer::Server(_)) => {}
+                    (Change::Vanishes, _) => seat.off = true,
+                    (Change::Comes, actor) => {
+                        *actor = Peer::player(at, damped, &mut rng);
+                        seat.off = false;
+                        referee.came_back(number);
+                    }
+                }
+                present[at - 1] = change == Change::Comes;
             }
         }
-        let clock = world.clock(0, now_us);
-        world.server.poll(clock, &mut world.server_out);
-        world.judge();
-        world.send(now_us, 0);
-        for at in 1..world.peers.len() {
-            if world.peers[at].on {
-                world.play(now_us, at);
-            }
-        }
+        engine.step(&mut |seen| watch(&mut referee, &mut rallies, seen));
+        measure(&mut referee, &mut engine.seats, round_trip);
         if options.record_every > 0 && tick % options.record_every == 0 {
-            moments.push(world.moment(now_us));
-        }
-        if world.is_over() {
-            played_s = tick as f64 * TICK_S;
-            break;
+            moments.push(moment(&engine.seats, tick * period_ns));
         }
     }
-    let over = world.is_over();
+    let over = is_over(&engine.seats);
     // The next rally begins when all know the last: only one result can be on its way.
-    world.referee.ends(&present, usize::from(!over));
-    let mut report = world.referee.report;
+    referee.ends(&present, usize::from(!over));
+    let mut report = referee.report;
     report.over = over;
-    report.round_trip_ms = f64::from(world.server.game().round_trip_us) * 1e-3;
+    report.round_trip_ms = f64::from(engine.seats[0].actor.game().round_trip_us) * 1e-3;
     report.score.truncate(usize::from(options.players));
-    let bytes: u64 = world.seats.iter().map(|seat| seat.bytes).sum();
-    report.bytes_per_s = bytes as f64 / played_s / f64::from(options.players);
-    report.state_hash = hash(&world.seats);
+    let bytes: u64 = players(&engine.seats).map(|(.., playing)| playing.bytes).sum();
+    report.bytes_per_s = bytes as f64 / (engine.tick() as f64 * TICK_S) / f64::from(options.players);
+    report.state_hash = hash(players(&engine.seats).map(|(.., playing)| &playing.contestant.player));
     Game { report, moments }
 }
 
 /// FNV-1a of what the players know: equal seeds, equal games.
-fn hash(seats: &[Seat]) -> String {
+fn hash<'a>(players: impl Iterator<Item = &'a Player>) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in seats.iter().flat_map(|seat| format!("{:?}", seat.contestant.player).into_bytes()) {
+    for byte in players.flat_map(|player| format!("{player:?}").into_bytes()) {
         hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
     format!("{hash:016x}")
