@@ -4,15 +4,16 @@
 
 use haptic_protocol::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_protocol::roles::collaborative::{Lease, Value, lock, ring};
-use haptic_protocol::roles::{Outbox, Role};
-use haptic_protocol::wire::{Event, PeerId};
+use haptic_protocol::roles::{Carried as _, Role as _};
+use haptic_protocol::wire::{Message, PeerId};
+use haptic_sim::engine::{Actor, Engine, Out, Seat};
+use haptic_sim::network::link::Route;
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Doing, Hand};
 use super::{Architecture, ArchitectureError, Row, TASK, scene};
+use crate::shared::said;
 use haptic_analysis::verdict;
-use haptic_sim::network::link::InFlight;
-use haptic_sim::network::mesh::Letter;
 
 /// How long a right lasts that nobody renews, µs.
 const LEASE_US: u32 = 1_500_000;
@@ -31,129 +32,134 @@ fn position(value: &Value) -> f64 {
     value.first_chunk().map_or(0.0, |bytes| f64::from_le_bytes(*bytes))
 }
 
-/// A role of one peer, whichever scheme.
-trait Turn {
-    fn ask(&mut self, now: u64);
-    fn owns(&self, now: u64) -> bool;
-    fn official(&self) -> f64;
-    fn let_go(&mut self, now: u64, at: f64);
-    fn hear(&mut self, now: u64, from: PeerId, event: &Event);
-    /// Lets time pass; what is said, to whom.
-    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)>;
-}
-
 /// The body's number among the shared objects.
 const OBJECT: u16 = 0;
 
 /// The server of the lock has this number.
 const SERVER: PeerId = PeerId(0);
 
-struct LockClient {
-    role: lock::Client,
-    out: Outbox<lock::Message, 32>,
+/// A role of one peer, whichever scheme.
+enum Part {
+    Server(lock::Server<4>),
+    Client(lock::Client),
+    Member(Ring),
 }
 
-impl Turn for LockClient {
-    fn ask(&mut self, now: u64) {
-        self.role.ask(now);
-    }
-    fn owns(&self, now: u64) -> bool {
-        self.role.owns(now)
-    }
-    fn official(&self) -> f64 {
-        position(&self.role.copy().value)
-    }
-    fn let_go(&mut self, now: u64, at: f64) {
-        // Too late is what the server says as well: the copy stays as it was.
-        let _ = self.role.release(now, Some(value(at)), &mut self.out);
-    }
-    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
-        if let Ok((_, message)) = lock::Message::parse(event) {
-            self.role.receive(now, from, &message, &mut self.out);
+impl Part {
+    fn ask(&mut self, now_us: u64) {
+        match self {
+            Self::Server(_) => {}
+            Self::Client(role) => role.ask(now_us),
+            Self::Member(role) => role.ask(),
         }
     }
-    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
-        self.role.poll(now, &mut self.out);
-        self.out.events(|message| message.event(OBJECT)).collect()
-    }
-}
 
-struct LockServer {
-    role: lock::Server<4>,
-    out: Outbox<lock::Message, 32>,
-}
-
-/// The server takes no turn itself.
-impl Turn for LockServer {
-    fn ask(&mut self, _: u64) {}
-    fn owns(&self, _: u64) -> bool {
-        false
-    }
-    fn official(&self) -> f64 {
-        position(&self.role.copy().value)
-    }
-    fn let_go(&mut self, _: u64, _: f64) {}
-    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
-        if let Ok((_, message)) = lock::Message::parse(event) {
-            self.role.receive(now, from, &message, &mut self.out);
+    fn owns(&self, now_us: u64) -> bool {
+        match self {
+            Self::Server(_) => false,
+            Self::Client(role) => role.owns(now_us),
+            Self::Member(role) => role.owns(now_us),
         }
     }
-    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
-        self.role.poll(now, &mut self.out);
-        self.out.events(|message| message.event(OBJECT)).collect()
-    }
-}
 
-struct RingMember {
-    role: Ring,
-    out: Outbox<ring::Message, 64>,
-}
-
-impl Turn for RingMember {
-    fn ask(&mut self, _: u64) {
-        self.role.ask();
-    }
-    fn owns(&self, now: u64) -> bool {
-        self.role.owns(now)
-    }
     fn official(&self) -> f64 {
-        position(&self.role.state().value)
+        position(match self {
+            Self::Server(role) => &role.copy().value,
+            Self::Client(role) => &role.copy().value,
+            Self::Member(role) => &role.state().value,
+        })
     }
-    fn let_go(&mut self, now: u64, at: f64) {
-        let _ = self.role.publish(now, value(at), &mut self.out);
+
+    fn let_go(&mut self, now_us: u64, at: f64, out: &mut Out<'_, usize, Message>) {
+        // Too late is what the others say as well: the copy stays as it was.
+        let _ = match self {
+            Self::Server(_) => Ok(()),
+            Self::Client(role) => role.release(now_us, Some(value(at)), &mut said(OBJECT, out)),
+            Self::Member(role) => role.publish(now_us, value(at), &mut said(OBJECT, out)),
+        };
     }
-    fn hear(&mut self, now: u64, from: PeerId, event: &Event) {
-        if let Ok((_, message)) = ring::Message::parse(event) {
-            self.role.receive(now, from, &message, &mut self.out);
+
+    fn poll(&mut self, now_us: u64, out: &mut Out<'_, usize, Message>) {
+        match self {
+            Self::Server(role) => role.poll(now_us, &mut said(OBJECT, out)),
+            Self::Client(role) => role.poll(now_us, &mut said(OBJECT, out)),
+            Self::Member(role) => role.poll(now_us, &mut said(OBJECT, out)),
         }
     }
-    fn say(&mut self, now: u64) -> Vec<(PeerId, Event)> {
-        self.role.poll(now, &mut self.out);
-        self.out.events(|message| message.event(OBJECT)).collect()
+}
+
+/// A peer, with a user whose hand is at the body unless it is the server.
+struct Peer {
+    part: Part,
+    hand: Option<Hand>,
+    /// The user begins when the body is this far, m.
+    begins_m: f64,
+    period_s: f64,
+    /// Ticks of the task so far; none before it begins.
+    ticks: Option<u64>,
+    /// Sent since then.
+    bytes: usize,
+}
+
+impl Actor<usize> for Peer {
+    type Packet = Message;
+
+    fn hear(&mut self, now_ns: u64, from: usize, message: &mut Message, out: &mut Out<'_, usize, Message>) {
+        let (now_us, from) = (now_ns / 1_000, PeerId(from as u8));
+        let out = &mut counted(self.ticks.is_some(), &mut self.bytes, out);
+        match (&mut self.part, lock::Message::read(message), ring::Message::read(message)) {
+            (Part::Server(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            (Part::Client(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            (Part::Member(role), _, Some((_, message))) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            _ => {}
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, Message>) {
+        let now_us = now_ns / 1_000;
+        let Self { part, hand, .. } = self;
+        let out = &mut counted(self.ticks.is_some(), &mut self.bytes, out);
+        if let (Some(hand), Some(ticks)) = (hand, &mut self.ticks) {
+            if hand.doing == Doing::Waits && part.official() > self.begins_m {
+                part.ask(now_us);
+            }
+            if hand.step(*ticks as f64 * self.period_s, part.owns(now_us), part.official()) {
+                part.let_go(now_us, hand.body.position, out);
+            }
+            *ticks += 1;
+        }
+        part.poll(now_us, out);
     }
 }
 
-/// The peers of a scheme in the order of their numbers, which of them the two users are, and the delay of a message, µs.
-type Cast = (Vec<Box<dyn Turn>>, [usize; 2], u64);
+/// Counts what is sent at work.
+fn counted<'a>(
+    at_work: bool,
+    bytes: &'a mut usize,
+    out: &'a mut Out<'_, usize, Message>,
+) -> impl FnMut(usize, &Message) {
+    move |to, message| {
+        if let (true, Message::Event(event)) = (at_work, message) {
+            *bytes += event_bytes(event);
+        }
+        out(to, message);
+    }
+}
 
-/// Who takes part, at this delay from user to user, µs.
-fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureError> {
+/// The roles of a scheme in the order of their numbers, which of them is the first user's, and the delay of a message, µs.
+fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize, u64), ArchitectureError> {
     let lease = Lease::new(LEASE_US)?;
     if architecture == Architecture::CollaborativeLock {
-        let server = LockServer { role: lock::Server::new(lease, value(0.0)), out: Outbox::new() };
-        let client = |incarnation| -> Box<dyn Turn> {
-            let role = lock::Client::new(SERVER, lease, incarnation, value(0.0));
-            Box::new(LockClient { role, out: Outbox::new() })
-        };
-        return Ok((vec![Box::new(server), client(1), client(2)], [1, 2], delay_us / 2));
+        let client = |incarnation| Part::Client(lock::Client::new(SERVER, lease, incarnation, value(0.0)));
+        let server = Part::Server(lock::Server::new(lease, value(0.0)));
+        return Ok((vec![server, client(1), client(2)], 1, delay_us / 2));
     }
     let founders = Roster::of(0..2);
-    let member = |seat: u8| -> Box<dyn Turn> {
+    let member = |seat: u8| {
         let config = Config { seat, contacts: founders, lease, turn_us: TURN_US, seed: u64::from(seat) + 1 };
-        let role = Ring::new(config, 0, Record::founder(founders, value(0.0)));
-        Box::new(RingMember { role, out: Outbox::new() })
+        Part::Member(Ring::new(config, 0, Record::founder(founders, value(0.0))))
     };
-    Ok((vec![member(0), member(1)], [0, 1], delay_us))
+    Ok((vec![member(0), member(1)], 0, delay_us))
 }
 
 /// One run.
@@ -163,53 +169,42 @@ fn cast(architecture: Architecture, delay_us: u64) -> Result<Cast, ArchitectureE
 pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
     let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
-    let (mut peers, users, delay_us) = cast(architecture, (1e3 * delay_ms) as u64)?;
+    let (parts, first, delay_us) = parts(architecture, (1e3 * delay_ms) as u64)?;
     let goals = [0.5 * TASK.goals_m[0], TASK.goals_m[1]];
-    let mut hands = [0, 1].map(|index| Hand::new(&scene, index, goals[index]));
-    let mut flying = InFlight::default();
+    let seats = parts.into_iter().enumerate().map(|(at, part)| {
+        let user = at.checked_sub(first);
+        let hand = user.map(|user| Hand::new(&scene, user, goals[user]));
+        // User 2 waits until the body is half-way.
+        let begins_m = if user == Some(1) { 0.5 * goals[0] } else { f64::NEG_INFINITY };
+        Seat::new(Peer { part, hand, begins_m, period_s, ticks: None, bytes: 0 })
+    });
+    let way = |_, _| Route::new(1_000 * delay_us);
+    let mut engine = Engine::new(scene.peer.timing.control_period_ns(), seats.collect(), way);
     // A ring begins by finding out that nobody has a token; that is over before the task starts.
     let settled_us = 2 * u64::from(LEASE_US) + 4 * delay_us;
     let ticks = (TASK.duration_s / period_s) as u64;
     let warm_up = (settled_us as f64 * 1e-6 / period_s) as u64;
     let mut account = Account::new(ticks);
-    let (mut user_bytes, mut server_bytes) = (0, 0);
     for tick in 0..warm_up + ticks {
-        let now = (tick as f64 * period_s * 1e6) as u64;
-        let at_work = tick >= warm_up;
-        let time_s = tick.saturating_sub(warm_up) as f64 * period_s;
-        while let Some((_, Letter { from, to, event })) = flying.take(now) {
-            peers[to].hear(now, PeerId(from as u8), &event);
+        if tick == warm_up {
+            engine.seats.iter_mut().for_each(|seat| seat.actor.ticks = Some(0));
         }
-        if at_work {
-            for (index, hand) in hands.iter_mut().enumerate() {
-                let peer = &mut peers[users[index]];
-                // User 2 waits until the body is half-way.
-                if hand.doing == Doing::Waits && (index == 0 || peer.official() > 0.5 * goals[0]) {
-                    peer.ask(now);
-                }
-                if hand.step(time_s, peer.owns(now), peer.official()) {
-                    peer.let_go(now, hand.body.position);
-                }
-            }
-            let views = hands.each_ref().map(|hand| hand.body.position);
-            account.see(views, hands.each_ref().map(|hand| hand.force));
-        }
-        for (from, peer) in peers.iter_mut().enumerate() {
-            for (to, event) in peer.say(now) {
-                let bytes = if at_work { event_bytes(&event) } else { 0 };
-                if users.contains(&from) {
-                    user_bytes += bytes
-                } else {
-                    server_bytes += bytes
-                }
-                flying.put(now + delay_us, Letter { from, to: usize::from(to.0), event });
-            }
+        engine.step(&mut |_| ());
+        if tick >= warm_up {
+            let mut hands = engine.seats.iter().filter_map(|seat| seat.actor.hand.as_ref());
+            let [one, two] = [(); 2].map(|()| hands.next().map_or([0.0; 2], |hand| [hand.body.position, hand.force]));
+            account.see([one[0], two[0]], [one[1], two[1]]);
         }
     }
+    let bytes = |users: bool| -> usize {
+        engine.seats.iter().filter(|seat| seat.actor.hand.is_some() == users).map(|seat| seat.actor.bytes).sum()
+    };
+    let (user_bytes, server_bytes) = (bytes(true), bytes(false));
+    let hands = || engine.seats.iter().filter_map(|seat| seat.actor.hand.as_ref());
     let aware = presence_bytes_per_s() * TASK.duration_s;
     let served = if architecture == Architecture::CollaborativeLock { server_bytes as f64 + 2.0 * aware } else { 0.0 };
     let end = End {
-        done: hands.iter().all(|hand| hand.doing == Doing::Done),
+        done: hands().all(|hand| hand.doing == Doing::Done),
         // Of one hand at the body, whoever's is the larger: nobody else pushes.
         spectral_radius: verdict(&scene)?.spectral_radius,
         contact_n_per_m: [scene.peer.contact.stiffness_n_per_m; 2],
