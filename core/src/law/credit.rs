@@ -81,7 +81,7 @@ impl<S: Scalar> Credit<S> {
             half_period: S::from_f64(0.5 * timing.control_period_s),
             twice_rate: S::from_f64(2.0 / timing.control_period_s),
             period: S::from_f64(timing.control_period_s),
-            packet_s: timing.control_period_s * f64::from(timing.ticks_per_packet),
+            packet_s: timing.packet_period_s(),
             cap: S::from_f64(CAP_J),
             corrects: coordination.drift_correction,
         })

@@ -52,7 +52,7 @@ pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -
     Link::new(Config {
         key,
         ends,
-        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
+        packet_period_us: (timing.packet_period_ns() / 1_000) as u32,
         parameters: parameters_of(settings),
         entropy,
     })

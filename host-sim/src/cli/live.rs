@@ -226,7 +226,7 @@ impl Trace {
         check_time("--duration-s", self.duration_s)?;
         let scene = self.scene.load()?;
         let timing = &scene.peer.timing;
-        let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+        let packet_s = timing.packet_period_s();
         NetworkTrace::record(&scene, (self.duration_s / packet_s).ceil() as u64).write(&self.file)?;
         writeln!(ui, "wrote {}", self.file.display());
         ui.document(&json!({ "files": [&self.file] }))

@@ -94,7 +94,7 @@ fn section(name: &str) -> Option<&str> {
 fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send + Sync>> {
     let scene = scenes::load(name)?;
     let timing = &scene.peer.timing;
-    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+    let packet_s = timing.packet_period_s();
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
     let verdict = haptic_analysis::verdict(&scene)?;
     let section = section(name).unwrap_or(name);

@@ -22,7 +22,7 @@ pub fn is_symmetric(linear: &Scene) -> bool {
 /// whole periods counts as one more.
 pub fn delays_packets(linear: &Scene) -> [usize; 2] {
     let (network, timing) = (&linear.world.network, &linear.peer.timing);
-    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+    let packet_s = timing.packet_period_s();
     // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
     let periods = |added_s: f64| (added_s / packet_s - 1e-9).ceil().max(0.0) as usize;
     let to = |added_s: f64| network.one_way_delay_packets as usize + periods(added_s);

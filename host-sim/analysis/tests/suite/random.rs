@@ -86,7 +86,7 @@ pub(crate) fn scene(seed: u64) -> Scene {
     world.device.force_delay_ticks = dice.delay();
     world.network.one_way_delay_packets = dice.whole(0, 8);
     // In every fourth scene the way back is longer, by whole packets and fractions.
-    let packet_s = peer.timing.control_period_s * f64::from(peer.timing.ticks_per_packet);
+    let packet_s = peer.timing.packet_period_s();
     let longer = packet_s * 3.0 * dice.unit();
     world.network.asymmetry_s = dice.one(&[0.0, 0.0, 0.0, longer]);
     world.network.extra_delay_s = dice.one(&[0.0, 0.0, 0.0, longer]);

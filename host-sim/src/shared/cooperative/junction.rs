@@ -134,7 +134,7 @@ impl Junction {
         if Schema::BUILT_IN.kind(settings).is_none_or(|kind| kind.sends != Sends::Waves) {
             return Err(NoWaves(coordination.comm));
         }
-        let packet_s = settings.timing.control_period_s * f64::from(settings.timing.ticks_per_packet);
+        let packet_s = settings.timing.packet_period_s();
         // The node's tick is a packet period.
         let mut own = *settings;
         (own.timing.control_period_s, own.timing.ticks_per_packet) = (packet_s, 1);

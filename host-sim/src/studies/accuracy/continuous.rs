@@ -91,7 +91,7 @@ impl Peer {
 pub fn run(scene: &Scene, duration_s: f64) -> Vec<Sample> {
     let peer = Peer::new(scene);
     let timing = &scene.peer.timing;
-    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
+    let packet_s = timing.packet_period_s();
     let samples_per_packet = (packet_s / SAMPLE_S).round() as usize;
     let delay = scene.world.network.one_way_delay_packets as usize;
     let mut states = [vec![0.0; SIZE], vec![0.0; SIZE]];
