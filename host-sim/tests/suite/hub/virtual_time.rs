@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
-use haptic_sim::network::link::{Link, Route};
-use haptic_sim::network::rule::Direction;
+use haptic_sim::engine::{Actor, Engine, Out, Seat};
+use haptic_sim::network::link::Route;
+use haptic_sim::network::rule::{Direction, Fate};
 use haptic_sim::node::Node;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
@@ -25,15 +26,40 @@ fn key() -> Key {
     Key::new([0x5a; Key::LEN])
 }
 
+/// Who sits at the engine: the peers, and last the hub.
+enum Part {
+    Hub(Box<Hub<usize>>),
+    Peer(Box<Node>, usize),
+}
+
+impl Actor<usize> for Part {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: usize, datagram: &mut [u8], out: &mut Out<'_, usize, [u8]>) {
+        match self {
+            Self::Hub(hub) => hub.receive(now_ns / 1_000, from, datagram, out),
+            Self::Peer(node, _) => drop(node.receive(now_ns / 1_000, datagram)),
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
+        if let Self::Peer(node, hub) = self {
+            let _ = node.beat(now_ns / 1_000, |bytes| out(*hub, bytes));
+        }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
+        if let Self::Hub(hub) = self {
+            hub.tick(now_ns / 1_000, out);
+        }
+    }
+}
+
 /// A hub, its peers and their lines; a peer may be gone.
 struct Meeting {
     scene: Scene,
-    hub: Hub<usize>,
-    peers: Vec<Option<Node>>,
-    up: Vec<Link<[u8]>>,
-    down: Vec<Link<[u8]>>,
+    engine: Engine<Part>,
     lives: u8,
-    tick: u64,
 }
 
 impl Meeting {
@@ -43,65 +69,57 @@ impl Meeting {
             drawn += 1;
             Ok([drawn; Key::LEN])
         };
-        let hub = Hub::new(&scene, users, &key(), entropy).expect("a hub");
-        let way = |index: usize, direction| Link::new(Route::of_scene(&scene, direction, index as u32));
-        let mut meeting = Self {
-            hub,
-            peers: Vec::new(),
-            up: (0..users).map(|index| way(index, Direction::OneToTwo)).collect(),
-            down: (0..users).map(|index| way(index, Direction::TwoToOne)).collect(),
-            lives: 100,
-            tick: 0,
-            scene,
+        let hub = Part::Hub(Box::new(Hub::new(&scene, users, &key(), entropy).expect("a hub")));
+        let peers =
+            (0..users).map(|index| life(&scene, index, users, 101 + index as u8, Plant::new(&scene, index % 2)));
+        let seats = peers.chain([hub]).map(Seat::new).collect();
+        let route = |from: usize, to: usize| match from == users {
+            true => Route::of_scene(&scene, Direction::TwoToOne, to as u32),
+            false => Route::of_scene(&scene, Direction::OneToTwo, from as u32),
         };
-        for index in 0..users {
-            let device = Plant::new(&meeting.scene, index % 2);
-            let peer = meeting.life(index, device);
-            meeting.peers.push(Some(peer));
-        }
-        meeting
+        Self { engine: Engine::new(1_000_000, seats, route), lives: 100 + users as u8, scene }
     }
 
-    /// A life of the peer on line `index` + 1.
-    fn life(&mut self, index: usize, device: Plant) -> Node {
+    /// Another life of the peer on line `index` + 1.
+    fn restart(&mut self, index: usize, device: Plant) {
         self.lives += 1;
-        let line = index as u32 + 1;
-        Node::with_device(&self.scene, number_on(line), key().line(line), [self.lives; Key::LEN], device)
-            .expect("a peer")
+        let hub = self.engine.seats.len() - 1;
+        let seat = &mut self.engine.seats[index];
+        (seat.actor, seat.off) = (life(&self.scene, index, hub, self.lives, device), false);
     }
 
     fn step(&mut self) {
-        let now_us = 1_000 * self.tick;
-        for ((peer, up), down) in self.peers.iter_mut().zip(&mut self.up).zip(&mut self.down) {
-            while let Some((_, mut datagram)) = down.take(1_000 * now_us) {
-                if let Some(peer) = peer {
-                    let _ = peer.receive(now_us, &mut datagram);
-                }
-            }
-            if let Some(peer) = peer {
-                let _ = peer.beat(now_us, |bytes| up.send(1_000 * now_us, bytes));
-            }
-        }
-        let down = &mut self.down;
-        for (index, up) in self.up.iter_mut().enumerate() {
-            while let Some((_, mut datagram)) = up.take(1_000 * now_us) {
-                self.hub.receive(now_us, index, &mut datagram, |to, bytes| down[to].send(1_000 * now_us, bytes));
-            }
-        }
-        self.hub.tick(now_us, |to, bytes| down[to].send(1_000 * now_us, bytes));
-        self.tick += 1;
-        let energy = self.hub.junction().energy();
-        assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.tick);
+        self.engine.step(&mut |_| ());
+        let energy = self.hub().junction().energy();
+        assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.engine.tick());
     }
 
+    fn hub(&self) -> &Hub<usize> {
+        match &self.engine.seats.last().expect("a hub").actor {
+            Part::Hub(hub) => hub,
+            Part::Peer(..) => panic!("the hub sits last"),
+        }
+    }
+
+    /// Those who are there.
     fn peers(&self) -> impl Iterator<Item = &Node> {
-        self.peers.iter().flatten()
+        self.engine.seats.iter().filter(|seat| !seat.off).filter_map(|seat| match &seat.actor {
+            Part::Peer(node, _) => Some(node.as_ref()),
+            Part::Hub(_) => None,
+        })
     }
 
     fn lives_on(&self, index: usize) -> usize {
-        let (line, _) = self.hub.lines().nth(index).expect("a line");
+        let (line, _) = self.hub().lines().nth(index).expect("a line");
         line.notices().iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count()
     }
+}
+
+/// A life of the peer on line `index` + 1 of a hub at seat `hub`.
+fn life(scene: &Scene, index: usize, hub: usize, entropy: u8, device: Plant) -> Part {
+    let line = index as u32 + 1;
+    let node = Node::with_device(scene, number_on(line), key().line(line), [entropy; Key::LEN], device);
+    Part::Peer(Box::new(node.expect("a peer")), hub)
 }
 
 /// What the two users do, from 0.2 s on: what is armed by then step by step is engaged.
@@ -136,7 +154,7 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
                 let apart = f64::from(peer.observed().object.position) - copy.position;
                 farthest_m = farthest_m.max(copy.position.abs());
                 // f32 here, f64 there.
-                assert!(apart.abs() < 1e-7, "{users} users, tick {}: {apart} m apart", meeting.tick);
+                assert!(apart.abs() < 1e-7, "{users} users, tick {}: {apart} m apart", meeting.engine.tick());
             }
         }
         assert!(farthest_m > 0.02 && meeting.peers().all(|peer| peer.mode() == Mode::Armed), "{farthest_m} m");
@@ -166,19 +184,16 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
         let mut back_at = None;
         for tick in 0..9_000 {
             match tick {
-                4_000 => meeting.peers[3] = None,
-                5_000 => {
-                    let device = Plant::new(&meeting.scene, 1);
-                    meeting.peers[3] = Some(meeting.life(3, device));
-                }
+                4_000 => meeting.engine.seats[3].off = true,
+                5_000 => meeting.restart(3, Plant::new(&meeting.scene, 1)),
                 7_000 => {
-                    let device = meeting.peers[3].as_ref().expect("it is back").device();
-                    meeting.peers[3] = Some(meeting.life(3, device));
+                    let device = meeting.peers().nth(3).expect("it is back").device();
+                    meeting.restart(3, device);
                 }
                 _ => {}
             }
             meeting.step();
-            for (peer, before) in meeting.peers[..3].iter().flatten().zip(&mut forces) {
+            for (peer, before) in meeting.peers().take(3).zip(&mut forces) {
                 let force = f64::from(peer.observed().coordination_force);
                 if tick >= 1_000 {
                     let jump_n = &mut jumps_n[usize::from(tick >= 4_000)];
@@ -186,7 +201,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
                 }
                 *before = force;
             }
-            let engaged = meeting.hub.lines().nth(3).is_some_and(|(_, port)| port.is_engaged());
+            let engaged = meeting.hub().lines().nth(3).is_some_and(|(_, port)| port.is_engaged());
             if tick > 5_000 && engaged {
                 back_at = back_at.or(Some(tick));
             }
@@ -199,6 +214,21 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
         let [calm_n, disturbed_n] = jumps_n;
         assert!(disturbed_n < calm_n + 0.5 / 9.0, "{network:?}: {disturbed_n} N, {calm_n} N before");
     }
+}
+
+/// Any closure is a rule, here as in the relay: every third datagram on the way of one peer is lost, and all hold on.
+#[test]
+fn a_planted_rule_loses_what_it_says() {
+    let mut meeting = Meeting::new(scene(&[]), 2);
+    let every_third = |number: u64, _: u64| if number % 3 == 0 { Fate::Drop } else { Fate::Pass };
+    meeting.engine.route(0, 2).rule = Some(Box::new(every_third));
+    (0..3_000).for_each(|_| meeting.step());
+    assert!(meeting.peers().all(|peer| peer.mode() == Mode::Armed && peer.is_engaged()));
+    let [there, back] = [(0, 2), (2, 0)].map(|(from, to)| meeting.engine.route(from, to).counts());
+    assert_eq!((there.lost, back.lost), (there.taken.div_ceil(3), 0));
+    // The hub is told of what it did not get.
+    let (line, _) = meeting.hub().lines().next().expect("a line");
+    assert!(line.link().counts().missing > 100, "{there:?}");
 }
 
 #[test]

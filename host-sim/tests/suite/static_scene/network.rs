@@ -71,14 +71,14 @@ fn a_whole_world_over_a_bad_network_feels_as_it_is() {
     let mut sim = Sim::new(BAD);
     sim.serve(1, many(), None);
     sim.visit(1, 1, None);
-    let ms = sim.until(20_000, [0.0, 0.5], |sim| sim.visitors[&1].is_complete());
+    let ms = sim.until(20_000, [0.0, 0.5], |sim| sim.visitor(1).is_complete());
     println!("301 objects in {ms} ms of simulated time");
-    assert!(sim.visitors[&1].download(1).is_some_and(|download| download.objects().eq(many().objects())));
+    assert!(sim.visitor(1).download(1).is_some_and(|download| download.objects().eq(many().objects())));
     let mut oracle = Oracle::new(many().objects());
     oracle.0.step([Motion::at(0.0), Motion::at(0.5)]);
     let mut felt = 0;
     for _ in 0..4_000 {
-        let hand = bounce(sim.tick);
+        let hand = bounce(sim.tick());
         let (force, want) = (sim.step(|_| hand)[&1], oracle.0.step(hand));
         assert_eq!(force, want);
         felt += u32::from(force != [0.0; 2]);
@@ -91,9 +91,9 @@ fn a_server_that_is_gone_in_the_middle_takes_nothing_with_it() {
     let mut sim = Sim::new(BAD);
     sim.serve(1, many(), None);
     sim.visit(1, 1, None);
-    let taken = |sim: &Sim| sim.visitors[&1].download(1).map_or(0, Download::<OBJECTS>::objects_taken);
+    let taken = |sim: &Sim| sim.visitor(1).download(1).map_or(0, Download::<OBJECTS>::objects_taken);
     sim.until(20_000, [0.0, 0.5], |sim| taken(sim) >= 150);
-    sim.gone.insert(1);
+    sim.switch_off(1);
     // What was on its way still comes.
     for _ in 0..200 {
         sim.step(|_| [Motion::at(0.0), Motion::at(0.5)]);
@@ -101,7 +101,7 @@ fn a_server_that_is_gone_in_the_middle_takes_nothing_with_it() {
     let before = taken(&sim);
     assert!((150..301).contains(&before));
     // Ten seconds without a server: the hand goes through what is held.
-    let held: Vec<Object> = sim.visitors[&1].download(1).expect("held").objects().copied().collect();
+    let held: Vec<Object> = sim.visitor(1).download(1).expect("held").objects().copied().collect();
     assert_eq!(held.len(), before as usize);
     let mut oracle = Oracle::new(&held);
     oracle.0.step([Motion::at(0.0), Motion::at(0.5)]);
@@ -117,8 +117,7 @@ fn a_server_that_is_gone_in_the_middle_takes_nothing_with_it() {
     assert_eq!(taken(&sim), before);
     // Another process with the same world: what is missing comes, and nothing twice.
     sim.serve(1, many(), None);
-    sim.gone.clear();
-    sim.until(20_000, [0.0, 0.5], |sim| sim.visitors[&1].is_complete());
+    sim.until(20_000, [0.0, 0.5], |sim| sim.visitor(1).is_complete());
     assert_eq!(taken(&sim), 301);
 }
 
@@ -143,7 +142,7 @@ fn crossing(world: &World, servers: &[(u8, Option<u8>)], network: &[&str]) -> (f
     }
     sim.visit(1, 1, Some(RADIUS_M));
     let start = [-0.35, -0.05];
-    sim.until(20_000, start, |sim| sim.visitors[&1].is_complete());
+    sim.until(20_000, start, |sim| sim.visitor(1).is_complete());
     let mut oracle = Oracle::new(world.objects());
     oracle.0.step(start.map(Motion::at));
     let (mut last, mut largest, mut differs) = (None::<[f64; 2]>, 0.0_f64, 0.0_f64);
@@ -155,7 +154,7 @@ fn crossing(world: &World, servers: &[(u8, Option<u8>)], network: &[&str]) -> (f
         differs = differs.max(apart(force, oracle.0.step(hand)));
         last = Some(force);
     }
-    (largest, sim.visitors[&1].moves(), differs)
+    (largest, sim.visitor(1).moves(), differs)
 }
 
 #[test]
@@ -187,16 +186,16 @@ fn a_new_version_is_felt_after_the_hand_has_left_the_old_one() {
     world.put(floor(1, 0.0)).expect("room");
     sim.serve(1, world.clone(), None);
     sim.visit(1, 1, None);
-    sim.until(20_000, [0.0, 0.1], |sim| sim.visitors[&1].is_complete());
+    sim.until(20_000, [0.0, 0.1], |sim| sim.visitor(1).is_complete());
     let hand = |y: f64| [Motion::at(0.0), Motion::at(y)];
     assert_eq!(sim.step(|_| hand(-0.01))[&1], [0.0, 10.0]);
     // The floor sinks by 5 mm. It comes within a refresh of a second and a few losses, under the hand.
     world.put(floor(2, -0.005)).expect("room");
-    sim.hosts.get_mut(&1).expect("a server").publish(world).expect("a good world");
+    sim.host(1).publish(world).expect("a good world");
     for _ in 0..5_000 {
         assert_eq!(sim.step(|_| hand(-0.01))[&1], [0.0, 10.0]);
     }
-    assert!(sim.visitors[&1].download(1).is_some_and(|download| download.objects().all(|object| object.version == 2)));
+    assert!(sim.visitor(1).download(1).is_some_and(|download| download.objects().all(|object| object.version == 2)));
     sim.step(|_| hand(0.01));
     let [_, force] = sim.step(|_| hand(-0.01))[&1];
     assert!((force - 5.0).abs() < 1e-3, "{force}");
@@ -228,7 +227,7 @@ fn where_two_servers_differ_the_higher_version_is_felt() {
     close(press(&mut sim, 0.3), 5.0);
     close(press(&mut sim, -0.06), 5.0);
     close(press(&mut sim, -0.3), 10.0);
-    assert_eq!(sim.visitors[&1].moves(), 2);
+    assert_eq!(sim.visitor(1).moves(), 2);
 }
 
 #[test]
@@ -247,7 +246,7 @@ fn clients_are_aware_of_each_other_by_the_server_of_their_room() {
         [Motion::at(-0.1 + go), Motion::at(0.05 + 0.01 * f64::from(line))]
     };
     let seen = |sim: &Sim, line: u32| {
-        sim.visitors[&line].others().map(|other| (other.who, other.position[1])).collect::<Vec<_>>()
+        sim.visitor(line).others().map(|other| (other.who, other.position[1])).collect::<Vec<_>>()
     };
     for tick in 0..2_000 {
         sim.step(|line| place(line, tick));
@@ -257,7 +256,7 @@ fn clients_are_aware_of_each_other_by_the_server_of_their_room() {
         sim.step(|line| place(line, tick));
     }
     // A client is seen at the server it is at home at, and nowhere else.
-    assert_eq!(sim.visitors[&4].home(), 2);
+    assert_eq!(sim.visitor(4).home(), 2);
     assert_eq!(seen(&sim, 1), [(2, 0.07), (3, 0.08)]);
     assert_eq!(seen(&sim, 4), []);
 }
@@ -275,15 +274,15 @@ fn clients_are_aware_of_each_other_straight_when_the_server_is_gone() {
             parameters: Parameters::new(),
             entropy: [line as u8; 32],
         });
-        sim.visitors.get_mut(&line).expect("a visitor").befriend(3 - line, link.expect("a good link"));
+        sim.visitor_mut(line).befriend(3 - line, link.expect("a good link"));
     }
-    sim.gone.insert(1);
+    sim.switch_off(1);
     for tick in 0..3_000_u64 {
         // Both move at 0.1 m/s: what is known of the other is at most some packets old.
         sim.step(|line| [Motion { position: 1e-4 * tick as f64, velocity: 0.1 }, Motion::at(f64::from(line))]);
     }
     for line in [1, 2] {
-        let other: Vec<_> = sim.visitors[&line].others().collect();
+        let other: Vec<_> = sim.visitor(line).others().collect();
         assert_eq!((other.len(), other[0].who, other[0].position[1]), (1, 3 - line, (3 - line) as f32));
         let late_s = (0.3 - f64::from(other[0].position[0])) / 0.1;
         assert!((0.0..0.3).contains(&late_s), "{late_s} s");
@@ -297,7 +296,7 @@ fn a_client_that_starts_anew_is_the_same_client_to_the_server() {
     sim.serve(1, rooms(), None);
     for round in 0..3 {
         sim.visit(5, 1, None);
-        sim.until(20_000, [0.0, 0.1], |sim| sim.visitors[&5].is_complete());
-        assert_eq!(sim.hosts[&1].clients(), 1, "round {round}");
+        sim.until(20_000, [0.0, 0.1], |sim| sim.visitor(5).is_complete());
+        assert_eq!(sim.host(1).clients(), 1, "round {round}");
     }
 }
