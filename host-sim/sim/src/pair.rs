@@ -10,20 +10,86 @@ use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::settings::Refused;
 
-use crate::network::Way;
+use crate::engine::{Actor, Engine, Out, Seat, Turn};
+use crate::network::link::{Inbox, Numbered, Route};
 use crate::network::rule::Direction;
 use crate::peers::{DynPeer, Number};
 use crate::plant::Plant;
 use crate::scene::Scene;
 
-/// One peer with its device and the line that its packets come in by.
+/// One peer with its device, for an engine.
 pub struct Side<S: Scalar> {
     /// The peer.
     pub peer: Box<dyn DynPeer<S>>,
     /// Its device and user.
     pub plant: Plant,
-    /// The network from the other peer to this one.
-    pub incoming: Way<Packet<S>>,
+    inbox: Inbox<Packet<S>>,
+    /// The seat that its packets are for.
+    to: usize,
+    sent: u64,
+    period_s: f64,
+    period_ns: u64,
+    exchanged: Option<Option<Packet<S>>>,
+    sensors: Sensors<S>,
+    actuators: Actuators<S>,
+}
+
+impl<S: Number> Side<S> {
+    /// Peer `index` (0 or 1) of a scene, armed and at rest, which writes to seat `to`.
+    ///
+    /// # Errors
+    /// What [`Scene::peer`] refuses.
+    pub fn new(scene: &Scene, index: usize, to: usize) -> Result<Self, Refused<'static>> {
+        let (mut peer, plant) = (scene.peer(index)?, Plant::new(scene, index));
+        peer.command(Command::Arm);
+        Ok(Self {
+            sensors: plant.sensors(),
+            peer,
+            plant,
+            inbox: Inbox::new(scene),
+            to,
+            sent: 0,
+            period_s: scene.peer.timing.control_period_s,
+            period_ns: scene.peer.timing.control_period_ns(),
+            exchanged: None,
+            actuators: Actuators::default(),
+        })
+    }
+
+    /// Packets sent so far.
+    pub fn sent(&self) -> u64 {
+        self.sent
+    }
+}
+
+/// Both packets are made before either is taken in: a network without delay delivers within the tick.
+impl<S: Scalar> Actor<usize> for Side<S> {
+    type Packet = Numbered<Packet<S>>;
+
+    #[inline]
+    fn hear(&mut self, now_ns: u64, _: usize, packet: &mut Self::Packet, _: &mut Out<'_, usize, Self::Packet>) {
+        self.inbox.put(now_ns, *packet);
+    }
+
+    #[inline]
+    fn speak(&mut self, _: u64, out: &mut Out<'_, usize, Self::Packet>) {
+        if self.peer.packet_due() {
+            out(self.to, &Numbered { number: self.sent, what: self.peer.outgoing() });
+            self.sent += 1;
+        }
+    }
+
+    #[inline]
+    fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
+        self.exchanged = self.peer.packet_due().then(|| {
+            let incoming = self.inbox.take(now_ns);
+            self.peer.exchange(incoming);
+            incoming
+        });
+        self.sensors = self.plant.sensors();
+        self.actuators = self.peer.tick(&self.sensors);
+        self.plant.step((now_ns / self.period_ns) as f64 * self.period_s, &self.actuators);
+    }
 }
 
 /// What a tick of a peer read and did.
@@ -43,14 +109,8 @@ pub struct Seen<'a, S: Scalar> {
 
 /// Two peers on one network, computing in `S`.
 pub struct Pair<S: Scalar> {
-    /// Peer 1 (left) and peer 2 (right).
-    pub sides: [Side<S>; 2],
+    engine: Engine<Side<S>>,
     period_s: f64,
-    tick: u64,
-    /// Ticks in a packet period.
-    ticks_per_packet: f64,
-    /// Peer 2's control period over the true one.
-    drift: f64,
 }
 
 impl<S: Number> Pair<S> {
@@ -59,88 +119,56 @@ impl<S: Number> Pair<S> {
     /// # Errors
     /// What [`Scene::peer`] refuses.
     pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
-        let side = |index: usize| {
-            let mut peer = scene.peer(index)?;
-            peer.command(Command::Arm);
-            let incoming = Way::new(scene, if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo }, 0);
-            Ok(Side { peer, plant: Plant::new(scene, index), incoming })
-        };
-        Ok(Self {
-            sides: [side(0)?, side(1)?],
-            period_s: scene.peer.timing.control_period_s,
-            tick: 0,
-            ticks_per_packet: f64::from(scene.peer.timing.ticks_per_packet),
-            drift: 1.0 + 1e-6 * scene.world.network.clock_drift_ppm,
-        })
+        let [first, mut second] = [Side::new(scene, 0, 1)?, Side::new(scene, 1, 0)?].map(Seat::new);
+        second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
+        let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
+        let route = |from, _| Route::of_scene(scene, direction(from), 0);
+        let engine = Engine::new(scene.peer.timing.control_period_ns(), vec![first, second], route);
+        Ok(Self { engine, period_s: scene.peer.timing.control_period_s })
+    }
+
+    /// Peer 1 (left) and peer 2 (right).
+    #[inline]
+    pub fn sides(&self) -> [&Side<S>; 2] {
+        [0, 1].map(|at| &self.engine.seats[at].actor)
+    }
+
+    /// The same, to be changed.
+    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S>> {
+        self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
     }
 
     /// Ticks done so far, n.
     pub fn tick(&self) -> u64 {
-        self.tick
+        self.engine.tick()
     }
 
     /// Time of the next tick, s.
     pub fn time_s(&self) -> f64 {
-        self.tick as f64 * self.period_s
+        self.engine.tick() as f64 * self.period_s
     }
 
     /// One true control period: a tick of both peers and devices; of peer 2 now and then none or two, where its clock
     /// drifts.
     #[inline]
     pub fn step(&mut self) {
-        self.step_watched(&mut |_| ());
+        self.engine.step(&mut |_| ());
     }
 
     /// The same, telling `each` what every tick of either peer read and did.
     #[inline]
     pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S>)) {
-        if self.drift == 1.0 {
-            self.round([true, true], each);
-        } else {
-            let ticks = |at: u64| (at as f64 / self.drift).floor() as u64;
-            let of_second = ticks(self.tick + 1) - ticks(self.tick);
-            self.round([true, of_second > 0], each);
-            for _ in 1..of_second {
-                self.round([false, true], each);
+        self.engine.step(&mut |turn| {
+            let Side { exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
+            if turn.turn == Turn::Acted {
+                each(Seen { number: turn.seat + 1, exchanged: *exchanged, sensors, actuators, peer: &mut **peer });
             }
-        }
-        self.tick += 1;
-    }
-
-    /// One tick of the sides whose turn it is.
-    #[inline]
-    fn round(&mut self, turns: [bool; 2], each: &mut impl FnMut(Seen<'_, S>)) {
-        let (time_s, now) = (self.time_s(), self.tick as f64 / self.ticks_per_packet);
-        let [left, right] = &mut self.sides;
-        let [left_due, right_due] = [turns[0] && left.peer.packet_due(), turns[1] && right.peer.packet_due()];
-        // Both packets are made before either is taken in: a network without delay delivers within the tick.
-        if left_due {
-            right.incoming.send(now, left.peer.outgoing());
-        }
-        if right_due {
-            left.incoming.send(now, right.peer.outgoing());
-        }
-        let exchanged = [(&mut *left, left_due), (&mut *right, right_due)].map(|(side, due)| {
-            due.then(|| {
-                let incoming = side.incoming.take(now);
-                side.peer.exchange(incoming);
-                incoming
-            })
         });
-        for (index, (side, exchanged)) in [left, right].into_iter().zip(exchanged).enumerate() {
-            if turns[index] {
-                let sensors = side.plant.sensors();
-                let actuators = side.peer.tick(&sensors);
-                side.plant.step(time_s, &actuators);
-                let peer = &mut *side.peer;
-                each(Seen { number: index + 1, exchanged, sensors: &sensors, actuators: &actuators, peer });
-            }
-        }
     }
 
     /// The fault that stopped either peer, if any, with the peer's number (1 or 2).
     pub fn fault(&self) -> Option<(usize, Fault)> {
-        self.sides.iter().enumerate().find_map(|(index, side)| match side.peer.mode() {
+        self.sides().iter().enumerate().find_map(|(index, side)| match side.peer.mode() {
             Mode::Faulted(fault) => Some((index + 1, fault)),
             _ => None,
         })
@@ -148,7 +176,7 @@ impl<S: Number> Pair<S> {
 
     /// A hash (FNV-1a over 64-bit words) of the bits of both peers' dynamic states, continued from `seed`.
     pub fn hash(&self, seed: u64) -> u64 {
-        self.sides.iter().fold(seed, |hash, side| side.peer.hash(hash))
+        self.sides().iter().fold(seed, |hash, side| side.peer.hash(hash))
     }
 }
 

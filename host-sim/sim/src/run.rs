@@ -130,7 +130,7 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         if fault_time_s.is_none() && pair.fault().is_some() {
             fault_time_s = Some(time_s);
         }
-        let [first, second] = pair.sides.each_ref().map(|side| side.peer.observed());
+        let [first, second] = pair.sides().map(|side| side.peer.observed());
         let true_m = (first.object.position.to_f64() - second.object.position.to_f64()).abs();
         let decoded_m = (second.object.position.to_f64() - second.desired.position.to_f64()).abs();
         let forces = [first, second].map(|seen| seen.coordination_force.to_f64());
@@ -140,7 +140,7 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         let contact = 0.5 * (contacts[0].abs() + contacts[1].abs());
         halves.see(tick, [true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
         if options.record_every > 0 && tick % options.record_every == 0 {
-            let peers = pair.sides.iter().flat_map(|side| {
+            let peers = pair.sides().into_iter().flat_map(|side| {
                 let (seen, ledger) = (side.peer.observed(), side.peer.ledger());
                 [
                     seen.device.position,
@@ -173,12 +173,12 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         contact_force_n: contact,
         peak_coordination_force_n: peak,
         largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
-        energy: pair.sides.each_ref().map(|side| PortEnergy {
+        energy: pair.sides().map(|side| PortEnergy {
             received_j: side.peer.ledger().received_j().to_f64(),
             sent_j: side.peer.ledger().sent_j().to_f64(),
         }),
         impacts: (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
-            pair.sides.each_ref().map(|side| {
+            pair.sides().map(|side| {
                 let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts();
                 let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
                 ImpactTotals { count, wanted_n_s, delivered_n_s, lost_j }

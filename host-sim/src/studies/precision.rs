@@ -5,10 +5,11 @@
 //! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
 //! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
 
-use haptic_core::num::{Fixed, Scalar};
+use haptic_core::num::Fixed;
 use haptic_core::settings::Refused;
 
 use haptic_sim::pair::Pair;
+use haptic_sim::peers::Number;
 use haptic_sim::report::Columns;
 use haptic_sim::scene::Scene;
 
@@ -62,7 +63,7 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, 
         }
         single.step();
         fixed.step();
-        for side in &double.sides {
+        for side in double.sides() {
             largest = largest.max(side.peer.observed().object.position.abs());
         }
         f32.see(&double, &single);
@@ -87,8 +88,8 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, 
 }
 
 impl Differences {
-    fn see<S: Scalar>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
-        for (exact, rounded) in reference.sides.iter().zip(&other.sides) {
+    fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
+        for (exact, rounded) in reference.sides().into_iter().zip(other.sides()) {
             let (exact, rounded) = (exact.peer.observed(), rounded.peer.observed());
             let position = (exact.object.position - rounded.object.position.to_f64()).abs();
             let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();

@@ -44,7 +44,7 @@ pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, Str
     let text = lines(&settings);
     let mut bytes = (text.len() as u32).to_le_bytes().to_vec();
     bytes.extend(text.as_bytes());
-    for axis in pair.sides[number - 1].plant.motions() {
+    for axis in pair.sides()[number - 1].plant.motions() {
         bytes.extend((axis.position as f32).to_le_bytes());
     }
     let mut hash = SEED;

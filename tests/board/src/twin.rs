@@ -41,9 +41,9 @@ pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     let bits = |seen: Observed<f32>| [seen.object.position, seen.desired.position].map(f32::to_bits);
     compare(
         |tick| {
-            let counts = pair.sides.each_ref().map(|side| side.plant.sensors::<f32>().reading);
+            let counts = pair.sides().map(|side| side.plant.sensors::<f32>().reading);
             pair.step();
-            pair.sides.iter_mut().zip(boards).zip(counts).all(|((side, records), reading)| {
+            pair.sides_mut().zip(boards).zip(counts).all(|((side, records), reading)| {
                 let board = &records[tick as usize];
                 let seen = *side.peer.observed();
                 reading == Reading::Counts(board.counts())
@@ -69,10 +69,10 @@ pub fn closed_loop_given(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
     compare(
         |tick| {
             let mut same = true;
-            for (side, sent) in pair.sides.iter().zip(&mut sent).filter(|(side, _)| side.peer.packet_due()) {
+            for (side, sent) in pair.sides().into_iter().zip(&mut sent).filter(|(side, _)| side.peer.packet_due()) {
                 sent.push(side.peer.outgoing());
             }
-            for (at, (side, records)) in pair.sides.iter_mut().zip(boards).enumerate() {
+            for (at, (side, records)) in pair.sides_mut().zip(boards).enumerate() {
                 let board = &records[tick as usize];
                 if board.flags() & record::PARTED != 0 {
                     side.peer.part();

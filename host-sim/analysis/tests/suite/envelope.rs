@@ -21,7 +21,7 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
     let mut largest = 0.0_f64;
     for _ in 0..ticks {
         pair.step();
-        for side in &pair.sides {
+        for side in pair.sides() {
             let seen = side.peer.observed();
             for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                 largest = largest.max(size.abs());
@@ -36,7 +36,7 @@ fn settles(linear: &Scene, verdict: &Verdict, seed: u64) -> Option<bool> {
     let mut pair = Pair::<f64>::new(linear).unwrap();
     let mut dice = Dice::new(!seed);
     let mut random = || (dice.unit() - 0.5) * 2.0_f64.powi(-200);
-    for side in &mut pair.sides {
+    for side in pair.sides_mut() {
         side.peer.visit(&mut |number: &mut f64| *number = random());
         let (motion, motor) = side.plant.free_axis();
         (motion.position, motion.velocity, *motor) = (random(), random(), random());

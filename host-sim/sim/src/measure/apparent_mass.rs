@@ -40,7 +40,7 @@ pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
         let (mut force, mut speed) = (0.0, 0.0);
         for _ in 0..window {
             pair.step();
-            for seen in pair.sides.iter().map(|side| side.peer.observed()) {
+            for seen in pair.sides().into_iter().map(|side| side.peer.observed()) {
                 force += seen.contact_force / window as f64;
                 speed += seen.object.velocity / 2.0 / window as f64;
             }

@@ -78,7 +78,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..periods * per_period {
         let angle = OMEGA * pair.time_s();
         pair.step();
-        for seen in pair.sides.iter().map(|side| side.peer.observed()) {
+        for seen in pair.sides().into_iter().map(|side| side.peer.observed()) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
             let (out, into) = match sends {
                 Some(Sends::Motion) => (seen.object.position, seen.desired.position),

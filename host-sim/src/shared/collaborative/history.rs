@@ -136,6 +136,6 @@ mod tests {
         assert!(wrong(&|history| history.last(0, &one)).contains("edit 2 was published"));
         assert!(wrong(&|history| history.publish(&other)).contains("do not build on each other"));
         assert!(wrong(&|history| history.official(&other)).contains("does not build on edit 2"));
-        assert!(wrong(&|history| drop(history.edit(&[9; 24]))).contains("nobody has made"));
+        assert!(wrong(&|history| history.publish(&[9; 24])).contains("nobody has made"));
     }
 }

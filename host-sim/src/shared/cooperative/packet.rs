@@ -37,6 +37,14 @@ pub(super) struct Down {
     pub(super) say: Option<Message>,
 }
 
+/// Either way.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "as many go up as come down")]
+pub(super) enum Packet {
+    Up(Up),
+    Down(Down),
+}
+
 /// The role's name for a client.
 pub(super) fn peer(index: usize) -> PeerId {
     PeerId(index as u8 + 1)

@@ -7,35 +7,67 @@
 
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
-use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Refused;
+use haptic_core::safety::Mode;
+use haptic_sim::engine::{Actor, Engine, Out, Seat};
+use haptic_sim::measure::LastHalf;
+use haptic_sim::network::link::{Inbox, Numbered, Route};
+use haptic_sim::network::rule::Direction;
+use haptic_sim::pair::Side;
+use haptic_sim::scene::{Network, Scene};
 use serde::Serialize;
 
 use super::MOST_USERS;
 use super::junction::Junction;
 use super::world::WorldError;
-use haptic_sim::measure::LastHalf;
-use haptic_sim::network::Way;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::peers::DynPeer;
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::{Network, Scene};
 
-/// One peer, its device and its lines to and from the server.
-struct Seat {
-    peer: Box<dyn DynPeer<f64>>,
-    plant: Plant,
-    up: Way<Packet<f64>>,
-    down: Way<Packet<f64>>,
+/// Who sits at the engine: first the server, where the lines meet.
+#[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]
+enum Around {
+    Server(Meeting),
+    Peer(Side<f64>),
+}
+
+/// The server's ends of the lines, and where they meet.
+struct Meeting {
+    junction: Junction,
+    lines: Vec<Inbox<Packet<f64>>>,
+    packet_ns: u64,
+}
+
+impl Actor<usize> for Around {
+    type Packet = Numbered<Packet<f64>>;
+
+    fn hear(&mut self, now_ns: u64, from: usize, packet: &mut Self::Packet, out: &mut Out<'_, usize, Self::Packet>) {
+        match self {
+            Self::Server(meeting) => meeting.lines[from - 1].put(now_ns, *packet),
+            Self::Peer(side) => side.hear(now_ns, from, packet, out),
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, Self::Packet>) {
+        if let Self::Peer(side) = self {
+            side.speak(now_ns, out);
+        }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, usize, Self::Packet>) {
+        match self {
+            Self::Peer(side) => side.act(now_ns, out),
+            Self::Server(Meeting { junction, lines, packet_ns }) if now_ns.is_multiple_of(*packet_ns) => {
+                junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)));
+                for (port, to) in junction.ports().iter().zip(1..) {
+                    out(to, &Numbered { number: now_ns / *packet_ns, what: port.back });
+                }
+            }
+            Self::Server(_) => {}
+        }
+    }
 }
 
 /// Peers around a node.
 pub struct Waves {
-    seats: Vec<Seat>,
-    junction: Junction,
+    engine: Engine<Around>,
     period_s: f64,
-    ticks_per_packet: u64,
-    tick: u64,
 }
 
 /// What a run gave.
@@ -77,77 +109,61 @@ impl Waves {
             return Err(WorldError::NotConstant);
         }
         let junction = Junction::new(&scene.peer, users)?;
-        let seat = |index: usize| -> Result<Seat, Refused<'static>> {
-            let mut peer = scene.peer(index % 2)?;
-            peer.command(Command::Arm);
-            let way = |direction| Way::new(scene, direction, index as u32);
-            let (up, down) = (way(Direction::OneToTwo), way(Direction::TwoToOne));
-            Ok(Seat { peer, plant: Plant::new(scene, index % 2), up, down })
+        let timing = &scene.peer.timing;
+        let lines = (0..users).map(|_| Inbox::new(scene)).collect();
+        let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });
+        let peers = (0..users).map(|index| Ok(Seat::new(Around::Peer(Side::new(scene, index % 2, 0)?))));
+        let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, WorldError>>()?;
+        let route = |from: usize, to: usize| match from {
+            0 => Route::of_scene(scene, Direction::TwoToOne, to.saturating_sub(1) as u32),
+            _ => Route::of_scene(scene, Direction::OneToTwo, from as u32 - 1),
         };
-        let seats = (0..users).map(seat).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self {
-            junction,
-            seats,
-            period_s: scene.peer.timing.control_period_s,
-            ticks_per_packet: u64::from(scene.peer.timing.ticks_per_packet),
-            tick: 0,
+        Ok(Self { engine: Engine::new(timing.control_period_ns(), seats, route), period_s: timing.control_period_s })
+    }
+
+    fn sides(&self) -> impl Iterator<Item = &Side<f64>> {
+        self.engine.seats.iter().filter_map(|seat| match &seat.actor {
+            Around::Peer(side) => Some(side),
+            Around::Server(_) => None,
         })
     }
 
     /// The object's copy at every peer, as the last tick saw it.
     pub fn copies(&self) -> impl Iterator<Item = Motion<f64>> {
-        self.seats.iter().map(|seat| seat.peer.observed().object)
+        self.sides().map(|side| side.peer.observed().object)
     }
 
     /// Contact force at every peer, N.
     pub fn forces(&self) -> impl Iterator<Item = f64> {
-        self.seats.iter().map(|seat| seat.peer.observed().contact_force)
+        self.sides().map(|side| side.peer.observed().contact_force)
     }
 
     /// One tick.
     pub fn step(&mut self) {
-        if self.tick.is_multiple_of(self.ticks_per_packet) {
-            self.exchange((self.tick / self.ticks_per_packet) as f64);
-        }
-        let time_s = self.period_s * self.tick as f64;
-        for seat in &mut self.seats {
-            let sensors = seat.plant.sensors();
-            let actuators = seat.peer.tick(&sensors);
-            seat.plant.step(time_s, &actuators);
-        }
-        self.tick += 1;
-    }
-
-    /// Packets to the server, through the junction, and back.
-    fn exchange(&mut self, time: f64) {
-        self.junction.exchange(self.seats.iter_mut().map(|seat| {
-            seat.up.send(time, seat.peer.outgoing());
-            seat.up.take(time)
-        }));
-        for (seat, port) in self.seats.iter_mut().zip(self.junction.ports()) {
-            seat.down.send(time, port.back);
-            let incoming = seat.down.take(time);
-            seat.peer.exchange(incoming);
-        }
+        self.engine.step(&mut |_| ());
     }
 
     /// Runs on for `duration_s`.
     pub fn run(&mut self, duration_s: f64) -> Outcome {
         let ticks = (duration_s / self.period_s).round() as u64;
-        let (mut halves, mut peak_n) = (LastHalf::new(ticks), 0.0_f64);
+        let (mut means, mut peak_n) = (LastHalf::new(ticks), 0.0_f64);
         for tick in 0..ticks {
             self.step();
             peak_n = self.forces().map(f64::abs).fold(peak_n, f64::max);
             let places = || self.copies().map(|copy| copy.position);
-            let apart_m = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
-            halves.see(tick, [apart_m, self.forces().map(f64::abs).sum::<f64>() / self.seats.len() as f64]);
+            let apart = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+            means.see(tick, [apart, self.forces().map(f64::abs).sum::<f64>() / self.sides().count() as f64]);
         }
-        let [discrepancy_m, felt_n] = halves.means();
-        let energy = self.junction.energy();
+        let energy = self.engine.seats.iter().find_map(|seat| match &seat.actor {
+            Around::Server(meeting) => Some(meeting.junction.energy()),
+            Around::Peer(_) => None,
+        });
+        let energy = energy.unwrap_or_default();
+        let [discrepancy, felt_n] = means.means();
         let out_over = |into: f64| if into > 0.0 { energy.sent_j / into } else { 1.0 };
         Outcome {
-            stable: self.seats.iter().all(|seat| seat.peer.mode() == Mode::Armed),
-            true_discrepancy_mm: 1e3 * discrepancy_m,
+            stable: self.sides().all(|side| side.peer.mode() == Mode::Armed),
+            true_discrepancy_mm: 1e3 * discrepancy,
             felt_n,
             peak_n,
             node_out_over_in: out_over(energy.taken_j),

@@ -1,4 +1,4 @@
-//! Server, clients and the network between them, one tick after the other.
+//! A cooperative environment at work: clients, a server that may hand the engine to a client, and the network between them.
 //!
 //! Order of tick n: the server says what it has to say, clients take in what came, every contact force, clients say theirs,
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
@@ -11,29 +11,169 @@ use haptic_core::settings::Refused;
 use haptic_protocol::roles::cooperative as role;
 use haptic_protocol::roles::cooperative::{Lease, Message, OutOfRange, Told};
 use haptic_protocol::wire::{Moved, Push};
+use haptic_sim::engine::{self, Actor, Clock, Out};
+use haptic_sim::network::link::{Inbox, Numbered, Route};
+use haptic_sim::network::rule::Direction;
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
-use super::packet::{Down, Up, body, object, peer};
+use super::packet::{Down, Packet, Up, body, object, peer};
 use super::{Collision, MOST_USERS, Setup};
-use haptic_sim::network::Way;
-use haptic_sim::network::rule::Direction;
 
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
 pub const LEASE_US: u32 = 2_000_000;
 
-/// One client with its lines and what it plays in the hand-over.
+/// What both ends are told alike.
+#[derive(Clone)]
+struct Rules {
+    users: usize,
+    collision: Collision,
+    bounder: Option<Bounder<f64>>,
+    period_s: f64,
+    period_ns: u64,
+    ticks_per_packet: u64,
+}
+
+impl Rules {
+    /// What a push does to an object, its drag included.
+    fn pushed(&self, push: &Push, came_us: u64) -> Pushed {
+        let drag = |bounder: &Bounder<f64>| bounder.bound(1e-6 * f64::from(push.round_trip_us)).drag;
+        Pushed {
+            force_n: f64::from(push.force[0]),
+            drag_n_s_per_m: self.bounder.as_ref().map_or(0.0, drag),
+            sent_us: push.sent_us,
+            came_us,
+        }
+    }
+
+    /// The tick that a clock here shows.
+    fn tick(&self, now_ns: u64) -> u64 {
+        now_ns / self.period_ns
+    }
+
+    fn is_due(&self, now_ns: u64) -> bool {
+        self.tick(now_ns).is_multiple_of(self.ticks_per_packet)
+    }
+
+    fn number(&self, now_ns: u64) -> u64 {
+        self.tick(now_ns) / self.ticks_per_packet
+    }
+
+    /// Sends what a packet period brings.
+    fn send(&self, now_ns: u64, to: usize, packet: Packet, out: &mut Sends<'_>) {
+        out(to, &Numbered { number: self.number(now_ns), what: packet });
+    }
+}
+
+type Sends<'a> = Out<'a, usize, Numbered<Packet>>;
+
+/// The clock of everybody: it never shows 0.
+const CLOCK: Clock = Clock { start_ns: 1_000, rate: 1.0 };
+
+/// Who sits at the engine: clients, and last the server.
+#[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]
+enum Peer {
+    Client(Seat),
+    Server(Server),
+}
+
+/// One client and what it plays in the hand-over.
 struct Seat {
+    rules: Rules,
+    index: usize,
     client: Client,
     role: role::Client,
-    up: Way<Up>,
-    down: Way<Down>,
+    inbox: Inbox<Packet>,
     /// The object, while the engine is here.
     engine: DynamicsEngine,
     force_n: f64,
     /// The force that the server computed last, where it computes contact.
     received_n: f64,
-    /// The newest of this client at the server.
+    bytes: u64,
+}
+
+impl Seat {
+    fn hears(&mut self, now_us: u64, down: Down) {
+        let pushed: [Option<Pushed>; MOST_USERS] =
+            down.pushes.map_or([None; MOST_USERS], |all| all.map(|push| Some(self.rules.pushed(&push?, now_us))));
+        if let Some(state) = down.state {
+            let [[position, velocity], _] = state.axes;
+            self.client.tell(state.version, Motion { position: position.into(), velocity: velocity.into() });
+            if state.echo_us > 0 {
+                // A clock that is not believed is one that has nothing to say.
+                let _ = self.client.clock.sample(state.echo_us, state.came_us, state.sent_us, now_us);
+            }
+        }
+        self.received_n = down.force_n.unwrap_or(self.received_n);
+        for (user, pushed) in self.engine.users.iter_mut().zip(pushed) {
+            // A push that comes again is the one that stands.
+            *user = pushed.filter(|new| new.sent_us > user.sent_us).unwrap_or(*user);
+        }
+        match down.say.map_or(Told::Nothing, |message| self.role.receive(now_us, &message)) {
+            Told::Came(body) => self.engine.take_over(object(body)),
+            Told::Recalled => self.role.give_back(now_us, body(self.engine.object)),
+            Told::Nothing => {}
+        }
+    }
+
+    fn says(&mut self, now_us: u64) -> Up {
+        let [device, ..] = self.client.plant.motions();
+        let round_trip_us = self.client.round_trip_s().map_or(u32::MAX, |round_trip_s| (1e6 * round_trip_s) as u32);
+        let (force, hand) = ([self.force_n as f32, 0.0], [device.position as f32, 0.0]);
+        let states = self
+            .role
+            .engine(now_us)
+            .map(|version| self.engine.users.map(|user| moved(self.engine.object, version, user, now_us)));
+        let sensed = (self.rules.collision == Collision::Server).then_some((device, self.client.bound));
+        let push = Push { round_trip_us, sent_us: now_us, force, hand };
+        Up { push, sensed, states, say: self.role.poll(now_us) }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Sends<'_>) {
+        let (now_us, due) = (now_ns / 1_000, self.rules.is_due(now_ns));
+        if due && let Some(Packet::Down(down)) = self.inbox.take(now_ns) {
+            self.hears(now_us, down);
+        }
+        let version = self.role.engine(now_us);
+        if let Some(version) = version {
+            self.client.tell(version, self.engine.object);
+        }
+        self.client.follow(version.is_some());
+        let [device, ..] = self.client.plant.motions();
+        self.force_n = match self.rules.collision {
+            _ if self.client.fault.is_some() => 0.0,
+            Collision::Client => self.client.contact_n(device, self.client.view()),
+            Collision::Server => self.received_n,
+        };
+        if due {
+            let up = self.says(now_us);
+            self.bytes += up.bytes(self.rules.users) as u64;
+            self.rules.send(now_ns, self.rules.users, Packet::Up(up), out);
+        }
+        if version.is_some() {
+            let drag_n_s_per_m = self.client.bound.drag;
+            self.engine.users[self.index] = Pushed { force_n: self.force_n, drag_n_s_per_m, sent_us: 0, came_us: 0 };
+            self.engine.step();
+        }
+        self.client.step(self.rules.period_s * self.rules.tick(now_ns) as f64, self.force_n);
+    }
+}
+
+/// A state as it is told to a user.
+fn moved(at: Motion<f64>, version: u32, user: Pushed, now_us: u64) -> Moved {
+    Moved {
+        version,
+        axes: [[at.position as f32, at.velocity as f32], [0.0; 2]],
+        echo_us: user.sent_us,
+        came_us: user.came_us,
+        sent_us: now_us,
+    }
+}
+
+/// What the server knows of a client.
+struct User {
+    inbox: Inbox<Packet>,
+    /// The newest of this client.
     push: Option<Push>,
     sensed: Option<(Motion<f64>, Bound<f64>)>,
     /// What the holder last told this client.
@@ -42,20 +182,117 @@ struct Seat {
     answer: Option<Message>,
 }
 
+struct Server {
+    rules: Rules,
+    role: role::Server,
+    engine: DynamicsEngine,
+    contacts: [Contact<f64>; 2],
+    users: Vec<User>,
+    bytes: u64,
+}
+
+impl Server {
+    fn speak(&mut self, now_ns: u64, out: &mut Sends<'_>) {
+        let now_us = now_ns / 1_000;
+        let (recalled, came) = self.role.poll(now_us);
+        if let Some(body) = came {
+            self.engine.take_over(object(body));
+        }
+        let (here, lent_to, version) = (self.role.has_engine(), self.role.lent_to(), self.role.version());
+        let pushes: [Option<Push>; MOST_USERS] =
+            core::array::from_fn(|other| self.users.get(other).and_then(|user| user.push));
+        for (index, user) in self.users.iter_mut().enumerate() {
+            let pushed = self.engine.users[index];
+            let mut others = pushes;
+            others[index] = None;
+            let holds = lent_to == Some(peer(index));
+            let say = recalled.filter(|(to, _)| *to == peer(index)).map(|(_, message)| message);
+            let own = here.then(|| moved(self.engine.object, version, pushed, now_us));
+            let down = Down {
+                state: own.or_else(|| user.passed_on.take()),
+                force_n: (self.rules.collision == Collision::Server).then_some(pushed.force_n),
+                pushes: holds.then_some(others),
+                say: user.answer.take().or(say),
+            };
+            self.bytes += down.bytes() as u64;
+            self.rules.send(now_ns, index, Packet::Down(down), out);
+        }
+    }
+
+    fn hears(&mut self, index: usize, now_us: u64, up: Up) {
+        self.engine.users[index] = self.rules.pushed(&up.push, now_us);
+        self.users[index].push = Some(up.push);
+        self.users[index].sensed = up.sensed;
+        if let Some(states) = up.states {
+            let [[position, velocity], _] = states[0].axes;
+            let told = Motion { position: position.into(), velocity: velocity.into() };
+            self.role.told(peer(index), states[0].version, body(told));
+            for (other, (user, state)) in self.users.iter_mut().zip(states).enumerate() {
+                user.passed_on = (other != index).then_some(state);
+            }
+        }
+        if let Some(message) = up.say {
+            let heard = self.role.receive(now_us, peer(index), &message, body(self.engine.object));
+            self.users[index].answer = heard.say.or(self.users[index].answer);
+            if let Some(body) = heard.came {
+                self.engine.take_over(object(body));
+            }
+        }
+    }
+
+    fn act(&mut self, now_ns: u64) {
+        if self.rules.is_due(now_ns) {
+            for index in 0..self.users.len() {
+                if let Some(Packet::Up(up)) = self.users[index].inbox.take(now_ns) {
+                    self.hears(index, now_ns / 1_000, up);
+                }
+            }
+        }
+        if self.rules.collision == Collision::Server {
+            for (index, user) in self.users.iter().enumerate() {
+                if let Some((device, bound)) = user.sensed {
+                    let contact = self.contacts[index % 2].with_gains(bound.stiffness, bound.damping);
+                    self.engine.users[index].force_n = contact.force(device, self.engine.object);
+                }
+            }
+        }
+        if self.role.has_engine() {
+            self.engine.step();
+        }
+    }
+}
+
+impl Actor<usize> for Peer {
+    type Packet = Numbered<Packet>;
+
+    fn hear(&mut self, now_ns: u64, from: usize, packet: &mut Numbered<Packet>, _: &mut Sends<'_>) {
+        match self {
+            Self::Client(seat) => seat.inbox.put(now_ns, *packet),
+            Self::Server(server) => server.users[from].inbox.put(now_ns, *packet),
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Sends<'_>) {
+        if let Self::Server(server) = self
+            && server.rules.is_due(now_ns)
+        {
+            server.speak(now_ns, out);
+        }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Sends<'_>) {
+        match self {
+            Self::Client(seat) => seat.act(now_ns, out),
+            Self::Server(server) => server.act(now_ns),
+        }
+    }
+}
+
 /// A cooperative environment at work.
 pub struct World {
-    seats: Vec<Seat>,
-    server: role::Server,
-    engine: DynamicsEngine,
+    engine: engine::Engine<Peer>,
     /// The object as it was last moved, by whom ever.
     moved: Motion<f64>,
-    contacts: [Contact<f64>; 2],
-    bounder: Option<Bounder<f64>>,
-    collision: Collision,
-    period_s: f64,
-    ticks_per_packet: u64,
-    tick: u64,
-    bytes: [u64; 2],
 }
 
 /// Why a world cannot be made.
@@ -92,8 +329,9 @@ impl World {
     /// # Errors
     /// Users out of range; what the peers' settings refuse.
     pub fn new(setup: &Setup) -> Result<Self, WorldError> {
-        if !(1..=MOST_USERS).contains(&setup.users) {
-            return Err(WorldError::Users(setup.users));
+        let users = setup.users;
+        if !(1..=MOST_USERS).contains(&users) {
+            return Err(WorldError::Users(users));
         }
         if setup.collision == Collision::Server && setup.engine != super::Engine::Server {
             return Err(WorldError::NoContact);
@@ -101,65 +339,88 @@ impl World {
         let scene = &setup.scene;
         let settings = scene.peers();
         settings[0].check()?;
-        let (contact, period_s) = (&settings[0].contact, settings[0].timing.control_period_s);
+        let (contact, timing) = (&settings[0].contact, &settings[0].timing);
+        let (period_s, damping) = (timing.control_period_s, scene.world.device.damping_n_s_per_m);
+        let bounder = || Bounder::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, damping, period_s);
+        let rules = Rules {
+            users,
+            collision: setup.collision,
+            bounder: setup.bounder.then(bounder),
+            period_s,
+            period_ns: timing.control_period_ns(),
+            ticks_per_packet: u64::from(timing.ticks_per_packet),
+        };
         let lease = Lease::new(LEASE_US)?;
         let engine = DynamicsEngine::new(&settings[0]);
-        let seats = (0..setup.users).map(|index| Seat {
+        let client = |index: usize| Seat {
+            rules: rules.clone(),
+            index,
             client: Client::new(scene, &settings[index % 2], index, setup.bounder),
             role: role::Client::new(lease),
-            up: Way::new(scene, Direction::OneToTwo, index as u32),
-            down: Way::new(scene, Direction::TwoToOne, index as u32),
+            inbox: Inbox::new(scene),
             engine: engine.clone(),
             force_n: 0.0,
             received_n: 0.0,
-            push: None,
-            sensed: None,
-            passed_on: None,
-            answer: None,
-        });
-        let damping = scene.world.device.damping_n_s_per_m;
-        let bounder = Bounder::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, damping, period_s);
-        Ok(Self {
-            seats: seats.collect(),
-            server: role::Server::new(lease),
+            bytes: 0,
+        };
+        let user = |_| User { inbox: Inbox::new(scene), push: None, sensed: None, passed_on: None, answer: None };
+        let server = Server {
+            rules: rules.clone(),
+            role: role::Server::new(lease),
+            engine: engine.clone(),
             contacts: [0, 1].map(|side: usize| Contact::build(&settings[side])),
-            moved: engine.object,
-            engine,
-            bounder: setup.bounder.then_some(bounder),
-            collision: setup.collision,
-            period_s,
-            ticks_per_packet: u64::from(settings[0].timing.ticks_per_packet),
-            tick: 0,
-            bytes: [0; 2],
+            users: (0..users).map(user).collect(),
+            bytes: 0,
+        };
+        let peers = (0..users).map(|index| Peer::Client(client(index))).chain([Peer::Server(server)]);
+        let seats = peers.map(|peer| engine::Seat { clock: CLOCK, ..engine::Seat::new(peer) }).collect();
+        let route = |from: usize, to: usize| match from == users {
+            true => Route::of_scene(scene, Direction::TwoToOne, to as u32),
+            false => Route::of_scene(scene, Direction::OneToTwo, from as u32),
+        };
+        Ok(Self { engine: engine::Engine::new(rules.period_ns, seats, route), moved: engine.object })
+    }
+
+    fn seats(&self) -> impl Iterator<Item = &Seat> {
+        self.engine.seats.iter().filter_map(|seat| match &seat.actor {
+            Peer::Client(seat) => Some(seat),
+            Peer::Server(_) => None,
+        })
+    }
+
+    fn server(&self) -> Option<&Server> {
+        self.engine.seats.iter().find_map(|seat| match &seat.actor {
+            Peer::Server(server) => Some(server),
+            Peer::Client(_) => None,
         })
     }
 
     /// Ticks done.
     pub fn tick(&self) -> u64 {
-        self.tick
+        self.engine.tick()
     }
 
     /// The clients.
     pub fn clients(&self) -> impl Iterator<Item = &Client> {
-        self.seats.iter().map(|seat| &seat.client)
+        self.seats().map(|seat| &seat.client)
     }
 
     /// Contact force of every client on the object at the last tick, N.
     pub fn forces(&self) -> impl Iterator<Item = f64> {
-        self.seats.iter().map(|seat| seat.force_n)
+        self.seats().map(|seat| seat.force_n)
     }
 
     /// Bytes that all clients have sent, and that the server has, sealed.
     pub fn bytes(&self) -> [u64; 2] {
-        self.bytes
+        [self.seats().map(|seat| seat.bytes).sum(), self.server().map_or(0, |server| server.bytes)]
     }
 
     /// Who has the engine: 0 the server, 1… a client; nobody while it is on its way.
     pub fn holders(&self) -> Vec<usize> {
         let now = self.now_us();
-        let clients = self.seats.iter().enumerate().filter(|(_, seat)| seat.role.engine(now).is_some());
-        let server = self.server.has_engine().then_some(0);
-        server.into_iter().chain(clients.map(|(index, _)| index + 1)).collect()
+        let clients = self.seats().filter(|seat| seat.role.engine(now).is_some());
+        let server = self.server().filter(|server| server.role.has_engine()).map(|_| 0);
+        server.into_iter().chain(clients.map(|seat| seat.index + 1)).collect()
     }
 
     /// The object where it is moved, or was last.
@@ -170,199 +431,31 @@ impl World {
     /// The first client asks for the engine.
     pub fn ask(&mut self) {
         let now = self.now_us();
-        self.seats[0].role.ask(now);
+        if let Some(engine::Seat { actor: Peer::Client(seat), .. }) = self.engine.seats.first_mut() {
+            seat.role.ask(now);
+        }
     }
 
     /// The server asks for it back.
     pub fn recall(&mut self) {
-        self.server.recall(self.now_us());
-    }
-
-    /// Time on every clock, µs; never 0.
-    fn now_us(&self) -> u64 {
-        (1e6 * self.period_s * self.tick as f64) as u64 + 1
-    }
-
-    /// What a push does to an object, its drag included.
-    fn pushed(&self, push: &Push, came_us: u64) -> Pushed {
-        let drag = |bounder: &Bounder<f64>| bounder.bound(1e-6 * f64::from(push.round_trip_us)).drag;
-        Pushed {
-            force_n: f64::from(push.force[0]),
-            drag_n_s_per_m: self.bounder.as_ref().map_or(0.0, drag),
-            sent_us: push.sent_us,
-            came_us,
+        let now = self.now_us();
+        if let Some(engine::Seat { actor: Peer::Server(server), .. }) = self.engine.seats.last_mut() {
+            server.role.recall(now);
         }
+    }
+
+    /// Time on every clock, µs.
+    fn now_us(&self) -> u64 {
+        CLOCK.at(self.engine.now_ns()) / 1_000
     }
 
     /// One tick.
     pub fn step(&mut self) {
-        let now = self.now_us();
-        let due = self.tick.is_multiple_of(self.ticks_per_packet);
-        let time = (self.tick / self.ticks_per_packet) as f64;
-        if due {
-            self.server_says(now, time);
-            for index in 0..self.seats.len() {
-                self.client_hears(index, now, time);
-            }
-        }
-        let time_s = self.period_s * self.tick as f64;
-        for seat in &mut self.seats {
-            let version = seat.role.engine(now);
-            if let Some(version) = version {
-                seat.client.tell(version, seat.engine.object);
-            }
-            seat.client.follow(version.is_some());
-            let [device, ..] = seat.client.plant.motions();
-            seat.force_n = match self.collision {
-                _ if seat.client.fault.is_some() => 0.0,
-                Collision::Client => seat.client.contact_n(device, seat.client.view()),
-                Collision::Server => seat.received_n,
-            };
-        }
-        if due {
-            for index in 0..self.seats.len() {
-                self.client_says(index, now, time);
-            }
-            for index in 0..self.seats.len() {
-                self.server_hears(index, now, time);
-            }
-        }
-        self.move_object(now);
-        for seat in &mut self.seats {
-            seat.client.step(time_s, seat.force_n);
-        }
-        self.tick += 1;
-    }
-
-    fn server_says(&mut self, now: u64, time: f64) {
-        let (recalled, came) = self.server.poll(now);
-        if let Some(body) = came {
-            self.engine.take_over(object(body));
-        }
-        let (here, lent_to, version) = (self.server.has_engine(), self.server.lent_to(), self.server.version());
-        let pushes: [Option<Push>; MOST_USERS] =
-            core::array::from_fn(|other| self.seats.get(other).and_then(|seat| seat.push));
-        for (index, seat) in self.seats.iter_mut().enumerate() {
-            let at = self.engine.object;
-            let user = self.engine.users[index];
-            let own = Moved {
-                version,
-                axes: [[at.position as f32, at.velocity as f32], [0.0; 2]],
-                echo_us: user.sent_us,
-                came_us: user.came_us,
-                sent_us: now,
-            };
-            let mut others = pushes;
-            others[index] = None;
-            let holds = lent_to == Some(peer(index));
-            let say = recalled.filter(|(to, _)| *to == peer(index)).map(|(_, message)| message);
-            let down = Down {
-                state: if here { Some(own) } else { seat.passed_on.take() },
-                force_n: (self.collision == Collision::Server).then_some(user.force_n),
-                pushes: holds.then_some(others),
-                say: seat.answer.take().or(say),
-            };
-            self.bytes[1] += down.bytes() as u64;
-            seat.down.send(time, down);
-        }
-    }
-
-    fn client_hears(&mut self, index: usize, now: u64, time: f64) {
-        let Some(down) = self.seats[index].down.take(time) else { return };
-        let pushed: [Option<Pushed>; MOST_USERS] =
-            down.pushes.map_or([None; MOST_USERS], |all| all.map(|push| Some(self.pushed(&push?, now))));
-        let seat = &mut self.seats[index];
-        if let Some(state) = down.state {
-            let [[position, velocity], _] = state.axes;
-            seat.client.tell(state.version, Motion { position: position.into(), velocity: velocity.into() });
-            if state.echo_us > 0 {
-                // A clock that is not believed is one that has nothing to say.
-                let _ = seat.client.clock.sample(state.echo_us, state.came_us, state.sent_us, now);
-            }
-        }
-        seat.received_n = down.force_n.unwrap_or(seat.received_n);
-        for (user, pushed) in seat.engine.users.iter_mut().zip(pushed) {
-            // A push that comes again is the one that stands.
-            *user = pushed.filter(|new| new.sent_us > user.sent_us).unwrap_or(*user);
-        }
-        match down.say.map_or(Told::Nothing, |message| seat.role.receive(now, &message)) {
-            Told::Came(body) => seat.engine.take_over(object(body)),
-            Told::Recalled => seat.role.give_back(now, body(seat.engine.object)),
-            Told::Nothing => {}
-        }
-    }
-
-    fn client_says(&mut self, index: usize, now: u64, time: f64) {
-        let users = self.seats.len();
-        let seat = &mut self.seats[index];
-        let [device, ..] = seat.client.plant.motions();
-        let round_trip_us = seat.client.round_trip_s().map_or(u32::MAX, |round_trip_s| (1e6 * round_trip_s) as u32);
-        let push = Push {
-            round_trip_us,
-            sent_us: now,
-            force: [seat.force_n as f32, 0.0],
-            hand: [device.position as f32, 0.0],
-        };
-        let at = seat.engine.object;
-        let states = seat.role.engine(now).map(|version| {
-            seat.engine.users.map(|user| Moved {
-                version,
-                axes: [[at.position as f32, at.velocity as f32], [0.0; 2]],
-                echo_us: user.sent_us,
-                came_us: user.came_us,
-                sent_us: now,
-            })
-        });
-        let say = seat.role.poll(now);
-        let sensed = (self.collision == Collision::Server).then_some((device, seat.client.bound));
-        let up = Up { push, sensed, states, say };
-        self.bytes[0] += up.bytes(users) as u64;
-        seat.up.send(time, up);
-    }
-
-    fn server_hears(&mut self, index: usize, now: u64, time: f64) {
-        let Some(up) = self.seats[index].up.take(time) else { return };
-        self.engine.users[index] = self.pushed(&up.push, now);
-        self.seats[index].push = Some(up.push);
-        self.seats[index].sensed = up.sensed;
-        if let Some(states) = up.states {
-            let [[position, velocity], _] = states[0].axes;
-            let told = Motion { position: position.into(), velocity: velocity.into() };
-            self.server.told(peer(index), states[0].version, body(told));
-            for (other, (seat, state)) in self.seats.iter_mut().zip(states).enumerate() {
-                seat.passed_on = (other != index).then_some(state);
-            }
-        }
-        if let Some(message) = up.say {
-            let heard = self.server.receive(now, peer(index), &message, body(self.engine.object));
-            self.seats[index].answer = heard.say.or(self.seats[index].answer);
-            if let Some(body) = heard.came {
-                self.engine.take_over(object(body));
-            }
-        }
-    }
-
-    /// Whoever has the engine adds the forces up and moves the object by a tick.
-    fn move_object(&mut self, now: u64) {
-        if self.collision == Collision::Server {
-            for (index, seat) in self.seats.iter().enumerate() {
-                if let Some((device, bound)) = seat.sensed {
-                    let contact = self.contacts[index % 2].with_gains(bound.stiffness, bound.damping);
-                    self.engine.users[index].force_n = contact.force(device, self.engine.object);
-                }
-            }
-        }
-        if self.server.has_engine() {
-            self.engine.step();
-            self.moved = self.engine.object;
-        }
-        for (index, seat) in self.seats.iter_mut().enumerate() {
-            if seat.role.engine(now).is_some() {
-                seat.engine.users[index] =
-                    Pushed { force_n: seat.force_n, drag_n_s_per_m: seat.client.bound.drag, sent_us: 0, came_us: 0 };
-                seat.engine.step();
-                self.moved = seat.engine.object;
-            }
-        }
+        let now_us = self.now_us();
+        self.engine.step(&mut |_| ());
+        let here = self.server().filter(|server| server.role.has_engine()).map(|server| server.engine.object);
+        let there =
+            self.seats().filter(|seat| seat.role.engine(now_us).is_some()).map(|seat| seat.engine.object).last();
+        self.moved = there.or(here).unwrap_or(self.moved);
     }
 }

@@ -33,13 +33,13 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     let mut account = Account::new(ticks);
     for _ in 0..ticks {
         pair.step();
-        let seen = pair.sides.each_ref().map(|side| side.peer.observed());
+        let seen = pair.sides().map(|side| side.peer.observed());
         account.see(seen.map(|seen| seen.object.position), seen.map(|seen| seen.contact_force));
     }
     let bytes = if comm == "none" {
         2.0 * presence_bytes_per_s() * TASK.duration_s
     } else {
-        let packets: u64 = pair.sides.iter().map(|side| side.incoming.sent()).sum();
+        let packets: u64 = pair.sides().into_iter().map(|side| side.sent()).sum();
         (packets * (SEAL_LEN + Flow::LEN) as u64) as f64
     };
     // A server of a static world tells everybody where the others are.

@@ -15,7 +15,7 @@ fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
     let (mut largest_m, mut first) = (0.0_f64, None);
     for tick in 0..10_000 {
         pair.step();
-        let [one, two] = pair.sides.each_ref().map(|side| {
+        let [one, two] = pair.sides().map(|side| {
             let seen = side.peer.observed();
             let forces = [seen.contact_force, seen.coordination_force];
             let motions = [seen.device, seen.object, seen.desired].map(|motion| [motion.position, motion.velocity]);

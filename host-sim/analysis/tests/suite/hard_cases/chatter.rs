@@ -11,10 +11,10 @@ use super::setup::{COMMS, scene};
 /// Both devices touch exactly and nobody pushes.
 fn stays<S: Number>(scene: &Scene) {
     let mut pair = Pair::<S>::new(scene).expect("a good scene");
-    let start = pair.sides.each_ref().map(|side| side.plant.motions());
+    let start = pair.sides().map(|side| side.plant.motions());
     for _ in 0..5000 {
         pair.step();
-        for (side, start) in pair.sides.iter().zip(&start) {
+        for (side, start) in pair.sides().into_iter().zip(&start) {
             let seen = side.peer.observed();
             assert_eq!((seen.contact_force, seen.coordination_force), (S::ZERO, S::ZERO), "{}", S::NAME);
             assert_eq!(&side.plant.motions(), start, "{}", S::NAME);
@@ -51,11 +51,11 @@ fn contact_begins_after_the_gap() {
     for gap_m in [0.0, 0.001, 0.005, 0.1] {
         let scene = scene(&format!("contact.one_sided=true contact.gap_m={gap_m} user.1.push_n=0.1 user.2.push_n=0.1"));
         let mut pair = Pair::<f64>::new(&scene).expect("a good scene");
-        let start = pair.sides.each_ref().map(|side| side.plant.motions()[0].position);
+        let start = pair.sides().map(|side| side.plant.motions()[0].position);
         loop {
             pair.step();
             let travels = [0, 1].map(|at: usize| {
-                let seen = pair.sides[at].peer.observed();
+                let seen = pair.sides()[at].peer.observed();
                 ((seen.device.position - start[at]).abs(), seen.device.velocity.abs(), seen.contact_force != 0.0)
             });
             let one_tick_m = 1e-3 * travels[0].1 + 1e-6;
@@ -76,7 +76,7 @@ fn chatter<S: Number>(scene: &Scene) -> (u32, f64) {
     let (mut touched, mut changes, mut largest_n) = ([false; 2], 0, 0.0_f64);
     for tick in 0..10_000 {
         pair.step();
-        for (side, touched) in pair.sides.iter().zip(&mut touched) {
+        for (side, touched) in pair.sides().into_iter().zip(&mut touched) {
             let force_n = side.peer.observed().contact_force.to_f64();
             let touches = force_n != 0.0;
             if std::mem::replace(touched, touches) != touches && tick > 5000 {

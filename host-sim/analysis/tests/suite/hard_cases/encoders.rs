@@ -34,9 +34,9 @@ fn tracked<S: Number>(scene: &Scene, ulp: f64) -> f64 {
     let counts_per_m = scene.peer.encoder.counts_per_m;
     let mut travel_m = 0.0_f64;
     for _ in 0..800 {
-        let truth = pair.sides[0].plant.motions()[0].position;
+        let truth = pair.sides()[0].plant.motions()[0].position;
         pair.step();
-        let error_m = (pair.sides[0].peer.observed().device.position.to_f64() - truth).abs();
+        let error_m = (pair.sides()[0].peer.observed().device.position.to_f64() - truth).abs();
         assert!(error_m <= 1.0 / counts_per_m + ulp * truth.abs(), "{error_m} m off at {truth} m in {}", S::NAME);
         travel_m = travel_m.max(truth.abs());
     }

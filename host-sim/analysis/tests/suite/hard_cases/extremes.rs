@@ -26,7 +26,7 @@ fn ran<S: Number>(scene: &Scene) -> Ran {
     let mut largest_force_n = 0.0_f64;
     for _ in 0..PACKETS * u64::from(scene.peer.timing.ticks_per_packet) {
         pair.step();
-        for side in &mut pair.sides {
+        for side in pair.sides_mut() {
             let motor_n = *side.plant.free_axis().1;
             assert!(motor_n.abs() <= scene.peer.safety.max_force_n, "{motor_n} N from {}", S::NAME);
             assert!(motor_n == 0.0 || side.peer.mode() == haptic_core::safety::Mode::Armed);
@@ -46,7 +46,7 @@ fn settles(scene: &Scene, verdict: &Verdict) -> bool {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0) * 2.0_f64.powi(-300)
     };
-    for side in &mut pair.sides {
+    for side in pair.sides_mut() {
         side.peer.visit(&mut |number: &mut f64| *number = random());
         side.plant.free_axis().0.velocity = random();
     }
@@ -57,7 +57,7 @@ fn settles(scene: &Scene, verdict: &Verdict) -> bool {
     for envelope in &mut envelopes {
         for _ in 0..window {
             pair.step();
-            for side in &pair.sides {
+            for side in pair.sides() {
                 let seen = side.peer.observed();
                 for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                     *envelope = envelope.max(size.abs());

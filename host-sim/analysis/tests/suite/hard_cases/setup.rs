@@ -20,7 +20,7 @@ pub(crate) fn scene(overrides: &str) -> Scene {
 /// `count` more.
 pub(crate) fn growth<S: Number>(linear: &Scene, kick_m_per_s: f64, settle: u64, count: u64) -> f64 {
     let mut pair = Pair::<S>::new(linear).expect("a good scene");
-    for (side, share) in pair.sides.iter_mut().zip([1.0, -0.6]) {
+    for (side, share) in pair.sides_mut().zip([1.0, -0.6]) {
         side.plant.free_axis().0.velocity = share * kick_m_per_s;
     }
     let ticks = u64::from(linear.peer.timing.ticks_per_packet);
@@ -39,7 +39,7 @@ pub(crate) fn growth<S: Number>(linear: &Scene, kick_m_per_s: f64, settle: u64, 
 fn squared_amplitudes<S: Number>(pair: &mut Pair<S>, ticks: u64) -> [f64; 2] {
     let mut sample = || {
         (0..ticks).for_each(|_| pair.step());
-        let [first, second] = pair.sides.each_ref().map(|side| side.peer.observed().object.velocity.to_f64());
+        let [first, second] = pair.sides().map(|side| side.peer.observed().object.velocity.to_f64());
         [first + second, first - second]
     };
     let [before, now, after] = [sample(), sample(), sample()];

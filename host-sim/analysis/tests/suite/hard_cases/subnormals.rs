@@ -27,13 +27,14 @@ fn fate<S: Number>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: 
                 user.2.arm_stiffness_n_per_m=50 user.2.arm_damping_n_s_per_m=1";
     let scene = scene(&format!("coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} {arms}"));
     let mut pair = Pair::<S>::new(&scene).expect("a good scene");
-    pair.sides[0].plant.free_axis().0.velocity = kick_m_per_s;
-    pair.sides[1].plant.free_axis().0.velocity = -0.3 * kick_m_per_s;
+    for (side, share) in pair.sides_mut().zip([1.0, -0.3]) {
+        side.plant.free_axis().0.velocity = share * kick_m_per_s;
+    }
     let mut fate = Fate { numbers: 0, ticks_subnormal: 0, most_subnormal: 0, left: 0.0 };
     for tick in 0..TICKS {
         pair.step();
         let (mut numbers, mut subnormal, mut largest) = (0, 0, 0.0_f64);
-        for side in &pair.sides {
+        for side in pair.sides() {
             let mut state = side.peer.clone();
             state.visit(&mut |number: &mut S| {
                 assert!(number.is_finite());
