@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::{Failure, Ui};
 use crate::live::endpoint::Stop;
-use crate::shared::visit::PACKET_US;
-use crate::shared::visit::host::MOST_LINES;
 use crate::shared::world;
+use crate::shared::world::PACKET_US;
+use crate::shared::world::host::MOST_LINES;
 use crate::trials::crowd;
 use haptic_sim::report::text::TextTable;
 

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::{Failure, SceneArgs, Ui, granted};
 use crate::live::endpoint::Stop;
 use crate::live::{peer, relay};
-use crate::shared::visit::host::MOST_LINES;
+use crate::shared::world::host::MOST_LINES;
 use haptic_sim::key_file;
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, NetworkTrace};

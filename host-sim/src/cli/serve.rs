@@ -9,8 +9,8 @@ use super::live::check_time;
 use super::{Failure, Ui, granted};
 use crate::live::endpoint::{Endpoint, Stop};
 use crate::live::serve;
-use crate::shared::visit::host::{Host, MOST_LINES};
 use crate::shared::world;
+use crate::shared::world::host::{Host, MOST_LINES};
 use haptic_sim::key_file;
 
 /// Arguments of `serve`.

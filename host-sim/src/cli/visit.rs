@@ -9,7 +9,7 @@ use super::live::check_time;
 use super::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::visit;
-use crate::shared::visit::host::MOST_LINES;
+use crate::shared::world::host::MOST_LINES;
 use haptic_sim::key_file;
 
 /// Arguments of `visit`.

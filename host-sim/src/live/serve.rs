@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 use super::quantiles::{Quantiles, Times};
-use crate::shared::visit::PACKET_US;
-use crate::shared::visit::host::{Counts, Host};
+use crate::shared::world::PACKET_US;
+use crate::shared::world::host::{Counts, Host};
 use haptic_sim::engine::{Actor, Out};
 
 /// A socket that takes longer than this had nothing, and the datagram came right then, ns.

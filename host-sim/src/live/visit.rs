@@ -16,9 +16,9 @@ use haptic_protocol::wire::PeerId;
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use crate::shared::visit::visitor::{Party, Setup, Visitor};
-use crate::shared::visit::{PACKET_US, TICKS_PER_PACKET, parameters};
+use crate::shared::world::visitor::{Party, Setup, Visitor};
 use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS};
+use crate::shared::world::{PACKET_US, TICKS_PER_PACKET, parameters};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 

@@ -7,7 +7,6 @@ use haptic_sim::engine::Out;
 pub mod collaborative;
 pub mod cooperative;
 pub mod squash;
-pub mod visit;
 pub mod world;
 
 /// Takes what a role says about `object` to the seats of an engine, which have the peers' numbers.

@@ -24,9 +24,9 @@ use serde::Serialize;
 use crate::live::endpoint::{Endpoint, Stop, realtime};
 use crate::live::quantiles::{Quantiles, Times};
 use crate::live::serve::{self, Computed};
-use crate::shared::visit::host::Host;
-use crate::shared::visit::{CLIENT, PACKET_US, parameters};
 use crate::shared::world::World;
+use crate::shared::world::host::Host;
+use crate::shared::world::{CLIENT, PACKET_US, parameters};
 use haptic_sim::key_file::entropy;
 
 /// The server's number.

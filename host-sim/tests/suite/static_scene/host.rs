@@ -3,9 +3,9 @@
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::Header;
-use host_sim::shared::visit::host::{Host, MOST_LINES};
-use host_sim::shared::visit::visitor::{Setup, Visitor};
+use host_sim::shared::world::host::{Host, MOST_LINES};
 use host_sim::shared::world::load;
+use host_sim::shared::world::visitor::{Setup, Visitor};
 
 use super::world_file::TWO_ROOMS;
 
@@ -46,7 +46,7 @@ impl Pair {
             self.host.receive(self.now, CLIENT, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
             for (to, mut answer) in answers {
                 assert_eq!(to, CLIENT);
-                let server = host_sim::shared::visit::visitor::Party::Server(1);
+                let server = host_sim::shared::world::visitor::Party::Server(1);
                 self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }

@@ -8,9 +8,9 @@ use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::scene::Scene;
-use host_sim::shared::visit::host::Host;
-use host_sim::shared::visit::visitor::{Party, Setup, Visitor};
 use host_sim::shared::world::World;
+use host_sim::shared::world::host::Host;
+use host_sim::shared::world::visitor::{Party, Setup, Visitor};
 
 /// Seats: servers by number, then clients by line.
 const SERVERS: usize = 8;

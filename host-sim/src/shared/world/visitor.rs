@@ -13,9 +13,8 @@ use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
 use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
 use haptic_protocol::world::{Manifest, Object, Region, Scope};
 
-use super::{CLIENT, PACKET_US, parameters};
-use crate::shared::world::OBJECTS;
-use crate::shared::world::render::Renderer;
+use super::render::Renderer;
+use super::{CLIENT, OBJECTS, PACKET_US, parameters};
 
 /// An answer is taken to be lost after this many packet periods on top of the round trip.
 const PATIENCE_PACKETS: u64 = 3;

@@ -15,8 +15,7 @@ use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::roles::static_scene::{Board, Server};
 use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId};
 
-use super::{CLIENT, PACKET_US, parameters};
-use crate::shared::world::{OBJECTS, World};
+use super::{CLIENT, OBJECTS, PACKET_US, World, parameters};
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;
