@@ -307,7 +307,7 @@ pub struct World {
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
     /// Too few or too many users.
-    #[error("--users {0} is not allowed: it must be a whole number from 1 to {MOST_USERS}")]
+    #[error("users = {0} is not allowed: it must be a whole number from 1 to {MOST_USERS}")]
     Users(usize),
     /// What the peers refuse.
     #[error(transparent)]
@@ -317,7 +317,7 @@ pub enum WorldError {
     Lease(#[from] OutOfRange),
     /// The engine cannot move to a client that computes no contact.
     #[error(
-        "--engine must be server where --collision is server: a client that computes no contact cannot move the object"
+        "the engine must be at the server where contact is computed there: a client that computes no contact cannot move the object"
     )]
     NoContact,
     /// The node is lossless only for waves that come when they are due.
