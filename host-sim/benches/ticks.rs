@@ -44,7 +44,7 @@ fn two_peer_second(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("two-peer-second");
     group.throughput(Throughput::Elements(SECOND));
     for name in SCENES {
-        let file = scenes::load(name).expect("built-in scenes are valid");
+        let file = scenes::load(haptic_sim::Laws::built_in(), name).expect("built-in scenes are valid");
         // From the middle of a run, where nothing is at rest.
         let second = |pair: &mut Pair<f32>| (0..SECOND).for_each(|_| pair.step());
         let start = || {

@@ -7,3 +7,5 @@ pub mod live;
 pub mod shared;
 pub mod studies;
 pub mod trials;
+
+pub use cli::Cli;

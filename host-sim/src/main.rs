@@ -1,5 +1,5 @@
 //! The `host-sim` command: see [`host_sim::cli`].
 
 fn main() -> std::process::ExitCode {
-    host_sim::cli::Cli::default().main()
+    host_sim::Cli::default().main()
 }

@@ -63,7 +63,7 @@ pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
 
 /// The change of one gain that brings an unstable scene back, if there is one.
 pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
-    for (name, key) in Scene::keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
+    for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let now = gain(scene, &name);
         let Allowed::Number { max, .. } = key.allowed else { continue };
         let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };

@@ -64,6 +64,8 @@ pub struct Column {
 pub struct Map {
     /// What x and y are.
     pub axes: [Axis; 2],
+    /// In which units.
+    pub units: [&'static str; 2],
     /// One for every value of x.
     pub columns: Vec<Column>,
 }
@@ -79,8 +81,11 @@ pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Syn
         done();
         Ok(Column { x: *x, limit })
     };
+    let keys = scene.keys();
+    let units =
+        [x, y].map(|axis| keys.iter().find(|(name, _)| *name == axis.range.key).map_or("", |(_, key)| key.unit));
     let columns = x.values().par_iter().map(column).collect::<Result<_, AnalysisError>>()?;
-    Ok(Map { axes, columns })
+    Ok(Map { units, axes, columns })
 }
 
 impl Map {

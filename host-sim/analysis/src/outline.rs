@@ -197,6 +197,7 @@ mod tests {
             },
         };
         Map {
+            units: [""; 2],
             axes: [axis(columns.len() as f64 - 1.0, columns.len()), axis(10.0, 2)],
             columns: columns.iter().enumerate().map(column).collect(),
         }

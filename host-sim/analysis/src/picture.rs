@@ -4,15 +4,10 @@ use super::figure4::{self, Curve};
 use super::map::Map;
 use super::outline::outline;
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
-use haptic_sim::scene::Scene;
 
 /// Key and unit, for an axis.
-fn label(key: &str) -> String {
-    let unit = Scene::keys().into_iter().find(|(name, _)| name == key).map(|(_, key)| key.unit);
-    match unit {
-        Some(unit) if !unit.is_empty() => format!("{key} ({unit})"),
-        _ => key.to_owned(),
-    }
+fn label(key: &str, unit: &str) -> String {
+    if unit.is_empty() { key.to_owned() } else { format!("{key} ({unit})") }
 }
 
 /// The outline of a region; the first path carries the name.
@@ -28,8 +23,8 @@ pub fn region(title: &str, map: &Map) -> Figure {
     series.extend(lines(map, "", 0, Dash::Solid));
     let panel = Panel {
         title: String::new(),
-        x_label: label(&x.range.key),
-        y_label: label(&y.range.key),
+        x_label: label(&x.range.key, map.units[0]),
+        y_label: label(&y.range.key, map.units[1]),
         x_range: Some((x.range.from, x.range.to)),
         y_range: Some((y.range.from, y.range.to)),
         series,

@@ -36,7 +36,7 @@ impl Sweep {
         // Recordings are no part of the linear scene, and long.
         scene.network_trace = None;
         scene.users.iter_mut().for_each(|user| user.trace = None);
-        let keys = Scene::keys();
+        let keys = scene.keys();
         let allowed = keys.iter().find(|(name, _)| *name == range.key).map(|(_, key)| key.allowed);
         let whole = match (scene.get(&range.key), allowed) {
             (Some(Value::Number(_)), Some(Allowed::Whole { .. })) => true,

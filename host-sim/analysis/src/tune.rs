@@ -188,7 +188,7 @@ fn first(linear: &Scene, key: &str, to: f64) -> Result<Option<f64>, AnalysisErro
 
 /// The largest value that a key allows.
 fn largest(key: &str) -> f64 {
-    let keys = Scene::keys();
+    let keys = Scene::default().keys();
     match keys.iter().find(|(name, _)| name == key).map(|(_, key)| key.allowed) {
         Some(Allowed::Number { max, .. }) => max,
         _ => 0.0,

@@ -19,3 +19,6 @@ pub mod run;
 pub mod scene;
 pub mod scenes;
 pub mod user;
+
+pub use peers::{DynPeer, Family, Laws, Number};
+pub use scene::Scene;

@@ -61,17 +61,11 @@ pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -
 
 impl Node {
     /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
-    ///
-    /// # Errors
-    /// A scene or key that is refused, in one line.
     pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         Self::with_device(scene, number, key, entropy, Plant::new(scene, usize::from(number == 2)))
     }
 
     /// The same with a device that is there already: what a reset leaves of a peer.
-    ///
-    /// # Errors
-    /// As [`Node::new`].
     pub fn with_device(
         scene: &Scene,
         number: u8,
@@ -97,9 +91,6 @@ impl Node {
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
-    ///
-    /// # Errors
-    /// Why the link refuses it; what that changes, [`Link::receive`] says.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flow>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.

@@ -1,6 +1,8 @@
 //! Peers behind one door, whatever their law and number type: what everything that runs a scene on a PC holds.
 //!
-//! Behind [`DynPeer`] runs the very peer that flies; one virtual call a tick is little beside what a tick computes.
+//! Behind [`DynPeer`] runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`]
+//! says which laws there are: a program with a law of its own adds it once, as a [`Family`], and every scene that is loaded
+//! with these laws takes its name, its keys, and builds its peers.
 
 use std::fmt::Debug;
 
@@ -12,7 +14,8 @@ use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Refused, Settings};
+use haptic_core::schema::Schema;
+use haptic_core::settings::{Kind, Refused, Settings};
 
 use crate::double_double::DoubleDouble;
 
@@ -63,13 +66,6 @@ impl<S: Scalar> StateVector<S> for dyn DynPeer<S> + '_ {
         self.visit_state(each);
     }
 }
-
-/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], or [`DoubleDouble`].
-pub trait Number: Scalar {}
-impl Number for f32 {}
-impl Number for f64 {}
-impl Number for Fixed {}
-impl Number for DoubleDouble {}
 
 impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
     fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
@@ -128,13 +124,130 @@ impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
     }
 }
 
-/// A peer that is told these settings, disarmed. `device` is where the device is when its encoders are first read.
-///
-/// # Errors
-/// The first key whose value is out of range, or impossible beside the others.
-pub fn build<S: Number>(
+/// One law, or list of laws, in every number type: what a crate outside hands to [`Laws::with`].
+pub trait Family: 'static {
+    /// The law that computes in `S`.
+    type Of<S: Scalar>: Law<S>;
+}
+
+/// Core's own laws.
+struct BuiltIn;
+
+impl Family for BuiltIn {
+    type Of<S: Scalar> = AnyLaw<S>;
+}
+
+/// Builds a peer with the laws of one family, from settings and where its device is.
+type Make<S> = fn(&Settings, [Motion<S>; AXES]) -> Result<Box<dyn DynPeer<S>>, Refused<'static>>;
+
+fn make<S: Scalar, L: Law<S>>(
     settings: &Settings,
     device: [Motion<S>; AXES],
 ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-    Ok(Box::new(Peer::<S, AnyLaw<S>>::new(settings, device)?))
+    Ok(Box::new(Peer::<S, L>::new(settings, device)?))
+}
+
+/// What peers a family makes, by number type.
+#[derive(Clone, Copy, Debug)]
+pub struct Maker {
+    kinds: &'static [Kind],
+    f32: Make<f32>,
+    f64: Make<f64>,
+    fixed: Make<Fixed>,
+    double_double: Make<DoubleDouble>,
+}
+
+impl Maker {
+    const fn of<F: Family>() -> Self {
+        Self {
+            kinds: <F::Of<f64> as Law<f64>>::KINDS,
+            f32: make::<f32, F::Of<f32>>,
+            f64: make::<f64, F::Of<f64>>,
+            fixed: make::<Fixed, F::Of<Fixed>>,
+            double_double: make::<DoubleDouble, F::Of<DoubleDouble>>,
+        }
+    }
+}
+
+/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], or [`DoubleDouble`].
+pub trait Number: Scalar {
+    /// How a family makes peers that compute in this type.
+    #[doc(hidden)]
+    fn make(maker: &Maker) -> Make<Self>;
+}
+
+macro_rules! numbers {
+    ($($Number:ty: $field:ident),+) => {
+        $(impl Number for $Number {
+            fn make(maker: &Maker) -> Make<Self> {
+                maker.$field
+            }
+        })+
+    };
+}
+numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double);
+
+/// The laws that a scene may name: those of core, and those that a program adds at its start.
+#[derive(Clone, Copy, Debug)]
+pub struct Laws {
+    schema: Schema,
+    makers: &'static [Maker],
+}
+
+impl Default for Laws {
+    fn default() -> Self {
+        Self::built_in()
+    }
+}
+
+impl Laws {
+    /// Those of core.
+    pub const fn built_in() -> Self {
+        Self { schema: Schema::BUILT_IN, makers: &[const { Maker::of::<BuiltIn>() }] }
+    }
+
+    /// These and one more. What there is to know about laws is kept for the life of the program.
+    ///
+    /// # Panics
+    /// The law, or a key of its own, is called like one that is there.
+    #[must_use]
+    pub fn with<F: Family>(self) -> Self {
+        let maker = Maker::of::<F>();
+        for kind in maker.kinds {
+            assert!(self.kinds().iter().all(|known| known.name != kind.name), "there is a law {} already", kind.name);
+            let taken = kind.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name));
+            assert!(taken.is_none(), "{}: there is a key {} already", kind.name, taken.map_or("", |key| key.name));
+        }
+        let kinds = [self.kinds(), maker.kinds].concat();
+        let makers = [self.makers, &[maker]].concat();
+        Self { schema: Schema::new(Box::leak(kinds.into())), makers: Box::leak(makers.into()) }
+    }
+
+    /// Every key of a peer with these laws.
+    pub fn schema(&self) -> Schema {
+        self.schema
+    }
+
+    /// Every law, in the order in which they were added.
+    pub fn kinds(&self) -> &'static [Kind] {
+        self.schema.kinds()
+    }
+
+    /// Names of the laws that core does not know.
+    pub fn outside(&self) -> impl Iterator<Item = &'static str> {
+        self.makers[1..].iter().flat_map(|maker| maker.kinds).map(|kind| kind.name)
+    }
+
+    /// A peer that is told these settings, disarmed. `device` is where the device is when its encoders are first read.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range, or impossible beside the others.
+    pub fn peer<S: Number>(
+        &self,
+        settings: &Settings,
+        device: [Motion<S>; AXES],
+    ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        let named = |maker: &&Maker| maker.kinds.iter().any(|kind| kind.name == settings.coordination.comm);
+        S::make(self.makers.iter().find(named).unwrap_or(&self.makers[0]))(settings, device)
+    }
 }

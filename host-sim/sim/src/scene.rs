@@ -13,10 +13,10 @@ use haptic_core::device::AXES;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Choice, Key, Refused, SetError, Settings, Tables, Value, number};
+use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
 
 use crate::network::rule::{Jitter, NetworkTrace};
-use crate::peers::{self, DynPeer, Number};
+use crate::peers::{DynPeer, Laws, Number};
 use crate::user::{Trace, User, UserSettings};
 
 haptic_core::settings! {
@@ -87,6 +87,8 @@ haptic_core::settings! {
 /// A whole scene.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
+    /// The laws that it may name.
+    pub laws: Laws,
     /// What the peers are told; peer 2 differs only in the side of the object it is on.
     pub peer: Settings,
     /// The world around them.
@@ -152,8 +154,8 @@ pub enum SceneError {
 
 impl Scene {
     /// Every key of a scene file with what it accepts, those of the two users included.
-    pub fn keys() -> Vec<(String, Key)> {
-        let shared = Settings::keys().chain(World::KEYS.iter().copied()).map(|key| (key.name.to_owned(), key));
+    pub fn keys(&self) -> Vec<(String, Key)> {
+        let shared = self.laws.schema().keys().chain(World::KEYS.iter().copied()).map(|key| (key.name.to_owned(), key));
         let users = (1..=2).flat_map(|user| {
             UserSettings::KEYS.iter().map(move |key| (key.name.replacen("user.", &format!("user.{user}."), 1), *key))
         });
@@ -163,7 +165,7 @@ impl Scene {
     /// Every key that has a value, and that value as TOML: with them a scene file says all of the scene.
     pub fn settings(&self) -> Vec<(String, String)> {
         let value = |name: String| self.get(&name).map(|value| (name, value.to_string()));
-        let mut settings: Vec<_> = Self::keys().into_iter().filter_map(|(name, _)| value(name)).collect();
+        let mut settings: Vec<_> = self.keys().into_iter().filter_map(|(name, _)| value(name)).collect();
         let users = (1..)
             .zip(&self.users)
             .filter_map(|(user, own)| Some((format!("user.{user}.trace"), own.trace.as_ref()?.file())));
@@ -181,12 +183,14 @@ impl Scene {
         bytes.flat_map(|text| text.bytes()).fold(0xcbf2_9ce4_8422_2325, mix) as u32
     }
 
+    /// The default scene, which may name these laws.
+    pub fn new(laws: Laws) -> Self {
+        Self { laws, ..Self::default() }
+    }
+
     /// The scene in `path`, or the default scene, with the overrides (`table.key=value`) applied in order, then checked.
-    ///
-    /// # Errors
-    /// The first thing that is wrong; see [`SceneError`].
-    pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
-        let mut scene = Self::default();
+    pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
+        let mut scene = Self::new(laws);
         if let Some(path) = path {
             let text =
                 std::fs::read_to_string(path).map_err(|cause| SceneError::Read { path: path.to_path_buf(), cause })?;
@@ -200,9 +204,6 @@ impl Scene {
     }
 
     /// Applies TOML text found at `place`; file names in it are taken relative to `folder`.
-    ///
-    /// # Errors
-    /// The first thing that is wrong; see [`SceneError`].
     pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
         let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
@@ -239,9 +240,6 @@ impl Scene {
     }
 
     /// Applies one `table.key=value`; a value that is no TOML is taken as text.
-    ///
-    /// # Errors
-    /// What is wrong with it; see [`SceneError`].
     pub fn apply_override(&mut self, text: &str) -> Result<(), SceneError> {
         let (key, value) = text.split_once('=').ok_or_else(|| SceneError::Override { text: text.to_owned() })?;
         let (key, value) = (key.trim(), value.trim());
@@ -250,9 +248,6 @@ impl Scene {
     }
 
     /// Sets one key to a number, such as a sweep does.
-    ///
-    /// # Errors
-    /// Unknown key or refused value; see [`SceneError`].
     pub fn set_number(&mut self, key: &str, number: f64) -> Result<(), SceneError> {
         self.set(key, &toml::Value::Float(number), "sweep", None)
     }
@@ -290,16 +285,22 @@ impl Scene {
             }
             Some((user @ ("1" | "2"), rest)) => self.user_mut(user).settings.set(&format!("user.{rest}"), plain),
             _ if key == "contact.side" => Err(SetError::Unknown),
-            _ => match self.peer.set(key, plain) {
+            _ => match self.laws.schema().set(&mut self.peer, key, plain) {
                 Err(SetError::Unknown) => self.world.set(key, plain),
                 done => done,
             },
         };
         outcome.map_err(|error| match error {
-            SetError::Unknown => SceneError::Unknown { place, hint: hint(key), key: key.to_owned() },
+            SetError::Unknown => SceneError::Unknown { place, hint: self.hint(key), key: key.to_owned() },
             // A user's key is declared once for both users: name the one that was written.
             SetError::Refused(refused) => {
-                SceneError::Refused { place, refused: refused.to_string().replacen(refused.key, key, 1) }
+                let meant = match (refused.value, refused.allowed) {
+                    (Value::Text(text), Allowed::Kinds(kinds)) => nearest(text, kinds.iter().map(|kind| kind.name)),
+                    (Value::Text(text), Allowed::Names(names)) => nearest(text, names.iter().copied()),
+                    _ => None,
+                };
+                let hint = meant.map_or_else(String::new, |name| format!("; did you mean {name}?"));
+                SceneError::Refused { place, refused: refused.to_string().replacen(refused.key, key, 1) + &hint }
             }
         })
     }
@@ -310,13 +311,10 @@ impl Scene {
     }
 
     /// Checks every range and combination, for scenes put together in code.
-    ///
-    /// # Errors
-    /// The first key that is wrong.
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
         let refused =
             |refused: Refused<'_>| SceneError::Refused { place: place.to_owned(), refused: refused.to_string() };
-        self.peer.check().map_err(refused)?;
+        self.laws.peer::<f64>(&self.peer, [Motion::REST; AXES]).map_err(refused)?;
         self.world.check_ranges().map_err(refused)?;
         for user in &self.users {
             user.settings.check_ranges().map_err(refused)?;
@@ -343,7 +341,7 @@ impl Scene {
                 let user = if user == "1" { first } else { second };
                 user.settings.get(&format!("user.{rest}"))
             }
-            _ => self.peer.get(key).or_else(|| self.world.get(key)),
+            _ => self.laws.schema().get(&self.peer, key).or_else(|| self.world.get(key)),
         }
     }
 
@@ -390,9 +388,6 @@ impl Scene {
     }
 
     /// Peer 1 or 2 (`at` 0 or 1) with its device where the scene puts it, disarmed, computing in `S`.
-    ///
-    /// # Errors
-    /// The first key whose value is out of range, or impossible beside the others.
     pub fn peer<S: Number>(&self, at: usize) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
         self.peer_from(at, self.start(at))
     }
@@ -403,7 +398,7 @@ impl Scene {
         at: usize,
         device: [Motion<f64>; AXES],
     ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-        peers::build(&self.peers()[at], device.map(|axis| Motion::at(S::from_f64(axis.position))))
+        self.laws.peer(&self.peers()[at], device.map(|axis| Motion::at(S::from_f64(axis.position))))
     }
 
     /// Where the device of peer 1 or 2 (`at` 0 or 1) is at first: at rest, just clear of the object.
@@ -425,22 +420,30 @@ impl Scene {
         };
         [on(Side::Left), on(Side::Right)]
     }
+
+    /// The law that the scene names; one that is not known here has been refused.
+    pub fn law(&self) -> &'static Kind {
+        self.laws.schema().kind(&self.peer).unwrap_or(&self.laws.kinds()[0])
+    }
+
+    /// What a mistyped key may have meant.
+    fn hint(&self, key: &str) -> String {
+        let keys = self.keys();
+        if let Some((table, _)) =
+            key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
+        {
+            let mut tables: Vec<&str> =
+                keys.iter().filter_map(|(name, _)| name.rsplit_once('.')).map(|(t, _)| t).collect();
+            tables.dedup();
+            return format!("; there is no table {table}, the tables are {}", tables.join(", "));
+        }
+        let near = nearest(key, keys.iter().map(|(name, _)| name.as_str()));
+        near.map_or_else(String::new, |name| format!("; did you mean {name}?"))
+    }
 }
 
-/// What a mistyped key may have meant.
-fn hint(key: &str) -> String {
-    let keys = Scene::keys();
-    if let Some((table, _)) =
-        key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
-    {
-        let mut tables: Vec<&str> = keys.iter().filter_map(|(name, _)| name.rsplit_once('.')).map(|(t, _)| t).collect();
-        tables.dedup();
-        return format!("; there is no table {table}, the tables are {}", tables.join(", "));
-    }
-    let near = keys
-        .iter()
-        .map(|(name, _)| (strsim::jaro_winkler(name, key), name))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness > 0.8);
-    near.map_or_else(String::new, |(_, name)| format!("; did you mean {name}?"))
+/// The name that a misspelt one is most like, if it is like any.
+fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let likely = names.map(|name| (strsim::jaro_winkler(name, word), name)).filter(|(likeness, _)| *likeness > 0.8);
+    likely.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, name)| name)
 }

@@ -1,5 +1,6 @@
 //! The scenes of the folder `scenes/`, built in, so that the papers' experiments run from anywhere.
 
+use crate::peers::Laws;
 use crate::scene::{Scene, SceneError};
 
 macro_rules! scenes {
@@ -38,16 +39,13 @@ pub fn text(name: &str) -> Option<&'static str> {
 }
 
 /// The built-in scene called `name`.
-///
-/// # Errors
-/// There is none of that name, or its text is wrong.
-pub fn load(name: &str) -> Result<Scene, SceneError> {
+pub fn load(laws: Laws, name: &str) -> Result<Scene, SceneError> {
     let text = text(name).ok_or_else(|| SceneError::Unknown {
         place: "built-in scenes".to_owned(),
         key: name.to_owned(),
         hint: format!("; there are {}", known().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")),
     })?;
-    let mut scene = Scene::default();
+    let mut scene = Scene::new(laws);
     scene.apply(text, name, None)?;
     scene.check(name)?;
     Ok(scene)

@@ -147,9 +147,6 @@ pub enum TraceError {
 
 impl Trace {
     /// Reads a CSV file with the header `time_s,force_n` and times that grow.
-    ///
-    /// # Errors
-    /// The first thing that is wrong; see [`TraceError`].
     pub fn read(file: &Path) -> Result<Self, TraceError> {
         let path = file.display().to_string();
         let read = |cause| TraceError::Read { path: path.clone(), cause };

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden.txt");
 
 fn hash<S: Number>(name: &str) -> String {
-    let scene = scenes::load(name).expect("a built-in scene");
+    let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
     let outcome = run::<S>(&scene, Options { duration_s: 5.0, record_every: 0 }, &|_| {}).expect("a good scene");
     format!("{name} {} {:016x}", S::NAME, outcome.hash)
 }

@@ -50,6 +50,7 @@ impl Accuracy {
         if let Some(question) = &self.question {
             return question.run(ui);
         }
+        ui.only_built_in("accuracy compares");
         let bar = ui.progress(2, "errors, pictures");
         let (families, cost_per_scene) = (accuracy::families(self.processor)?, cost::table(self.processor));
         bar.inc(1);

@@ -38,6 +38,7 @@ struct Report {
 impl Architectures {
     /// Runs every architecture at every delay.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        ui.only_built_in("architectures compares");
         let start = Instant::now();
         let bar = ui.progress((Architecture::ALL.len() * DELAYS_MS.len()) as u64, "architectures");
         let rows = rows(&|| bar.inc(1))?;

@@ -17,9 +17,9 @@ impl Campaign {
     /// Runs the cells and prints the table.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let table = if self.costs {
-            costs::columns(&costs::costs().map_err(|error| error.to_string())?)
+            costs::columns(&costs::costs(ui.laws).map_err(|error| error.to_string())?)
         } else {
-            campaign::columns(&campaign::campaign().map_err(|error| error.to_string())?)
+            campaign::columns(&campaign::campaign(ui.laws).map_err(|error| error.to_string())?)
         };
         ui.result(&table)
     }

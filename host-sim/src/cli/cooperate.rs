@@ -80,7 +80,7 @@ fn pushes(user: &User) -> bool {
 impl Cooperate {
     /// Runs the scene and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let period_s = scene.peer.timing.control_period_s;
         if self.time.seconds < period_s {
             let message = format!(

@@ -10,9 +10,9 @@ use haptic_core::names::Choice;
 use haptic_protocol::key::Key;
 use haptic_sim::board::calibrate::settings_file;
 use haptic_sim::scene::{Scene, SceneError};
-use haptic_sim::{key_file, scenes};
+use haptic_sim::{Laws, key_file, scenes};
 
-use super::Failure;
+use super::{Failure, Ui};
 use crate::shared::world::{self, World};
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
@@ -39,28 +39,34 @@ impl SceneArgs {
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub fn load(&self) -> Result<Scene, Failure> {
-        self.load_with(&[], None)
+    pub(super) fn load(&self, ui: &Ui) -> Result<Scene, Failure> {
+        self.load_with(ui, &[], None)
     }
 
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
     ///
     /// # Errors
     /// The first thing that is wrong with it.
-    pub(super) fn load_with(&self, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
+    pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
         let name = self.name_of_built_in()?;
-        self.read(name, base, last).map_err(|error| match &error {
+        self.read(ui.laws, name, base, last).map_err(|error| match &error {
             SceneError::Unknown { hint, .. } if hint.is_empty() => format!("{error}; --keys lists them all").into(),
             _ => error.into(),
         })
     }
 
-    fn read(&self, built_in: Option<&str>, base: &[&str], last: Option<String>) -> Result<Scene, SceneError> {
+    fn read(
+        &self,
+        laws: Laws,
+        built_in: Option<&str>,
+        base: &[&str],
+        last: Option<String>,
+    ) -> Result<Scene, SceneError> {
         let base = base.iter().filter(|_| self.scene.is_none()).map(|key| (*key).to_owned());
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
         let overrides: Vec<String> = base.chain(self.set.iter().cloned()).chain(seed).chain(last).collect();
-        let Some(name) = built_in else { return Scene::load(self.scene.as_deref(), &overrides) };
-        let mut scene = scenes::load(name)?;
+        let Some(name) = built_in else { return Scene::load(laws, self.scene.as_deref(), &overrides) };
+        let mut scene = scenes::load(laws, name)?;
         overrides.iter().try_for_each(|text| scene.apply_override(text))?;
         scene.check(name)?;
         Ok(scene)

@@ -34,7 +34,7 @@ pub(super) struct Hub {
 impl Hub {
     /// Runs the hub until the time is over, and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let key = self.key.read()?;
         let options = hub::Options {
             users: self.users.into(),

@@ -31,7 +31,7 @@ fn print(ui: &Ui, rows: &[Row]) -> Result<(), Failure> {
 
 /// Every key of a scene.
 pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
-    let defaults = Scene::default();
+    let defaults = Scene::new(ui.laws);
     let file = |key: String, columns: &str, meaning| Row {
         key,
         default: "".into(),
@@ -40,7 +40,8 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
         meaning,
     };
     let users = (1..=2).map(|user| format!("user.{user}.trace"));
-    let rows: Vec<Row> = Scene::keys()
+    let rows: Vec<Row> = defaults
+        .keys()
         .into_iter()
         .map(|(key, about)| Row {
             default: defaults.get(&key).as_ref().map(Value::to_string).unwrap_or_default().into(),

@@ -32,6 +32,7 @@ use clap_complete::Shell;
 
 pub use flags::SceneArgs;
 use flags::nearest;
+use haptic_sim::Laws;
 use haptic_sim::report::Made;
 use ui::Ui;
 
@@ -142,10 +143,16 @@ fn negative_numbers(command: clap::Command) -> clap::Command {
 
 /// The command line of `host-sim`.
 #[derive(Debug, Default)]
-#[non_exhaustive]
-pub struct Cli {}
+pub struct Cli {
+    laws: Laws,
+}
 
 impl Cli {
+    /// With these laws, in every command.
+    pub fn new(laws: Laws) -> Self {
+        Self { laws }
+    }
+
     /// Runs the command line of this process.
     pub fn main(self) -> ExitCode {
         let mut words: Vec<OsString> = std::env::args_os().collect();
@@ -154,11 +161,11 @@ impl Cli {
             eprintln!("host-sim {old} is now host-sim {new}: the old name goes with the next release");
             words.splice(first..=first, new.split(' ').map(OsString::from));
         }
-        let ui = Ui::new(words.iter().any(|word| word == "--json"));
+        let ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
         let outcome = match listed(&ui, &words) {
             Some(outcome) => outcome,
             None => match CommandLine::try_parse_from(&words) {
-                Ok(line) => line.run(),
+                Ok(line) => line.run(self.laws),
                 // Help and version are no errors.
                 Err(answer) if !answer.use_stderr() => {
                     let _ = answer.print();
@@ -178,14 +185,14 @@ impl Cli {
 }
 
 impl CommandLine {
-    fn run(self) -> Result<(), Failure> {
+    fn run(self, laws: Laws) -> Result<(), Failure> {
         if let Some(shell) = self.completions {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Self::command(), "host-sim", &mut script);
-            write!(Ui::new(false), "{}", String::from_utf8(script)?);
+            write!(Ui::new(false, laws), "{}", String::from_utf8(script)?);
             return Ok(());
         }
-        self.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(&Ui::new(self.json))
+        self.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(&Ui::new(self.json, laws))
     }
 }
 

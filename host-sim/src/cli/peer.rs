@@ -34,7 +34,7 @@ pub(super) struct Peer {
 impl Peer {
     /// Runs the peer and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let key = self.key.read()?;
         let options = peer::Options {
             number: self.number,

@@ -25,9 +25,9 @@ impl Precision {
     /// Measures and prints.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scenes = if self.all {
-            scenes::ALL.iter().map(|(name, _)| Ok(((*name).to_owned(), scenes::load(name)?))).collect()
+            scenes::ALL.iter().map(|(name, _)| Ok(((*name).to_owned(), scenes::load(ui.laws, name)?))).collect()
         } else {
-            self.scene.load().map(|scene| vec![(self.scene.name(), scene)])
+            self.scene.load(ui).map(|scene| vec![(self.scene.name(), scene)])
         }?;
         let rows = scenes
             .par_iter()

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use haptic_sim::Laws;
 use haptic_sim::report::{Files, Made, ReportError};
 
 use super::Failure;
@@ -20,6 +21,8 @@ use super::Failure;
 pub(super) struct Ui {
     json: bool,
     made: Made,
+    /// The laws that a scene may name.
+    pub(super) laws: Laws,
 }
 
 /// A document, and what made it.
@@ -32,8 +35,8 @@ struct Told<'a, D> {
 
 impl Ui {
     /// Prints JSON, or text.
-    pub(super) fn new(json: bool) -> Self {
-        Self { json, made: super::made() }
+    pub(super) fn new(json: bool, laws: Laws) -> Self {
+        Self { json, laws, made: super::made() }
     }
 
     /// The result as the one JSON document.
@@ -125,6 +128,14 @@ impl Ui {
     /// What the user should know although the work was done, on standard error.
     pub(super) fn warn(&self, text: impl fmt::Display) {
         eprintln!("warning: {text}");
+    }
+
+    /// Says so where this knows core's laws only and there are others.
+    pub(super) fn only_built_in(&self, what: &str) {
+        let outside: Vec<&str> = self.laws.outside().collect();
+        if !outside.is_empty() {
+            self.warn(format_args!("{what} the laws of haptic-core only, without {}", outside.join(", ")));
+        }
     }
 
     /// A progress bar on standard error; invisible where that is no terminal.

@@ -5,14 +5,13 @@
 //! network over what the other one gave to it, in the worse direction: above 1 the network makes energy, which is what a
 //! hand feels as an object that comes alive (THEORY §5).
 //!
-//! A law that is in core's list and not in [`COMMS`] is tried as well, at the paper's gain for what it sends, and promises
-//! nothing.
+//! A law that is not in [`COMMS`] is tried as well, at the gains that it declares, and promises nothing.
 
 use haptic_core::law::Sends;
-use haptic_core::schema::Schema;
 use haptic_core::settings::Refused;
 use rayon::prelude::*;
 
+use haptic_sim::peers::Laws;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::{Scene, SceneError};
@@ -42,11 +41,11 @@ pub const COMMS: [(&str, &[&str], bool); 4] = [
     ),
 ];
 
-/// These ways to hold the copies together, and every law of core's that none of them names and that sends something.
-pub(super) fn with_unnamed(named: &[(&'static str, &[&str])]) -> Vec<(&'static str, Vec<String>)> {
+/// These ways to hold the copies together, and every law that none of them names and that sends something.
+pub(super) fn with_unnamed(laws: Laws, named: &[(&'static str, &[&str])]) -> Vec<(&'static str, Vec<String>)> {
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
-    for law in Schema::BUILT_IN.kinds().iter().filter(|law| law.sends != Sends::Nothing) {
+    for law in laws.kinds().iter().filter(|law| law.sends != Sends::Nothing) {
         let comm = format!("coordination.comm={}", law.name);
         if !all.iter().any(|(_, settings)| settings.contains(&comm)) {
             all.push((law.name, [vec![comm], owned(law.gains)].concat()));
@@ -129,8 +128,8 @@ pub struct Cell {
 ///
 /// # Errors
 /// A setting that the scene refuses.
-pub fn scene(comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, SceneError> {
-    let mut scene = scenes::load("paper-5.2-passive-wave-16ms")?;
+pub fn scene(laws: Laws, comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, SceneError> {
+    let mut scene = scenes::load(laws, "paper-5.2-passive-wave-16ms")?;
     let peers = ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
     let comm = comm.iter().map(AsRef::as_ref);
     for setting in peers.into_iter().chain(comm).chain(impairment.iter().copied()) {
@@ -144,15 +143,15 @@ pub fn scene(comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, Sce
 ///
 /// # Errors
 /// A cell that cannot be built, which would be a mistake in this file.
-pub fn campaign() -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>> {
-    let comms = with_unnamed(&COMMS.map(|(name, settings, _)| (name, settings)));
+pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>> {
+    let comms = with_unnamed(laws, &COMMS.map(|(name, settings, _)| (name, settings)));
     let cells: Vec<_> =
         comms.iter().flat_map(|comm| IMPAIRMENTS.iter().map(move |impairment| (comm, impairment))).collect();
     cells
         .into_par_iter()
         .map(|((comm, settings), (impairment, network))| {
             let passive = COMMS.iter().any(|(name, _, passive)| name == comm && *passive);
-            Ok(cell(&scene(settings, network)?, comm, passive, impairment)?)
+            Ok(cell(&scene(laws, settings, network)?, comm, passive, impairment)?)
         })
         .collect()
 }

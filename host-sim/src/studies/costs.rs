@@ -86,14 +86,14 @@ pub struct Cost {
 ///
 /// # Errors
 /// A cell that cannot be built, which would be a mistake in this file.
-pub fn costs() -> Result<Vec<Cost>, Box<dyn std::error::Error + Send + Sync>> {
-    let choices = with_unnamed(&CHOICES);
+pub fn costs(laws: haptic_sim::Laws) -> Result<Vec<Cost>, Box<dyn std::error::Error + Send + Sync>> {
+    let choices = with_unnamed(laws, &CHOICES);
     let cells: Vec<_> =
         NETWORKS.iter().flat_map(|network| choices.iter().map(move |choice| (choice, network))).collect();
     cells
         .into_par_iter()
         .map(|((choice, settings), (name, network))| {
-            let scene = scene(settings, network)?;
+            let scene = scene(laws, settings, network)?;
             let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
             let swing = if outcome.bounded { Some(felt(&scene, PERIODS)?) } else { None };
             let timing = &scene.peer.timing;

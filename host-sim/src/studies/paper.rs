@@ -92,7 +92,7 @@ fn section(name: &str) -> Option<&str> {
 }
 
 fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send + Sync>> {
-    let scene = scenes::load(name)?;
+    let scene = scenes::load(haptic_sim::Laws::built_in(), name)?;
     let timing = &scene.peer.timing;
     let packet_s = timing.packet_period_s();
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
@@ -132,7 +132,7 @@ pub fn gains() -> Result<Vec<Gain>, Box<dyn std::error::Error + Send + Sync>> {
     PRINTED
         .iter()
         .map(|printed| {
-            let scene = scenes::load(&format!("paper-5.1-{}-16ms", printed.comm))?;
+            let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.comm))?;
             let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
             let limit = haptic_analysis::limit(&scene, range, Effort::default())?;
             Ok(Gain {

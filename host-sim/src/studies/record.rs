@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn a_replay_is_the_scene_again() {
         for (name, _) in scenes::ALL {
-            let scene = scenes::load(name).expect("a built-in scene");
+            let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
             for number in [1, 2] {
                 let recording = record(&scene, number, 500).expect("a good scene");
                 assert_eq!(replayed(&recording.bytes), Ok((500, recording.hash)), "{name}, peer {number}");
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn one_count_in_one_tick_changes_the_hash() {
-        let scene = scenes::load("real-device").expect("a built-in scene");
+        let scene = scenes::load(haptic_sim::Laws::built_in(), "real-device").expect("a built-in scene");
         let recording = record(&scene, 1, 20).expect("a good scene");
         let mut broken = recording.bytes.clone();
         // Settings, home, and the first tick: flags and counts.

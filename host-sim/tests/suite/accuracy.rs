@@ -288,7 +288,7 @@ fn every_case_was_counted() {
 /// The reach is the one of `scenes/person-reach.toml`, and its velocity is its slope.
 #[test]
 fn the_reach_is_the_persons() {
-    let [person, _] = scenes::load("person-reach").expect("a built-in scene").users;
+    let [person, _] = scenes::load(haptic_sim::Laws::built_in(), "person-reach").expect("a built-in scene").users;
     for tick in 0..2000 {
         let (time_s, step_s) = (f64::from(tick) * 1e-3, 1e-6);
         let (hand, (position, velocity)) = (reach::hand(time_s), person.wanted(time_s));

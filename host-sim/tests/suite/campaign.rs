@@ -14,7 +14,7 @@ fn line(cell: &Cell) -> String {
 
 #[test]
 fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
-    let cells = campaign().expect("the campaign runs");
+    let cells = campaign(haptic_sim::Laws::built_in()).expect("the campaign runs");
     for cell in cells.iter().filter(|cell| cell.passive) {
         assert!(cell.stable, "{} diverges: {}", cell.comm, cell.impairment);
         assert!(cell.energy_out_over_in <= 1.0 + 1e-9, "{} over {} makes energy", cell.comm, cell.impairment);

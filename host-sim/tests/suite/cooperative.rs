@@ -188,7 +188,7 @@ fn at_a_client_the_engine_is_without_delay() {
 fn waves(keys: &[&str]) -> Scene {
     let base = ["coordination.comm=passive-mean", "coordination.decode=implicit", "object.force_delay_ticks=0"];
     let keys: Vec<String> = [&base[..], &FORCES, keys].concat().into_iter().map(str::to_owned).collect();
-    Scene::load(None, &keys).expect("a good scene")
+    Scene::load(haptic_sim::Laws::built_in(), None, &keys).expect("a good scene")
 }
 
 /// Two lines of equal impedance that meet in a node are one line: up one packet, down one packet is two packets.

@@ -9,6 +9,7 @@ mod command_line;
 mod cooperative;
 mod costs;
 mod endpoint;
+mod examples;
 mod flood;
 mod hub;
 mod live;

@@ -6,7 +6,8 @@ use host_sim::trials::restarts::{Report, run};
 
 /// `count` restarts over the network of `overrides`, with what must hold on any.
 fn restarts(count: u64, overrides: &[&str]) -> Report {
-    let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("a built-in scene");
+    let mut scene =
+        scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("a built-in scene");
     for text in overrides {
         scene.apply_override(text).expect("a good override");
     }

@@ -18,7 +18,7 @@ use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::Refused;
 
 use crate::matrix::{Matrix, reset};
-use haptic_sim::peers::{self, DynPeer};
+use haptic_sim::peers::DynPeer;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
@@ -142,7 +142,7 @@ impl Seat {
     fn new(linear: &Scene, index: usize) -> Result<Self, Refused<'static>> {
         let settings = &linear.peers()[index];
         let at = |axes| {
-            let mut peer = peers::build(settings, axes)?;
+            let mut peer = linear.laws.peer(settings, axes)?;
             peer.command(Command::Arm);
             Ok(peer)
         };

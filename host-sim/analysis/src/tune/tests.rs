@@ -56,7 +56,7 @@ fn proposals_hold_what_they_promise() {
 /// Encoders, friction, motor steps and a gap do not undo it.
 #[test]
 fn a_proposal_for_a_real_device_runs() {
-    let scene = haptic_sim::scenes::load("real-device").unwrap();
+    let scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "real-device").unwrap();
     let proposal = tune(&scene, 0.2, || {}).unwrap().unwrap();
     let outcome = try_out::<f32>(&scene, &proposal, 10.0).unwrap();
     assert!(outcome.bounded, "{proposal:?}: {:?}", outcome.fault);

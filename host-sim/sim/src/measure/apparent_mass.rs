@@ -16,9 +16,6 @@ use crate::user::{Trace, User};
 const RAMP_N_PER_S: f64 = 1e-3;
 
 /// Apparent mass of the whole shared object, kg. Meaningful for a stable scene in contact; NaN where nothing moves.
-///
-/// # Errors
-/// What the peers' `build()` refuses.
 pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
     let mut linear = scene.linear();
     let device = &scene.world.device;

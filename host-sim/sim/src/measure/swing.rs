@@ -8,7 +8,6 @@
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
 use haptic_core::law::Sends;
-use haptic_core::schema::Schema;
 use haptic_core::settings::Refused;
 
 use crate::pair::Pair;
@@ -56,9 +55,6 @@ impl Phasor {
 }
 
 /// Swings a scene whose contact is permanent for `periods` after it has settled.
-///
-/// # Errors
-/// What the peers' `build()` refuses.
 pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     let mut swung = scene.clone();
     for (user, sign) in swung.users.iter_mut().zip([1.0, -1.0]) {
@@ -72,7 +68,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..SETTLE_S * per_period {
         pair.step();
     }
-    let sends = Schema::BUILT_IN.kind(&scene.peer).map(|kind| kind.sends);
+    let sends = scene.law().sends;
     let share = 1.0 / scene.peer.coordination.wave_impedance_n_s_per_m;
     let (mut force, mut speed, mut sent, mut acted_on) = Default::default();
     for _ in 0..periods * per_period {
@@ -81,7 +77,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
         for seen in pair.sides().into_iter().map(|side| side.peer.observed()) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
             let (out, into) = match sends {
-                Some(Sends::Motion) => (seen.object.position, seen.desired.position),
+                Sends::Motion => (seen.object.position, seen.desired.position),
                 _ => {
                     let (speed, force) = (seen.desired.velocity, share * seen.coordination_force);
                     (speed - force, speed + force)

@@ -281,7 +281,7 @@ mod tests {
 
     fn scene(overrides: &[&str]) -> Scene {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Scene::load(None, &overrides).expect("a good scene")
+        Scene::load(crate::Laws::built_in(), None, &overrides).expect("a good scene")
     }
 
     fn way(overrides: &[&str]) -> Way {

@@ -13,7 +13,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    Scene::load(None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn number(found: &[Found], key: &str) -> f64 {
@@ -31,7 +31,7 @@ fn give(board: &mut Shared, found: &[Found], name: &str) {
     let _ = std::fs::remove_file(&path);
     settings_file::add(&path, found).expect("a settings file");
     settings_file::give(board, &path).expect("the board takes it");
-    Scene::load(Some(&path), &[]).expect("the simulator takes it");
+    Scene::load(haptic_sim::Laws::built_in(), Some(&path), &[]).expect("the simulator takes it");
 }
 
 #[track_caller]
@@ -241,7 +241,7 @@ fn the_settings_file_grows() {
         &[Found::number("encoder.counts_per_m", estimate, ""), Found::flag("motor.reversed", true)],
     )
     .expect("it takes them");
-    let scene = Scene::load(Some(&path), &[]).expect("a scene");
+    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(&path), &[]).expect("a scene");
     assert_eq!(scene.get("object.mass_kg"), Some(Value::Number(0.25)));
     assert_eq!(scene.get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     assert_eq!(scene.get("motor.reversed"), Some(Value::Flag(true)));

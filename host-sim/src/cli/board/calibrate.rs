@@ -125,8 +125,8 @@ struct Row<'a> {
 type Parties = (Box<dyn Board>, Box<dyn Person>);
 
 impl At {
-    fn parties(&self) -> Result<Parties, Failure> {
-        let truth = self.truth.load()?;
+    fn parties(&self, ui: &Ui) -> Result<Parties, Failure> {
+        let truth = self.truth.load(ui)?;
         if self.board == "simulated" {
             let shared = Shared::new(&truth)?;
             return Ok((Box::new(shared.clone()), Box::new(shared)));
@@ -150,7 +150,7 @@ impl At {
         ui: &Ui,
         find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, String>,
     ) -> Result<(), Failure> {
-        let (mut board, mut person) = self.parties()?;
+        let (mut board, mut person) = self.parties(ui)?;
         if self.settings.exists() {
             settings_file::give(&mut *board, &self.settings)?;
         }

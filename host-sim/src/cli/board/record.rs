@@ -29,7 +29,7 @@ pub(in crate::cli) struct Record {
 impl Record {
     /// Writes the recording and prints what it comes to.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
         let recording = record(&scene, usize::from(self.number), ticks)?;
         std::fs::write(&self.file, &recording.bytes)

@@ -25,7 +25,7 @@ impl Flood {
     /// Floods and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let options = Options { rate_per_s: self.rate, seconds: self.time.seconds };
-        let report = run(&self.scene.load()?, &options, &Stop::on_signals()?)?;
+        let report = run(&self.scene.load(ui)?, &options, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(
             ui,

@@ -34,7 +34,7 @@ pub(in crate::cli) struct Relay {
 impl Relay {
     /// Relays until the time is over.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let mut scene = self.scene.load()?;
+        let mut scene = self.scene.load(ui)?;
         if let Some(trace) = &self.trace {
             scene.network_trace = Some(NetworkTrace::read(trace)?.into());
         }

@@ -20,7 +20,7 @@ pub(in crate::cli) struct Restarts {
 impl Restarts {
     /// Runs them and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let report = run(&scene, u64::from(self.count), scene.world.network.seed.into())?;
         ui.document(&report)?;
         writeln!(

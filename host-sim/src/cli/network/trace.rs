@@ -24,7 +24,7 @@ pub(in crate::cli) struct Trace {
 impl Trace {
     /// Writes what the scene's network would do to a file that replays it.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let timing = &scene.peer.timing;
         let packet_s = timing.packet_period_s();
         NetworkTrace::record(&scene, (self.time.seconds / packet_s).ceil() as u64).write(&self.file)?;

@@ -103,20 +103,20 @@ struct Report {
 
 impl Cooperative {
     /// The scene, on top of these keys where none is named, with this delay.
-    fn load(&self, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
+    fn load(&self, ui: &Ui, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
         let delay = format!("network.extra_delay_s={}", 1e-3 * one_way_ms);
-        self.scene.load_with(&[base, &FORCES].concat(), Some(delay))
+        self.scene.load_with(ui, &[base, &FORCES].concat(), Some(delay))
     }
 
-    fn setup(&self, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
-        let mut setup = Setup::new(self.load(one_way_ms, &Setup::BASE)?);
+    fn setup(&self, ui: &Ui, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {
+        let mut setup = Setup::new(self.load(ui, one_way_ms, &Setup::BASE)?);
         (setup.users, setup.bounder) = (self.users, bounder);
         (setup.collision, setup.engine) = (self.collision, self.engine);
         Ok(setup)
     }
 
-    fn row(&self, one_way_ms: f64, bounder: bool) -> Result<Row, Failure> {
-        let setup = self.setup(one_way_ms, bounder)?;
+    fn row(&self, ui: &Ui, one_way_ms: f64, bounder: bool) -> Result<Row, Failure> {
+        let setup = self.setup(ui, one_way_ms, bounder)?;
         let outcome = run(&setup, self.time.seconds)?;
         let network = setup.scene.world.network;
         // What the sampled map can hold.
@@ -133,7 +133,7 @@ impl Cooperative {
     /// One run, or the sweep.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
-        let period_s = self.setup(self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
+        let period_s = self.setup(ui, self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
         if self.time.seconds < 8.0 * period_s {
             let least = 8.0 * period_s;
             let message =
@@ -157,7 +157,7 @@ impl Cooperative {
         let rows = points
             .into_par_iter()
             .map(|(bounder, delay)| {
-                let row = self.row(delay, bounder).map_err(|failure| failure.to_string());
+                let row = self.row(ui, delay, bounder).map_err(|failure| failure.to_string());
                 bar.inc(1);
                 row
             })
@@ -186,7 +186,7 @@ impl Cooperative {
         let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
         let mut rows = Vec::new();
         for one_way_ms in delays {
-            let outcome = Waves::new(&self.load(one_way_ms, &WAVES)?, self.users)?.run(self.time.seconds);
+            let outcome = Waves::new(&self.load(ui, one_way_ms, &WAVES)?, self.users)?.run(self.time.seconds);
             rows.push(WaveRow { users: self.users, one_way_ms, outcome });
         }
         ui.document(&rows)?;
@@ -205,7 +205,7 @@ impl Cooperative {
     }
 
     fn made(&self, ui: &Ui) -> Result<Made, Failure> {
-        let scene = self.load(self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
+        let scene = self.load(ui, self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
         let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
         let places = [("collision", format!("{:?}", self.collision)), ("engine", format!("{:?}", self.engine))];

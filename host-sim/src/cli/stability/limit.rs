@@ -15,7 +15,7 @@ use haptic_sim::report::Columns;
 pub(in crate::cli) struct Limit {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The key to change: any number of a scene (`host-sim keys` lists them).
+    /// The key to change: any number of a scene (`--keys` lists them).
     #[arg(long, value_name = "TABLE.KEY")]
     of: String,
     /// First value.
@@ -39,7 +39,7 @@ struct LimitReport<'a> {
 impl Limit {
     /// Answers.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let start = Instant::now();
         let limit = limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;

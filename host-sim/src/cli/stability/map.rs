@@ -44,7 +44,7 @@ struct MapReport<'a> {
 impl Map {
     /// Answers.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let bar = ui.progress(self.x.count as u64, "columns");
         let start = Instant::now();
         let effort = Effort { steps: (2 * self.y.count).max(200), ..Effort::default() };

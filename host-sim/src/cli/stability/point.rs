@@ -27,7 +27,7 @@ struct PointReport {
 impl Point {
     /// Answers.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let report = PointReport {
             verdict: verdict(&scene)?,
             constructions: agreement(&scene.linear())?,

@@ -45,7 +45,7 @@ struct Report {
 impl Tune {
     /// Proposes, tries out, reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load()?;
+        let scene = self.scene.load(ui)?;
         let bar = ui.progress(tune::steps(), "contact stiffnesses");
         let proposal = tune::tune(&scene, self.margin, || bar.inc(1))?;
         bar.finish_and_clear();

@@ -75,8 +75,8 @@ impl<A: Copy> Hub<A> {
         if !(2..=MOST_USERS).contains(&users) {
             return Err(format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}"));
         }
-        scene.peer.check().map_err(|refused| refused.to_string())?;
-        let mut junction = Junction::new(&scene.peer, users).map_err(|error| error.to_string())?;
+        scene.check("hub").map_err(|refused| refused.to_string())?;
+        let mut junction = Junction::new(scene, users).map_err(|error| error.to_string())?;
         if !scene.peer.coordination.ledger {
             return Err(
                 "coordination.ledger = false is not allowed: it must be true, for on a network that may lose a packet \

@@ -22,8 +22,7 @@ use haptic_core::law::ladder::{Engagement, Ladder};
 use haptic_core::law::node::Node;
 use haptic_core::law::{Packet, Sends};
 use haptic_core::num::Motion;
-use haptic_core::schema::Schema;
-use haptic_core::settings::Settings;
+use haptic_sim::Scene;
 use serde::Serialize;
 
 use super::MOST_USERS;
@@ -125,13 +124,14 @@ pub struct Junction {
 }
 
 impl Junction {
-    /// The lines of `users` peers with these settings, engaged as the peers are that are armed together.
+    /// The lines of `users` peers of this scene, engaged as the peers are that are armed together.
     ///
     /// # Errors
     /// The peers send no waves.
-    pub fn new(settings: &Settings, users: usize) -> Result<Self, NoWaves> {
+    pub fn new(scene: &Scene, users: usize) -> Result<Self, NoWaves> {
+        let settings = &scene.peer;
         let coordination = &settings.coordination;
-        if Schema::BUILT_IN.kind(settings).is_none_or(|kind| kind.sends != Sends::Waves) {
+        if scene.law().sends != Sends::Waves {
             return Err(NoWaves(coordination.comm));
         }
         let packet_s = settings.timing.packet_period_s();

@@ -116,6 +116,6 @@ impl Setup {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =
             Self::BASE.iter().chain(&[delay.as_str()]).chain(keys).map(|key| (*key).to_owned()).collect();
-        Ok(Self::new(Scene::load(None, &keys)?))
+        Ok(Self::new(Scene::load(haptic_sim::Laws::built_in(), None, &keys)?))
     }
 }

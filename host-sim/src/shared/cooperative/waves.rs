@@ -108,7 +108,7 @@ impl Waves {
         if (network != plain || scene.network_trace.is_some()) && !scene.peer.coordination.ledger {
             return Err(WorldError::NotConstant);
         }
-        let junction = Junction::new(&scene.peer, users)?;
+        let junction = Junction::new(scene, users)?;
         let timing = &scene.peer.timing;
         let lines = (0..users).map(|_| Inbox::new(scene)).collect();
         let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });

@@ -217,7 +217,7 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
     let base = ["object.integrator=semi-implicit", "object.force_delay_ticks=0", "network.one_way_delay_packets=0"];
     let base = base.map(str::to_owned);
     let all: Vec<String> = base.into_iter().chain(user(0)).chain(user(1)).chain(keys.iter().cloned()).collect();
-    Scene::load(None, &all)
+    Scene::load(haptic_sim::Laws::built_in(), None, &all)
 }
 
 /// One architecture at one delay.

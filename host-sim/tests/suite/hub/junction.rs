@@ -2,8 +2,7 @@
 
 use haptic_core::law::Packet;
 use haptic_core::law::node::Node;
-use haptic_core::settings::Settings;
-use haptic_sim::scenes;
+use haptic_sim::{Scene, scenes};
 use host_sim::shared::cooperative::junction::Junction;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -12,11 +11,11 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 const B: f64 = 10.0;
 const PACKET_S: f64 = 0.008;
 
-fn settings(ledger: bool) -> Settings {
-    let mut settings = scenes::load("any-network").expect("a built-in scene").peer;
-    settings.coordination.ledger = ledger;
-    settings.coordination.drift_correction = ledger;
-    settings
+fn scene(ledger: bool) -> Scene {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("a built-in scene");
+    scene.peer.coordination.ledger = ledger;
+    scene.peer.coordination.drift_correction = ledger;
+    scene
 }
 
 fn wave(wave: f64) -> Option<Packet<f64>> {
@@ -25,7 +24,7 @@ fn wave(wave: f64) -> Option<Packet<f64>> {
 
 #[test]
 fn lines_that_are_there_meet_in_the_plain_node() {
-    let mut junction = Junction::new(&settings(false), 3).expect("waves");
+    let mut junction = Junction::new(&scene(false), 3).expect("waves");
     let node = Node::<f64, 3>::new([B; 3]);
     for waves in [[0.3, -0.7, 0.1], [1.0, 2.0, -5.0], [0.0, 0.0, 1e-3]] {
         junction.exchange(waves.map(wave));
@@ -43,7 +42,7 @@ fn lines_that_are_there_meet_in_the_plain_node() {
 /// Three packet periods as if nothing were, then nine steps, each as in closed form: v = √(2b)·Σs·u/(b·Σs).
 #[test]
 fn a_line_that_falls_silent_goes_quiet_step_by_step() {
-    let mut junction = Junction::new(&settings(false), 3).expect("waves");
+    let mut junction = Junction::new(&scene(false), 3).expect("waves");
     let waves = [0.4, 0.2, 0.9];
     let velocity = |share: f64| (2.0 * B).sqrt() * (0.6 + share * 0.9) / (B * (2.0 + share));
     junction.exchange(waves.map(wave));
@@ -68,7 +67,7 @@ fn a_line_that_falls_silent_goes_quiet_step_by_step() {
 /// Whoever begins anew on a line is let in when what was there before has faded.
 #[test]
 fn another_life_waits_until_the_line_is_quiet() {
-    let mut junction = Junction::new(&settings(true), 2).expect("waves");
+    let mut junction = Junction::new(&scene(true), 2).expect("waves");
     // A wave that varies between packets costs more than its mean: what is left over pays for holding.
     let packet = |wave: f64, count: u32| {
         let energy_j = 1.5 * 0.5 * PACKET_S * wave * wave * f64::from(count);
@@ -104,7 +103,7 @@ fn passive_whatever_the_network_does() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
     let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     for users in [2, 3, 16] {
-        let mut junction = Junction::new(&settings(true), users).expect("waves");
+        let mut junction = Junction::new(&scene(true), users).expect("waves");
         (0..users).for_each(|line| junction.part(line));
         let mut sent = vec![Packet::<f64>::default(); users];
         let mut held = sent.clone();
@@ -152,10 +151,10 @@ fn passive_whatever_the_network_does() {
 
 #[test]
 fn laws_without_waves_are_refused() {
-    let mut settings = settings(true);
+    let mut scene = scene(true);
     for (comm, name) in [("power", "power"), ("none", "none")] {
-        settings.coordination.comm = comm;
-        let said = Junction::new(&settings, 2).expect_err("no waves").to_string();
+        scene.peer.coordination.comm = comm;
+        let said = Junction::new(&scene, 2).expect_err("no waves").to_string();
         assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");
     }
 }

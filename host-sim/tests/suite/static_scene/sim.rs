@@ -85,7 +85,7 @@ impl Sim {
     /// A world without servers or visitors, over the scene's network (`network.…` overrides) with 8 ms one way.
     pub(crate) fn new(network: &[&str]) -> Self {
         let network: Vec<String> = network.iter().map(|key| format!("network.{key}")).collect();
-        let scene = Scene::load(None, &network).expect("a good network");
+        let scene = Scene::load(haptic_sim::Laws::built_in(), None, &network).expect("a good network");
         let seats = (0..SERVERS + CLIENTS).map(|_| Seat::new(End::Nobody)).collect();
         let route = |from: usize, to: usize| {
             let direction = if from < SERVERS { Direction::TwoToOne } else { Direction::OneToTwo };

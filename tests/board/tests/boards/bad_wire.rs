@@ -12,7 +12,7 @@ use haptic_sim::scenes;
 const SECONDS: f64 = 10.0;
 
 fn run(set: &[&str]) -> Trial {
-    let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
     trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it")
 }

@@ -27,7 +27,7 @@ fn memory(firmware: &Firmware, measured: &mut Measured) {
 /// Of an armed tick, with every tick recorded, as it is while somebody watches at full rate.
 fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     let scene = |name: &str, set: &[&str]| {
-        let mut scene = scenes::load(name).expect("built in");
+        let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
         set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
         scene
     };
@@ -128,7 +128,7 @@ fn static_stack(measured: &mut Measured) -> f64 {
 
 /// Two boards at work, every tick recorded and sent.
 fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").expect("built in"));
+    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
     let mut bench = Bench::start(firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take it");
     bench.arm();

@@ -135,5 +135,5 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
     assert_eq!(motor::sign(&mut board, 1).expect("sign"), [Found::flag("motor.reversed", false)]);
     assert_eq!(board.ask("arm").expect("an answer"), "ok armed");
-    Scene::load(Some(&file), &[]).expect("the simulator takes the file");
+    Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
 }

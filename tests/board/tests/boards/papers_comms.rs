@@ -15,7 +15,7 @@ fn close(what: &str, board: f64, host_sim: f64) {
 }
 
 fn check(name: &str) {
-    let scene = scenes::load(name).expect("built in");
+    let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
     let trial = trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it");
     let Trial { boards, host_sim, .. } = &trial;
     println!(

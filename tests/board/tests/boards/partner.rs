@@ -13,7 +13,7 @@ use haptic_sim::scenes;
 
 fn hold_one_object(set: &[&str]) {
     let firmware = Arc::new(Firmware::release());
-    let mut scene = scenes::load("paper-5.2-passive-wave-16ms").expect("built in");
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
     let scene = for_boards(&scene);
     let mut bench = Bench::start(&firmware, 1, Line::default());

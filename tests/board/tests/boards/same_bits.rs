@@ -20,7 +20,7 @@ fn run(scene: &haptic_sim::scene::Scene, seconds: u64) -> Bench {
 #[test]
 fn two_boards_equal_host_sim() {
     let seconds = 60;
-    let scene = for_boards(&scenes::load("paper-5.2-passive-wave-16ms").unwrap());
+    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").unwrap());
     let wall = std::time::Instant::now();
     let bench = run(&scene, seconds);
     println!("{} s of two boards in {:.1} s", seconds, wall.elapsed().as_secs_f64());

@@ -41,7 +41,7 @@ pub fn named(text: &str) -> Vec<String> {
 
 /// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
-    let scene = Scene::load(Some(path), &[]).map_err(|error| error.to_string())?;
+    let scene = Scene::load(crate::Laws::built_in(), Some(path), &[]).map_err(|error| error.to_string())?;
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
     give_scene(board, &scene, &named(&text))
 }

@@ -16,7 +16,7 @@ use haptic_core::settings::{Choice, Settings, Value};
 
 use super::board::{Board, Tick};
 use super::{Person, Task};
-use crate::peers::{self, DynPeer};
+use crate::peers::{DynPeer, Laws};
 use crate::plant::Plant;
 use crate::scene::Scene;
 
@@ -48,7 +48,7 @@ impl Shared {
         settings.axis.velocity = VelocityName::Filtered;
         settings.axis.count = truth.peer.axis.count;
         settings.kinematics = truth.peer.kinematics;
-        let peer = peers::build(&settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
+        let peer = Laws::built_in().peer(&settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
         let simulated = Simulated {
             plant: Plant::new(&truth, 0),
             peer,
@@ -138,7 +138,7 @@ impl Simulated {
                     Err(error) => format!("error {error:?}"),
                 }
             }
-            ["apply"] => match peers::build(&self.settings, [Motion::REST; AXES]) {
+            ["apply"] => match Laws::built_in().peer(&self.settings, [Motion::REST; AXES]) {
                 Ok(peer) => {
                     self.peer = peer;
                     "ok applied".to_owned()
@@ -215,8 +215,9 @@ impl Person for Shared {
             Task::Fasten { kilograms, .. } => {
                 heavier.world.device.mass_kg += kilograms;
                 simulated.plant = Plant::new(&heavier, 0);
-                simulated.peer =
-                    peers::build(&simulated.settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
+                simulated.peer = Laws::built_in()
+                    .peer(&simulated.settings, [Motion::REST; AXES])
+                    .map_err(|refused| refused.to_string())?;
             }
         }
         Ok(())

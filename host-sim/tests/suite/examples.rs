@@ -1,0 +1,96 @@
+//! The programs of `examples/`, built outside the workspace as a stranger would, and run.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Copies an example into a folder of its own, far from any workspace, builds it against this repository and gives the
+/// program. What is built besides it stays in the workspace's target folder, so that a second time costs seconds.
+fn built(name: &str) -> PathBuf {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
+    let folder = std::env::temp_dir().join(format!("haptic-example-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("src")).expect("a temporary folder");
+    let text = |path: PathBuf| std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{} is read", path.display()));
+    let example = repository.join("examples").join(name);
+    let workspace = text(repository.join("Cargo.toml"));
+    let profile = workspace.find("[profile.dev]").map_or("", |at| &workspace[at..]);
+    let manifest = text(example.join("Cargo.toml")).replace("../../", &format!("{}/", repository.display()));
+    // The workspace's versions and profile, so that its dependencies need not be built again.
+    std::fs::write(folder.join("Cargo.toml"), format!("{manifest}\n{profile}")).expect("a manifest");
+    std::fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("versions");
+    std::fs::write(folder.join("src/main.rs"), text(example.join("src/main.rs"))).expect("a program");
+    let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--quiet", "--offline"]).current_dir(&folder).env("CARGO_TARGET_DIR", target);
+    let output = cargo.output().expect("cargo runs");
+    let _ = std::fs::remove_dir_all(&folder);
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    target.join("debug").join(name)
+}
+
+fn run(program: &Path, arguments: &[&str]) -> Output {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("examples");
+    std::fs::create_dir_all(&folder).expect("a folder for its files");
+    Command::new(program).args(arguments).current_dir(folder).output().expect("it runs")
+}
+
+/// What it printed as JSON.
+fn json(program: &Path, arguments: &[&str]) -> Value {
+    let output = run(program, &[&["--json"], arguments].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document")
+}
+
+#[test]
+fn a_law_from_outside_is_simulated_proved_and_compared() {
+    let program = built("outside-law");
+    let predict = |ahead_s: &'static str| ["--set", "coordination.comm=predict", "--set", ahead_s];
+    let of = |command: &[&str], ahead_s| json(&program, &[command, &predict(ahead_s)[..]].concat());
+    let radius = |ahead_s| of(&["stability", "point"], ahead_s)["spectral_radius"].as_f64().expect("a radius");
+    let limit = |ahead_s| {
+        let range = ["stability", "limit", "--of", "coordination.stiffness_n_per_m", "--from", "0", "--to", "5000"];
+        of(&range, ahead_s)["crossings"][0].as_f64().expect("a limit")
+    };
+    // Carried on by nothing it is the power-domain law; carried on by a packet's delay it bears more, but not much more.
+    let power = json(&program, &["stability", "point", "--set", "coordination.comm=power"]);
+    assert_eq!(Some(radius("predict.ahead_s=0")), power["spectral_radius"].as_f64());
+    assert_ne!(radius("predict.ahead_s=0"), radius("predict.ahead_s=0.008"));
+    let limits = [limit("predict.ahead_s=0"), limit("predict.ahead_s=0.008")];
+    assert!(limits.iter().all(|limit| (10.0..5000.0).contains(limit)) && limits[0] != limits[1], "{limits:?}");
+    assert!(of(&["stability", "point"], "predict.ahead_s=0.008")["constructions"].is_null());
+
+    let merits = of(&["cooperate", "--seconds", "2"], "predict.ahead_s=0.008");
+    assert!(merits["bounded"].is_boolean(), "{merits}");
+    let table = json(&program, &["campaign"]);
+    let rows: Vec<&Value> = table.as_array().expect("rows").iter().filter(|row| row["comm"] == "predict").collect();
+    assert!(rows.len() > 20 && rows.iter().any(|row| row["stable"] == true), "{rows:?}");
+
+    let refused = |setting: &str, wanted: &[&str]| {
+        let output = run(&program, &["cooperate", "--set", "coordination.comm=predict", "--set", setting]);
+        let line = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
+        assert!(wanted.iter().all(|word| line.contains(word)), "{line}");
+    };
+    refused("predict.ahead_s=1", &["predict.ahead_s = 1 is not allowed", "from 0 to 0.2 s"]);
+    refused("predict.ahaed_s=0.1", &["did you mean predict.ahead_s?"]);
+    refused("coordination.comm=predikt", &["did you mean predict?", "\"power\""]);
+    let keys = json(&program, &["cooperate", "--keys"]);
+    assert!(keys.as_array().expect("keys").iter().any(|key| key["key"] == "predict.ahead_s" && key["unit"] == "s"));
+}
+
+#[test]
+fn an_observer_and_a_plant_from_outside_run() {
+    let observer = run(&built("observer"), &[]);
+    assert!(observer.status.success(), "{}", String::from_utf8_lossy(&observer.stderr));
+    let figure = Path::new(env!("CARGO_TARGET_TMPDIR")).join("examples/out/felt.svg");
+    let figure = std::fs::read_to_string(figure).expect("its figure");
+    assert!(figure.contains("user 2") && figure.contains("Contact force"));
+
+    let plant = run(&built("plant"), &[]);
+    assert!(plant.status.success(), "{}", String::from_utf8_lossy(&plant.stderr));
+    // Both handles are pulled home by springs, and pushed to where these hold them.
+    let text = String::from_utf8_lossy(&plant.stdout).into_owned();
+    assert!(text.lines().count() == 2 && text.lines().all(|line| line.contains("handle at ")), "{text}");
+}
