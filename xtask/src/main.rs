@@ -51,7 +51,7 @@ Usage: cargo xtask COMMAND [--help]
   board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
   fuzz         run every fuzz target of the protocol for a minute, keep what it finds
   log          attach to a running board and keep what it says in out/board.log
-  no-panic     show that no panic is reachable from the 1 kHz interrupt
+  no-panic     show that the 1 kHz interrupt cannot panic and lies in ITCM
   provision    give a board the key that it shares with its peer and its operator, over the debug probe
   qemu         haptic-core alone on QEMU's Cortex-M7: same bits as host-sim, outputs off when it ends
   rooms        who leans on whom: circles, imports that climb, lines of every package
@@ -149,8 +149,9 @@ Usage: cargo xtask log
 ";
 
 const NO_PANIC_HELP: &str = "\
-Links a program that holds the 1 kHz interrupt and a panic handler that calls a function which does not exist: it links
-only if no panic is reachable. Then once more with a panic planted, which must fail.
+Links a program that holds the 1 kHz interrupt and a panic handler that calls a function which does not exist, and has a
+place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
+panic planted outside ITCM, which must fail on both counts.
 
 Usage: cargo xtask no-panic
 ";

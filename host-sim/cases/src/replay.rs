@@ -1,7 +1,7 @@
 //! What one peer read, tick by tick, for the same peer on another processor: and the hash of all that it computed from it.
 //!
-//! The file is read as it is needed, so that a machine without memory to spare can replay hours of it. No allocation and
-//! nothing of the standard library is used here: tests/qemu compiles these very lines for a Cortex-M7.
+//! The file is read as it is needed, so that a machine without memory to spare can replay hours of it. Nothing here
+//! allocates: tests/qemu runs it on a Cortex-M7 that has no heap.
 //!
 //! Layout, little-endian: length of the settings (u32) and their lines `key=value`; position of the device's two axes at the
 //! start (2 × f32); then for every tick a byte of flags, and what they announce: 1 exact reading (4 × f32: position and

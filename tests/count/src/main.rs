@@ -1,7 +1,7 @@
 //! Instructions of every numerical choice on the processor of the board, a Cortex-M7 with its double-precision FPU.
 //!
 //! The cases are those that callgrind counts on a PC (`haptic-cases`). Here they run on
-//! QEMU, where a timer counts instructions (`machine.rs`). `cargo xtask count` runs this and compares.
+//! QEMU, where a timer counts instructions (`lib.rs`). `cargo xtask count` runs this and compares.
 //!
 //! Needs `qemu-system-arm` (Debian's 7.2 will do). Instructions, not cycles: QEMU has no pipeline and no memory latency.
 #![no_std]
@@ -10,7 +10,6 @@
 extern crate alloc;
 
 mod heap;
-mod machine;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -38,7 +37,7 @@ fn measured_call<I, O>(body: &mut impl FnMut(I) -> O, input: I) -> O {
 
 impl Meter for Timer {
     fn call<I, O>(body: &mut impl FnMut(I) -> O, input: I) -> O {
-        let (out, instructions) = machine::counted(|| measured_call(body, input));
+        let (out, instructions) = counting::counted(|| measured_call(body, input));
         COUNT.store(COUNT.load(Ordering::Relaxed) + instructions, Ordering::Relaxed);
         out
     }
@@ -58,9 +57,12 @@ fn count(cases: impl Iterator<Item = Case>) -> Vec<(String, u32)> {
 
 #[entry]
 fn main() -> ! {
-    machine::start();
-    let columns =
-        [count(haptic_cases::all::<f32, Timer>()), count(haptic_cases::all::<f64, Timer>()), count(haptic_cases::all::<Fixed, Timer>())];
+    counting::start();
+    let columns = [
+        count(haptic_cases::all::<f32, Timer>()),
+        count(haptic_cases::all::<f64, Timer>()),
+        count(haptic_cases::all::<Fixed, Timer>()),
+    ];
     hprintln!("# Instructions per call, Cortex-M7 (thumbv7em, QEMU), release build; tick/… per tick of a whole peer.");
     hprintln!("# Counted by `cargo xtask count`. Instructions, not cycles.");
     hprintln!("# {:<32} {:>7} {:>7} {:>7}", "case", "f32", "f64", "i32f32");
@@ -70,5 +72,5 @@ fn main() -> ! {
         let _ = write!(line, "{:<34} {:>7} {:>7} {:>7}", a.0, a.1, b.1, c.1);
         hprintln!("{}", line);
     }
-    machine::end(true)
+    counting::end(true)
 }

@@ -13,15 +13,13 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../../host-sim/cases/src/replay.rs"]
-#[allow(dead_code, reason = "host-sim uses the rest")]
-mod replay;
-
+use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln, nr, syscall};
+use haptic_cases::replay;
 
 /// The motors' outputs; 0 is off.
 #[unsafe(no_mangle)]
@@ -30,6 +28,20 @@ static OUTPUTS: AtomicU32 = AtomicU32::new(0);
 static TICKS: AtomicU32 = AtomicU32::new(0);
 /// The tick in which it goes wrong.
 const WRONG: u64 = 1000;
+
+/// Nothing is replayed on a heap: there is none.
+struct NoHeap;
+
+// SAFETY: it never gives any memory.
+unsafe impl GlobalAlloc for NoHeap {
+    unsafe fn alloc(&self, _: Layout) -> *mut u8 {
+        core::ptr::null_mut()
+    }
+    unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
+}
+
+#[global_allocator]
+static HEAP: NoHeap = NoHeap;
 
 /// A file of the host's.
 struct File(usize);

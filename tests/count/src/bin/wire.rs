@@ -2,12 +2,9 @@
 //!
 //! Two links in one program, so that each opens what the other has sealed. Every figure is the mean of [`CALLS`] calls of
 //! the public functions that the board's network task calls, buffers already in place; the refusals leave the session up, which
-//! is checked. Instructions, not cycles (`machine.rs`).
+//! is checked. Instructions, not cycles (`lib.rs`).
 #![no_std]
 #![no_main]
-
-#[path = "../machine.rs"]
-mod machine;
 
 use core::hint::black_box;
 
@@ -47,7 +44,7 @@ struct Row {
 impl Row {
     #[inline(always)]
     fn count<O>(&mut self, body: impl FnOnce() -> O) -> O {
-        let (out, instructions) = machine::counted(body);
+        let (out, instructions) = counting::counted(body);
         self.sum += u64::from(instructions);
         self.calls += 1;
         out
@@ -102,7 +99,7 @@ fn join(rows: &mut [Row; 4], life: u8) -> [Link; 2] {
 
 #[entry]
 fn main() -> ! {
-    machine::start();
+    counting::start();
     let mut joining: [Row; 4] = Default::default();
     let mut links = join(&mut joining, 0);
     for life in 1..20 {
@@ -175,5 +172,5 @@ fn main() -> ! {
     ] {
         hprintln!("{:<38} {:>7}", what, row.mean());
     }
-    machine::end(true)
+    counting::end(true)
 }

@@ -4,6 +4,8 @@
 //! What the timer shows between two readings with nothing between them is taken off; what one instruction is in timer ticks
 //! is measured on a thousand `nop`s. Limit: 650,000 instructions at a time (the timer has 24 bits).
 
+#![no_std]
+
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -18,7 +20,7 @@ static EMPTY: AtomicU32 = AtomicU32::new(0);
 const MASK: u32 = 0x00ff_ffff;
 
 /// Starts the timer and measures what it takes itself; once, before anything is counted.
-pub(crate) fn start() {
+pub fn start() {
     if let Some(mut peripherals) = Peripherals::take() {
         peripherals.SYST.set_clock_source(SystClkSource::Core);
         peripherals.SYST.set_reload(MASK);
@@ -42,7 +44,7 @@ fn between<O>(body: impl FnOnce() -> O) -> (O, u32) {
 
 /// What `body` gives, and the instructions that took.
 #[inline(always)]
-pub(crate) fn counted<O>(body: impl FnOnce() -> O) -> (O, u32) {
+pub fn counted<O>(body: impl FnOnce() -> O) -> (O, u32) {
     let (out, ticks) = between(body);
     let (ticks, thousand) = (ticks - EMPTY.load(Ordering::Relaxed), THOUSAND.load(Ordering::Relaxed));
     // A timer tick is a fraction of an instruction: the nearest whole number of them is exact.
@@ -51,7 +53,7 @@ pub(crate) fn counted<O>(body: impl FnOnce() -> O) -> (O, u32) {
 }
 
 /// Ends the emulator.
-pub(crate) fn end(success: bool) -> ! {
+pub fn end(success: bool) -> ! {
     debug::exit(if success { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {
         cortex_m::asm::wfi();
