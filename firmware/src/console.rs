@@ -223,7 +223,7 @@ impl Console {
         let wanted = match command {
             Command::Disarm => {
                 signals.disarm.release(true);
-                self.carried_out(|| signals.disarm.is(false)).await?;
+                self.carried_out(|| !signals.disarm.acquire()).await?;
                 return Ok(Mode::Disarmed);
             }
             Command::Clear => {
@@ -243,7 +243,7 @@ impl Console {
         };
         let order = signals.order.get().next(command);
         signals.order.release(order);
-        self.carried_out(|| signals.done.is(order)).await?;
+        self.carried_out(|| signals.done.acquire() == order).await?;
         let mode = signals.mode.get();
         if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
     }
@@ -256,7 +256,7 @@ impl Console {
             Err(No::Clear("the emergency stop was pressed"))
         } else if !bridges::stop_released() {
             Err(No::Because("the emergency stop is pressed, or not connected"))
-        } else if self.signals.saving.is(Saving::Busy) {
+        } else if self.signals.saving.acquire() == Saving::Busy {
             Err(No::Because("the settings are being saved"))
         } else {
             match self.signals.mode.get() {
@@ -273,7 +273,7 @@ impl Console {
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
         self.probes.write((number, probe));
-        self.carried_out(|| signals.begun.is(number)).await?;
+        self.carried_out(|| signals.begun.acquire() == number).await?;
         if let mode @ Mode::Faulted(_) = signals.mode.get() {
             return Err(No::Mode(mode));
         }
@@ -307,10 +307,11 @@ impl Console {
         if !storage::save(signals, &self.applied) {
             return Err(No::Because("the settings are being saved"));
         }
-        match soon(|| !signals.saving.is(Saving::Busy)).await {
-            false => Ok("saving, a few seconds: flash is being erased"),
-            true if signals.saving.is(Saving::Failed) => Err(No::Because("the flash does not take it")),
-            true => Ok("saved"),
+        soon(|| signals.saving.acquire() != Saving::Busy).await;
+        match signals.saving.acquire() {
+            Saving::Busy => Ok("saving, a few seconds: flash is being erased"),
+            Saving::Failed => Err(No::Because("the flash does not take it")),
+            Saving::Done => Ok("saved"),
         }
     }
 

@@ -1,13 +1,6 @@
 //! What a board keeps from one start to the next: its scene's settings and its addresses, key by key.
 //!
-//! | key | value |
-//! |---|---|
-//! | those of [`Settings`] | as scene files spell them |
-//! | `network.dhcp` | `true`: ask the network for an address |
-//! | `network.address` | own address, or `strap`: 192.168.77.1 or .2 by the strap, the network is its /24 |
-//! | `network.gateway` | who leads out of that network, or `none` |
-//! | `network.peer` | address of the other peer, or `strap`: the other of the two |
-//!
+//! Keys are those of [`Settings`], as scene files spell them, and `network.*`: docs/hardware.md says what each means.
 //! Addresses are taken at the next start. They are no secret and prove nothing: who the other peer is says the key.
 
 use core::fmt;
@@ -92,13 +85,12 @@ impl Addresses {
             return Ok(());
         }
         let (address, (name, nothing, allowed)) = self.of(key).ok_or(SetError::Unknown)?;
+        let usable = |host: &Ipv4Addr| !(host.is_unspecified() || host.is_multicast() || host.is_broadcast());
         *address = match value {
             Value::Text(text) if text == nothing => None,
-            Value::Text(text) => match text.parse::<Ipv4Addr>() {
-                Ok(address) if !(address.is_unspecified() || address.is_multicast() || address.is_broadcast()) => {
-                    Some(address)
-                }
-                _ => return refused(name, allowed),
+            Value::Text(text) => match text.parse().ok().filter(usable) {
+                None => return refused(name, allowed),
+                host => host,
             },
             _ => return refused(name, allowed),
         };

@@ -62,22 +62,23 @@ mod image {
         }};
     }
 
-    /// Supervisor: priority 2, below the tick and its bell, above the time driver (3) and Ethernet (4).
-    static SUPERVISOR: InterruptExecutor = InterruptExecutor::new();
-    /// Network: priority 5.
-    static NETWORK: InterruptExecutor = InterruptExecutor::new();
+    /// An executor, and the interrupt that it runs on, whose peripheral nothing uses.
+    macro_rules! executor {
+        ($name:ident on $interrupt:ident) => {
+            static $name: InterruptExecutor = InterruptExecutor::new();
 
-    #[unsafe(no_mangle)]
-    extern "C" fn UART4() {
-        // SAFETY: the interrupt that [`SUPERVISOR`] was started on.
-        unsafe { SUPERVISOR.on_interrupt() }
+            #[unsafe(no_mangle)]
+            extern "C" fn $interrupt() {
+                // SAFETY: the interrupt that the executor was started on.
+                unsafe { $name.on_interrupt() }
+            }
+        };
     }
 
-    #[unsafe(no_mangle)]
-    extern "C" fn UART5() {
-        // SAFETY: the interrupt that [`NETWORK`] was started on.
-        unsafe { NETWORK.on_interrupt() }
-    }
+    // Priority 2, below the tick and its bell, above the time driver (3) and Ethernet (4).
+    executor!(SUPERVISOR on UART4);
+    // Priority 5.
+    executor!(NETWORK on UART5);
 
     #[embassy_executor::main]
     async fn main(spawner: Spawner) {

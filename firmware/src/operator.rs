@@ -2,18 +2,7 @@
 //!
 //! A word and its arguments. Nothing here moves a motor but `check`, `probe` and `arm`; `disarm` is always accepted.
 //!
-//! | line | does |
-//! |---|---|
-//! | `status` | mode, fault, ticks, what stopped the board last |
-//! | `arm`, `disarm`, `clear` | motors on; motors off; forget a fault (the motors stay off) |
-//! | `check joint` | does the joint's motor move its encoder the right way? Before `arm`, once after start and new settings |
-//! | `probe joint shape duty s [Hz]` | pushes a motor open loop ([`haptic_core::device::probe`]), for calibration |
-//! | `probed` | what came of the last `check` or `probe` |
-//! | `set key value`, `get key` | one setting of the draft, as scene files spell it |
-//! | `defaults`, `apply` | draft back to defaults; draft checked and taken, only while disarmed |
-//! | `save` | what is applied goes to flash, only while disarmed |
-//! | `stream n`, `stream off` | every n-th tick to the operator; nothing any more |
-//! | `capture n` | the next n ticks, every one |
+//! What each line does stands in docs/hardware.md.
 
 use core::str::FromStr;
 

@@ -108,11 +108,8 @@ impl Record {
 
     /// A record from its bytes.
     pub fn from_bytes(bytes: &[u8; BYTES]) -> Self {
-        let mut words = [0; WORDS];
-        for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
-            *word = u32::from_le_bytes(*bytes);
-        }
-        Self(words)
+        let words = bytes.as_chunks().0;
+        Self(core::array::from_fn(|at| u32::from_le_bytes(words[at])))
     }
 
     /// Ticks since boot.

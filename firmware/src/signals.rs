@@ -130,33 +130,23 @@ impl<T: Coded> Word<T> {
     }
 
     /// What it holds.
-    #[inline]
     pub fn get(&self) -> T {
         T::decode(self.0.load(Ordering::Relaxed))
     }
 
     /// Holds this from now on.
-    #[inline]
     pub fn set(&self, value: T) {
         self.0.store(value.code(), Ordering::Relaxed);
     }
 
     /// What it holds, before anything that follows is done.
-    #[inline]
     pub fn acquire(&self) -> T {
         T::decode(self.0.load(Ordering::Acquire))
     }
 
     /// Holds this from now on, after all that came before is done.
-    #[inline]
     pub fn release(&self, value: T) {
         self.0.store(value.code(), Ordering::Release);
-    }
-
-    /// Whether it holds this, as [`Word::acquire`] does.
-    #[inline]
-    pub fn is(&self, value: T) -> bool {
-        self.0.load(Ordering::Acquire) == value.code()
     }
 }
 

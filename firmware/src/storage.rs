@@ -59,7 +59,7 @@ pub(crate) fn load(flash: &flash::Settings, signals: &Signals, fits: impl Fn(&Ke
 
 /// Asks for a save; false while one is under way.
 pub(crate) fn save(signals: &Signals, kept: &Kept) -> bool {
-    if signals.saving.is(Saving::Busy) {
+    if signals.saving.acquire() == Saving::Busy {
         return false;
     }
     signals.saving.release(Saving::Busy);

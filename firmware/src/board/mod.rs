@@ -1,8 +1,6 @@
 //! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges. The only folder that knows the chip.
 //!
-//! Pins (docs/hardware.md has the wiring): encoder 1 PC6/PC7 (TIM3), encoder 2 PD12/PD13 (TIM4), bridge 1 PE9/PE8, bridge
-//! 2 PE11/PE10 (TIM1), enable PF3, emergency stop PE15 (TIM1 break), board number PG12 (to ground: board 2), LEDs PB0
-//! (alive), PB14 (armed). Ethernet is the Nucleo's own.
+//! docs/hardware.md has the wiring. Ethernet is the Nucleo's own.
 //!
 //! Interrupt priorities, most urgent first: 0 tick, 1 bell, 2 supervisor, 3 time driver, 4 Ethernet, 5 network executor,
 //! thread: storage. A critical section masks 1 and everything below it, never the tick.
