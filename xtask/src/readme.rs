@@ -4,6 +4,7 @@
 //! | marker, a line of its own | what it holds |
 //! |---|---|
 //! | `<!-- host-sim ARGUMENTS -->` | before a fenced block: the command's standard output |
+//! | `<!-- first N lines of host-sim ARGUMENTS -->` | before a fenced block: where its output begins |
 //! | `<!-- table host-sim ARGUMENTS -->` | before a Markdown table: the output as Markdown (`--format markdown`) |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
 //! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to docs/ |
@@ -59,6 +60,11 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
         fresh += line;
         fresh += "\n";
         let Some(command) = marker(line) else { continue };
+        let begins = command.strip_prefix("first ").and_then(|rest| rest.split_once(" lines of "));
+        let (most, command) = match begins.and_then(|(number, command)| Some((number.parse().ok()?, command))) {
+            Some(beginning) => beginning,
+            None => (usize::MAX, command),
+        };
         if let Some((picture, arguments)) = command.split_once(" from host-sim ") {
             if !check {
                 host_sim(empty, arguments)?;
@@ -78,7 +84,8 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
                     .map_err(|cause| failed("read", Path::new(path), &cause))?,
                 None => host_sim(empty, command.trim_start_matches("host-sim "))?,
             };
-            fresh += &format!("```text\n{}\n```\n", printed.trim_end());
+            let shown: Vec<&str> = printed.trim_end().lines().take(most).collect();
+            fresh += &format!("```text\n{}\n```\n", shown.join("\n"));
             // The block that is replaced: from its opening fence to its closing one.
             if lines.next().is_none_or(|line| line != "```text") || !lines.by_ref().any(|line| line == "```") {
                 return Err(Failure::new(format!("{name}: `{line}` is not followed by a ```text block")));
