@@ -295,7 +295,8 @@ mod tests {
     #[test]
     fn packets_arrive_when_they_are_due_by_the_receivers_clock_and_closures_lose_them() {
         let mut engine = engine(|from, _| match from {
-            0 => Route::new(2_500).with_rule(|number, _| if number % 3 == 0 { Fate::Drop } else { Fate::Pass }),
+            0 => Route::new(2_500)
+                .with_rule(|number: u64, _| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass }),
             _ => Route::new(0).with_rule(|number, sent_ns| Fate::late(if number == 0 { 1_900 } else { sent_ns })),
         });
         engine.seats[1].clock = Clock { start_ns: 500, rate: 2.0 };

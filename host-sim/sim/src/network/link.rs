@@ -274,7 +274,7 @@ mod tests {
     use super::*;
 
     /// Packets of 8 ms, and a receiver that looks as often.
-    struct Way {
+    struct Line {
         link: Link<Numbered<u64>>,
         inbox: Inbox<u64>,
     }
@@ -284,13 +284,13 @@ mod tests {
         Scene::load(crate::Laws::built_in(), None, &overrides).expect("a good scene")
     }
 
-    fn way(overrides: &[&str]) -> Way {
+    fn line(overrides: &[&str]) -> Line {
         let scene = scene(overrides);
-        Way { link: Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0)), inbox: Inbox::new(&scene) }
+        Line { link: Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0)), inbox: Inbox::new(&scene) }
     }
 
     /// One packet period in which both ends are on time.
-    fn period(Way { link, inbox }: &mut Way, number: u64) -> Option<u64> {
+    fn period(Line { link, inbox }: &mut Line, number: u64) -> Option<u64> {
         let now_ns = 8_000_000 * number;
         link.send(now_ns, &Numbered { number, what: number });
         while let Some((due_ns, packet)) = link.take(now_ns) {
@@ -302,9 +302,9 @@ mod tests {
     #[test]
     fn without_impairment_every_packet_arrives_after_the_delay() {
         for delay in [0_u64, 1, 5] {
-            let mut way = way(&[&format!("network.one_way_delay_packets={delay}")]);
+            let mut line = line(&[&format!("network.one_way_delay_packets={delay}")]);
             for number in 0..50_u64 {
-                assert_eq!(period(&mut way, number), number.checked_sub(delay));
+                assert_eq!(period(&mut line, number), number.checked_sub(delay));
             }
         }
     }
@@ -312,12 +312,12 @@ mod tests {
     #[test]
     fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
         for (loss, burst) in [(0.2, 1.0), (0.1, 5.0), (0.5, 20.0)] {
-            let mut way = way(&[
+            let mut line = line(&[
                 "network.one_way_delay_packets=0",
                 &format!("network.loss={loss}"),
                 &format!("network.loss_burst_packets={burst}"),
             ]);
-            let got: Vec<bool> = (0..200_000).map(|number| period(&mut way, number).is_some()).collect();
+            let got: Vec<bool> = (0..200_000).map(|number| period(&mut line, number).is_some()).collect();
             let lost = got.iter().filter(|got| !**got).count() as f64;
             let runs = got.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
             assert!((lost / 200_000.0 - loss).abs() < 0.02, "{lost} lost at {loss}");
@@ -329,7 +329,7 @@ mod tests {
 
     #[test]
     fn whatever_happens_on_the_way_numbers_only_grow() {
-        let mut way = way(&[
+        let mut line = line(&[
             "network.jitter=gamma",
             "network.jitter_s=0.012",
             "network.reorder=0.3",
@@ -340,35 +340,35 @@ mod tests {
         ]);
         let mut last = None;
         for sent in 0..20_000 {
-            if let Some(number) = period(&mut way, sent) {
+            if let Some(number) = period(&mut line, sent) {
                 assert!(last.is_none_or(|last| number > last), "{number} after {last:?}");
                 last = Some(number);
             }
         }
-        let (counts, Inbox { delivered, dropped, .. }) = (way.link.counts(), way.inbox);
+        let (counts, Inbox { delivered, dropped, .. }) = (line.link.counts(), line.inbox);
         assert!(counts.corrupt > 1000 && counts.lost > 1000, "{counts:?}");
         assert!(dropped > 1000 && delivered > 5000, "{dropped} dropped, {delivered} delivered");
     }
 
     #[test]
     fn play_out_makes_the_delay_constant() {
-        let mut way = way(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
+        let mut line = line(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
         // Once the fastest has been seen.
         for number in 0..5000_u64 {
-            let played = period(&mut way, number);
+            let played = period(&mut line, number);
             assert!(number < 200 || played == number.checked_sub(3), "{played:?} in period {number}");
         }
         // Uniform to 12 ms is never later than two packets of 8 ms.
-        let (counts, Inbox { delivered, dropped, .. }) = (way.link.counts(), way.inbox);
+        let (counts, Inbox { delivered, dropped, .. }) = (line.link.counts(), line.inbox);
         assert!(delivered > 4_980 && dropped < 10 && counts.lost == 0, "{counts:?}, {delivered}, {dropped}");
     }
 
     /// Without impairment the fastest is known from the start, and every packet waits exactly as long as it was told to.
     #[test]
     fn play_out_on_a_good_network_is_more_delay_and_nothing_else() {
-        let mut way = way(&["network.one_way_delay_packets=2", "network.playout_packets=4"]);
+        let mut line = line(&["network.one_way_delay_packets=2", "network.playout_packets=4"]);
         for number in 0..500_u64 {
-            assert_eq!(period(&mut way, number), number.checked_sub(6));
+            assert_eq!(period(&mut line, number), number.checked_sub(6));
         }
     }
 

@@ -39,7 +39,6 @@ pub(super) struct Down {
 
 /// Either way.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "as many go up as come down")]
 pub(super) enum Packet {
     Up(Up),
     Down(Down),

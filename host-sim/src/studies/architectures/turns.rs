@@ -40,9 +40,9 @@ const SERVER: PeerId = PeerId(0);
 
 /// A role of one peer, whichever scheme.
 enum Part {
-    Server(lock::Server<4>),
-    Client(lock::Client),
-    Member(Ring),
+    Server(Box<lock::Server<4>>),
+    Client(Box<lock::Client>),
+    Member(Box<Ring>),
 }
 
 impl Part {
@@ -150,14 +150,14 @@ fn counted<'a>(
 fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize, u64), ArchitectureError> {
     let lease = Lease::new(LEASE_US)?;
     if architecture == Architecture::CollaborativeLock {
-        let client = |incarnation| Part::Client(lock::Client::new(SERVER, lease, incarnation, value(0.0)));
-        let server = Part::Server(lock::Server::new(lease, value(0.0)));
+        let client = |incarnation| Part::Client(Box::new(lock::Client::new(SERVER, lease, incarnation, value(0.0))));
+        let server = Part::Server(Box::new(lock::Server::new(lease, value(0.0))));
         return Ok((vec![server, client(1), client(2)], 1, delay_us / 2));
     }
     let founders = Roster::of(0..2);
     let member = |seat: u8| {
         let config = Config { seat, contacts: founders, lease, turn_us: TURN_US, seed: u64::from(seat) + 1 };
-        Part::Member(Ring::new(config, 0, Record::founder(founders, value(0.0))))
+        Part::Member(Box::new(Ring::new(config, 0, Record::founder(founders, value(0.0)))))
     };
     Ok((vec![member(0), member(1)], 0, delay_us))
 }

@@ -220,7 +220,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
 #[test]
 fn a_planted_rule_loses_what_it_says() {
     let mut meeting = Meeting::new(scene(&[]), 2);
-    let every_third = |number: u64, _: u64| if number % 3 == 0 { Fate::Drop } else { Fate::Pass };
+    let every_third = |number: u64, _: u64| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass };
     meeting.engine.route(0, 2).rule = Some(Box::new(every_third));
     (0..3_000).for_each(|_| meeting.step());
     assert!(meeting.peers().all(|peer| peer.mode() == Mode::Armed && peer.is_engaged()));
