@@ -107,7 +107,9 @@ impl Cooperate {
         let mut report = Report::new(self.scene.name(), &scene, &outcome, wall_s)?;
         if options.record_every > 1 {
             let every = options.record_every;
-            report.warnings.push(format!("a long run: the files hold every {every}th tick, the figures of merit all"));
+            report
+                .warnings
+                .push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));
         }
         let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.time.seconds);
         let made = made.with("seed", report.seed).with("state_hash", report.state_hash.as_str());

@@ -309,10 +309,13 @@ fn the_command_says_everything() {
         .expect("host-sim runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let took = start.elapsed();
-    assert!(cfg!(debug_assertions) || took.as_secs() < 20, "{took:?}");
+    // What a person waits for, in a release build; a test build on a busy machine has more.
+    let limit_s = if cfg!(debug_assertions) { 240 } else { 20 };
+    assert!(took.as_secs() < limit_s, "{took:?}");
     let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
     assert_eq!(document["processor"], "cortex-m7");
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let list =
+        |value: &Value| value.as_array().filter(|list| !list.is_empty()).expect("a list with something in it").clone();
     let families = list(&document["families"]);
     let names: Vec<&str> = families.iter().filter_map(|family| family["name"].as_str()).collect();
     assert_eq!(names, ["number-type", "whole-peer", "integrator", "decode", "filter", "kinematics", "velocity"]);

@@ -138,9 +138,18 @@ fn files_hold_the_run() {
             .unwrap_or_else(|| panic!("no .{extension} in {files:?}"));
         assert!(std::fs::metadata(file).expect("the file is there").len() > 1000, "{file}");
     }
-    let csv = folder.join("scene.csv");
-    let rows = csv::Reader::from_path(csv).expect("a table").into_records().count();
-    assert_eq!(rows, 1000);
+    let named = |ending: &str| files.iter().filter_map(Value::as_str).find(|file| file.ends_with(ending)).expect("it");
+    assert_eq!(csv::Reader::from_path(named(".csv")).expect("a table").into_records().count(), 1000);
+
+    // What made the files is a scene file: it runs the same again, and other settings go beside, not over it.
+    let again = json(&["cooperate", "--json", "--duration-s", "1", "--scene", named(".toml")]);
+    assert_eq!(again["state_hash"], report["state_hash"]);
+    assert_eq!(again["made"]["settings"], report["made"]["settings"]);
+    let out = folder.display().to_string();
+    let longer = json(&["cooperate", "--json", "--duration-s", "1.5", "--out", &out]);
+    assert_ne!(longer["files"], report["files"]);
+    let other = json(&["cooperate", "--json", "--duration-s", "1", "--out", &out, "--set", "user.1.push_n=1"]);
+    assert!(other["files"].as_array().expect("a list of files").iter().all(|file| !files.contains(file)), "{other}");
 }
 
 /// `stability tune` proposes gains as overrides that can be pasted, proved with their margin and tried out.

@@ -1,5 +1,6 @@
-//! Runs against an independent oracle, calibration of a simulated board, and recordings.
+//! Runs against an independent oracle, calibration of a simulated board, recordings, and reports.
 
 mod calibrate;
 mod oracle;
 mod recording;
+mod report;
