@@ -58,7 +58,7 @@ pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError
     for comm in COMMS {
         for delay in DELAYS {
             let map = map(&scene(comm, delay), axes(), effort, &done)?;
-            let curve = Curve { comm: comm, one_way_delay_packets: delay, columns: map.columns.clone() };
+            let curve = Curve { comm, one_way_delay_packets: delay, columns: map.columns.clone() };
             curves.push((curve, map));
         }
     }

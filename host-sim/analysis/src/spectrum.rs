@@ -62,10 +62,8 @@ impl Spectrum {
         }
         if size == 1 {
             (self.real[0], self.imaginary[0]) = (matrix[(0, 0)], 0.0);
-        } else if size > 1 {
-            if !self.iterate(matrix.as_ref()) && !self.iterate(matrix.transpose()) {
-                return None;
-            }
+        } else if size > 1 && !self.iterate(matrix.as_ref()) && !self.iterate(matrix.transpose()) {
+            return None;
         }
         let (real, imaginary) = (&self.real, &self.imaginary);
         Some((0..size).map(move |at| (real[at], imaginary[at])))

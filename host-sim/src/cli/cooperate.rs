@@ -125,7 +125,7 @@ impl Cooperate {
             ui.warn(warning);
         }
         ui.document_of(&made, &report)?;
-        write!(ui, "{}\n", report.columns().down(&[&report.scene]));
+        writeln!(ui, "{}", report.columns().down(&[&report.scene]));
         ui.wrote(&report.files);
         Ok(())
     }
