@@ -15,9 +15,25 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
 
-use crate::network::rule::{Jitter, NetworkTrace};
+use crate::network::trace::NetworkTrace;
 use crate::peers::{DynPeer, Laws, Number};
 use crate::user::{Trace, User, UserSettings};
+
+/// How the delay varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Jitter {
+    /// Not at all.
+    None,
+    /// Uniformly from 0 to jitter_s.
+    Uniform,
+    /// Gamma-distributed with shape 2 and mean jitter_s.
+    Gamma,
+}
+
+impl Choice for Jitter {
+    const NAMES: &'static [&'static str] = &["none", "uniform", "gamma"];
+    const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma];
+}
 
 haptic_core::settings! {
     /// The world around the peers.

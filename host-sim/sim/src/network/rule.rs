@@ -1,51 +1,14 @@
 //! [`Rule`]: what becomes of each packet, how late it arrives, how often, broken or not at all.
 //!
-//! Drawn from a seed by the scene's `network` table, read from a trace, or said by any closure. A trace is the same list
-//! written down, so that one recording impairs a run in memory, two processes and two boards alike:
-//!
-//! ```csv
-//! direction,packet,delay_s,fate
-//! 1,0,0.0031,arrives
-//! 1,1,,lost
-//! 2,0,0.0005,corrupt
-//! ```
-//!
-//! `direction` is the sender (1 or 2), `delay_s` what is added to the constant delay; a packet with two rows arrives twice.
-//! After its end a trace begins anew.
+//! Drawn from a seed by the scene's `network` table, read from a trace, or said by any closure.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::rng::Rng;
 use crate::scene::{Network, Scene};
 
-/// Nanoseconds as seconds.
-pub fn seconds(ns: u64) -> f64 {
-    ns as f64 / 1e9
-}
-
-/// Seconds to the nearest nanosecond.
-pub fn nanoseconds(s: f64) -> u64 {
-    (1e9 * s).round() as u64
-}
-
-/// Which way a packet goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// From peer 1 to peer 2.
-    OneToTwo,
-    /// From peer 2 to peer 1.
-    TwoToOne,
-}
-
-/// One copy of a packet that arrives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Arrival {
-    /// Time on top of the constant delay, ns.
-    pub delay_ns: u64,
-    /// Its bits are no longer what was sent.
-    pub corrupt: bool,
-}
+pub use super::trace::{Arrival, Direction, NetworkTrace, nanoseconds, seconds};
+pub use crate::scene::Jitter;
 
 /// What becomes of a packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,22 +69,6 @@ pub fn of_scene(scene: &Scene, direction: Direction, line: u32) -> Option<Box<dy
     let own = Network { seed: network.seed.wrapping_add(line), ..network };
     let packet_s = scene.peer.timing.packet_period_s();
     (network != plain).then(|| -> Box<dyn Rule> { Box::new(SeededRule::new(own, direction, packet_s)) })
-}
-
-/// How the delay varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Jitter {
-    /// Not at all.
-    None,
-    /// Uniformly from 0 to jitter_s.
-    Uniform,
-    /// Gamma-distributed with shape 2 and mean jitter_s.
-    Gamma,
-}
-
-impl haptic_core::names::Choice for Jitter {
-    const NAMES: &'static [&'static str] = &["none", "uniform", "gamma"];
-    const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma];
 }
 
 /// Bits of one packet on the wire: a sealed flow message with its Ethernet, IP and UDP headers.
@@ -222,13 +169,6 @@ impl Rule for SeededRule {
     }
 }
 
-/// A recording of what a network did.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct NetworkTrace {
-    file: PathBuf,
-    packets: [Vec<Vec<Arrival>>; 2],
-}
-
 impl NetworkTrace {
     /// What becomes of the first `packets` packets of a scene, sent each packet period.
     pub fn record(scene: &Scene, packets: u64) -> Self {
@@ -238,84 +178,6 @@ impl NetworkTrace {
             let fate = |number: u64| rule.as_mut().map_or(Fate::Pass, |rule| rule.decide(number, number * packet_ns));
             (0..packets).map(fate).map(Fate::copies).collect()
         };
-        Self { file: PathBuf::default(), packets: [half(Direction::OneToTwo), half(Direction::TwoToOne)] }
-    }
-
-    fn of(&self, direction: Direction, packet: u64) -> &[Arrival] {
-        let half = match direction {
-            Direction::OneToTwo => &self.packets[0],
-            Direction::TwoToOne => &self.packets[1],
-        };
-        half.get((packet % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
-    }
-
-    /// Reads a trace.
-    ///
-    /// # Errors
-    /// The first row that is wrong, or why the file cannot be read, in one line.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let place = path.display();
-        let mut reader = csv::Reader::from_path(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
-        let mut packets = [Vec::new(), Vec::new()];
-        for (at, row) in reader.deserialize::<(usize, usize, Option<f64>, String)>().enumerate() {
-            let wrong = |what: &str| format!("{place}: row {}: {what}", at + 1);
-            let (direction, packet, delay_s, fate) = row.map_err(|cause| wrong(&cause.to_string()))?;
-            let half: &mut Vec<Vec<Arrival>> = match direction {
-                1 => &mut packets[0],
-                2 => &mut packets[1],
-                _ => return Err(wrong("direction must be 1 or 2")),
-            };
-            // A second copy follows its first; anything else is the next packet.
-            if packet == half.len() {
-                half.push(Vec::new());
-            } else if packet + 1 != half.len() {
-                return Err(wrong(&format!("packet {packet} must be {} or, for a copy, the one before", half.len())));
-            }
-            let corrupt = match fate.as_str() {
-                "arrives" => false,
-                "corrupt" => true,
-                "lost" => continue,
-                _ => return Err(wrong("fate must be arrives, corrupt or lost")),
-            };
-            match delay_s {
-                Some(delay_s) if (0.0..=1e4).contains(&delay_s) => {
-                    half[packet].push(Arrival { delay_ns: nanoseconds(delay_s), corrupt });
-                }
-                _ => return Err(wrong("delay_s must be a number from 0 to 10000")),
-            }
-        }
-        if packets.iter().any(Vec::is_empty) {
-            return Err(format!("{place}: both directions need at least one packet"));
-        }
-        Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
-    }
-
-    /// The file it was read from; empty for none.
-    pub fn file(&self) -> &Path {
-        &self.file
-    }
-
-    /// Writes the trace.
-    ///
-    /// # Errors
-    /// Why the file cannot be written, in one line.
-    pub fn write(&self, path: &Path) -> Result<(), String> {
-        let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
-        let mut writer = csv::Writer::from_path(path).map_err(failed)?;
-        writer.write_record(["direction", "packet", "delay_s", "fate"]).map_err(failed)?;
-        for (direction, half) in (1..).zip(&self.packets) {
-            for (packet, copies) in half.iter().enumerate() {
-                let mut row = |delay: String, fate: &str| {
-                    writer.write_record([&direction.to_string(), &packet.to_string(), &delay, fate]).map_err(failed)
-                };
-                if copies.is_empty() {
-                    row(String::new(), "lost")?;
-                }
-                for copy in copies {
-                    row(seconds(copy.delay_ns).to_string(), if copy.corrupt { "corrupt" } else { "arrives" })?;
-                }
-            }
-        }
-        writer.flush().map_err(|cause| failed(cause.into()))
+        Self::of_packets([half(Direction::OneToTwo), half(Direction::TwoToOne)])
     }
 }

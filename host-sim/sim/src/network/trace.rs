@@ -1,0 +1,135 @@
+//! [`NetworkTrace`]: what became of each packet, written down, so that one recording impairs a run in memory, two processes
+//! and two boards alike:
+//!
+//! ```csv
+//! direction,packet,delay_s,fate
+//! 1,0,0.0031,arrives
+//! 1,1,,lost
+//! 2,0,0.0005,corrupt
+//! ```
+//!
+//! `direction` is the sender (1 or 2), `delay_s` what is added to the constant delay; a packet with two rows arrives twice.
+//! After its end a trace begins anew.
+
+use std::path::{Path, PathBuf};
+
+/// Nanoseconds as seconds.
+pub fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+/// Seconds to the nearest nanosecond.
+pub fn nanoseconds(s: f64) -> u64 {
+    (1e9 * s).round() as u64
+}
+
+/// Which way a packet goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From peer 1 to peer 2.
+    OneToTwo,
+    /// From peer 2 to peer 1.
+    TwoToOne,
+}
+
+/// One copy of a packet that arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arrival {
+    /// Time on top of the constant delay, ns.
+    pub delay_ns: u64,
+    /// Its bits are no longer what was sent.
+    pub corrupt: bool,
+}
+
+/// A recording of what a network did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NetworkTrace {
+    file: PathBuf,
+    packets: [Vec<Vec<Arrival>>; 2],
+}
+
+impl NetworkTrace {
+    /// A recording that no file holds yet.
+    pub(super) fn of_packets(packets: [Vec<Vec<Arrival>>; 2]) -> Self {
+        Self { file: PathBuf::default(), packets }
+    }
+
+    /// What became of that packet; after its end a trace begins anew.
+    pub(super) fn of(&self, direction: Direction, packet: u64) -> &[Arrival] {
+        let half = match direction {
+            Direction::OneToTwo => &self.packets[0],
+            Direction::TwoToOne => &self.packets[1],
+        };
+        half.get((packet % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Reads a trace.
+    ///
+    /// # Errors
+    /// The first row that is wrong, or why the file cannot be read, in one line.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let place = path.display();
+        let mut reader = csv::Reader::from_path(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
+        let mut packets = [Vec::new(), Vec::new()];
+        for (at, row) in reader.deserialize::<(usize, usize, Option<f64>, String)>().enumerate() {
+            let wrong = |what: &str| format!("{place}: row {}: {what}", at + 1);
+            let (direction, packet, delay_s, fate) = row.map_err(|cause| wrong(&cause.to_string()))?;
+            let half: &mut Vec<Vec<Arrival>> = match direction {
+                1 => &mut packets[0],
+                2 => &mut packets[1],
+                _ => return Err(wrong("direction must be 1 or 2")),
+            };
+            // A second copy follows its first; anything else is the next packet.
+            if packet == half.len() {
+                half.push(Vec::new());
+            } else if packet + 1 != half.len() {
+                return Err(wrong(&format!("packet {packet} must be {} or, for a copy, the one before", half.len())));
+            }
+            let corrupt = match fate.as_str() {
+                "arrives" => false,
+                "corrupt" => true,
+                "lost" => continue,
+                _ => return Err(wrong("fate must be arrives, corrupt or lost")),
+            };
+            match delay_s {
+                Some(delay_s) if (0.0..=1e4).contains(&delay_s) => {
+                    half[packet].push(Arrival { delay_ns: nanoseconds(delay_s), corrupt });
+                }
+                _ => return Err(wrong("delay_s must be a number from 0 to 10000")),
+            }
+        }
+        if packets.iter().any(Vec::is_empty) {
+            return Err(format!("{place}: both directions need at least one packet"));
+        }
+        Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
+    }
+
+    /// The file it was read from; empty for none.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Writes the trace.
+    ///
+    /// # Errors
+    /// Why the file cannot be written, in one line.
+    pub fn write(&self, path: &Path) -> Result<(), String> {
+        let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
+        let mut writer = csv::Writer::from_path(path).map_err(failed)?;
+        writer.write_record(["direction", "packet", "delay_s", "fate"]).map_err(failed)?;
+        for (direction, half) in (1..).zip(&self.packets) {
+            for (packet, copies) in half.iter().enumerate() {
+                let mut row = |delay: String, fate: &str| {
+                    writer.write_record([&direction.to_string(), &packet.to_string(), &delay, fate]).map_err(failed)
+                };
+                if copies.is_empty() {
+                    row(String::new(), "lost")?;
+                }
+                for copy in copies {
+                    row(seconds(copy.delay_ns).to_string(), if copy.corrupt { "corrupt" } else { "arrives" })?;
+                }
+            }
+        }
+        writer.flush().map_err(|cause| failed(cause.into()))
+    }
+}
