@@ -12,7 +12,7 @@ use haptic_sim::board::calibrate::settings_file;
 use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::{Laws, key_file, scenes};
 
-use super::{Failure, Ui};
+use super::ui::{Failure, Ui};
 use crate::shared::world::{self, World};
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.

@@ -33,11 +33,8 @@ use clap_complete::Shell;
 pub use flags::SceneArgs;
 use flags::nearest;
 use haptic_sim::Laws;
-use haptic_sim::report::Made;
 use ui::Ui;
-
-/// What a command may fail with.
-pub type Failure = Box<dyn Error>;
+pub use ui::{Failure, made};
 
 /// Declares a command, or a group of them, and runs whichever was asked for.
 macro_rules! commands {
@@ -234,11 +231,6 @@ fn refusal(error: &clap::Error) -> String {
         None => "--help lists what there is".to_owned(),
     };
     format!("{} ({hint})", said.join(" ").trim_start_matches("error: "))
-}
-
-/// This program, from now on: what its files say of what made them.
-pub fn made() -> Made {
-    Made::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
 }
 
 /// Whether the system granted real-time priority, in a report's words.

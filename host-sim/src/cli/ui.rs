@@ -4,6 +4,7 @@
 //! A result is given in both forms, and the one that was asked for is printed: [`Ui::document`] under `--json`, what is written
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which.
 
+use std::error::Error;
 use std::fmt;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +15,8 @@ use serde::Serialize;
 use haptic_sim::Laws;
 use haptic_sim::report::{Files, Made, ReportError};
 
-use super::Failure;
+/// What a command may fail with.
+pub type Failure = Box<dyn Error>;
 
 /// Where a command's output goes.
 #[derive(Clone, Debug)]
@@ -36,7 +38,7 @@ struct Told<'a, D> {
 impl Ui {
     /// Prints JSON, or text.
     pub(super) fn new(json: bool, laws: Laws) -> Self {
-        Self { json, laws, made: super::made() }
+        Self { json, laws, made: made() }
     }
 
     /// The result as the one JSON document.
@@ -144,6 +146,11 @@ impl Ui {
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         ProgressBar::new(length).with_style(style).with_message(what.to_owned())
     }
+}
+
+/// This program, from now on: what its files say of what made them.
+pub fn made() -> Made {
+    Made::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
 }
 
 /// The pictures among these files.

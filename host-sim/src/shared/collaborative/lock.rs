@@ -11,9 +11,9 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::rng::Rng;
 
 use super::history::History;
+use super::trial::{MOST_USERS, Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
 use super::world::{Cast, Peer};
-use super::{MOST_USERS, Mistake, Trial};
 use crate::shared::said;
 
 /// The object.

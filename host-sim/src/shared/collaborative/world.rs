@@ -16,7 +16,7 @@ use haptic_sim::rng::Rng;
 use haptic_sim::scene::Network;
 
 use super::history::History;
-use super::{Mistake, Trial};
+use super::trial::{Mistake, Trial};
 
 /// End of the time in which things go wrong, µs.
 const TROUBLE_US: u64 = 4_000_000;

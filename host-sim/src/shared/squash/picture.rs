@@ -2,7 +2,7 @@
 
 use haptic_protocol::roles::squash::Court;
 
-use super::{Game, Moment, Options};
+use super::game::{Game, Moment, Options};
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 /// Time shown in the second figure, s.

@@ -17,8 +17,8 @@ use haptic_sim::scene::Network;
 
 use super::bot::SCALE;
 use super::contestant::{Contestant, TICK_S};
+use super::game::{Change, Game, Moment, Options};
 use super::referee::Referee;
-use super::{Change, Game, Moment, Options};
 use crate::shared::{said, sealed_len};
 
 /// Who sits at the engine.

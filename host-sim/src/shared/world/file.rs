@@ -7,7 +7,7 @@ use haptic_protocol::world::{Block, Bounds, Field, Object, Region, Shape, Strip}
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{CONTROL_PERIOD_S, World};
+use super::parameters::{CONTROL_PERIOD_S, World};
 
 /// What is wrong with a world, in one line.
 #[derive(Debug, thiserror::Error)]

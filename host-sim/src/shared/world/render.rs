@@ -23,45 +23,9 @@ use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;
 use haptic_protocol::world::{Object, Strip};
 
-use super::CONTROL_PERIOD_S;
+use super::frame::{Frame, Vector, dot};
+use super::parameters::CONTROL_PERIOD_S;
 use super::solid::{Solid, contact, solid};
-
-/// Along x and y.
-pub(super) type Vector = [f64; 2];
-
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-pub(super) fn minus(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-/// A line with a free side on its left.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) from: Vector,
-    pub(super) along: Vector,
-    /// To the free side.
-    pub(super) out: Vector,
-    pub(super) length: f64,
-}
-
-impl Frame {
-    pub(super) fn new(from: [f32; 2], to: [f32; 2]) -> Self {
-        let from = from.map(f64::from);
-        let way = minus(to.map(f64::from), from);
-        let length = libm::sqrt(dot(way, way));
-        let along = way.map(|part| part / length);
-        Self { from, along, out: [-along[1], along[0]], length }
-    }
-
-    /// How far along the line and how far out a point is, m.
-    fn local(&self, point: Vector) -> Vector {
-        let from = minus(point, self.from);
-        [dot(from, self.along), dot(from, self.out)]
-    }
-}
 
 /// A chain of masses between two fixed ends.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use haptic_core::contact::{Contact, Side};
 use haptic_core::settings::Settings;
 use haptic_protocol::world::{Block, Shape, Strip, Wall};
 
-use super::render::Frame;
+use super::frame::Frame;
 
 /// What the outline of an object that does not move encloses.
 pub type Solid = shape::Shape<f64, [Edge<f64>; 4]>;

@@ -22,7 +22,7 @@ use haptic_core::settings::Settings;
 use haptic_protocol::world::Shape;
 use serde::Serialize;
 
-use super::render::{Vector, dot, minus};
+use super::frame::{Vector, dot, minus};
 use super::solid::{block_corners, contact, gains, solid, wall_corners};
 
 fn add(a: Vector, share: f64, b: Vector) -> Vector {
