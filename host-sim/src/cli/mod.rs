@@ -1,7 +1,7 @@
 //! The command line: one file or folder per command, each a thin layer over the library.
 //!
 //! A command is `args.run(ui)`: results go to standard output (`--json`: one JSON document and nothing else), progress and
-//! warnings to standard error, all of it through [`ui::Ui`]; flags that several commands take are declared in [`flags`].
+//! warnings to standard error, all of it through `ui::Ui`; flags that several commands take are declared in `flags`.
 //! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
 //! change, 141 when whoever read the results went away.
 
