@@ -61,8 +61,14 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
     assert!(limits.iter().all(|limit| (10.0..5000.0).contains(limit)) && limits[0] != limits[1], "{limits:?}");
     assert!(of(&["stability", "point"], "predict.ahead_s=0.008")["constructions"].is_null());
 
-    let merits = of(&["cooperate", "--seconds", "2"], "predict.ahead_s=0.008");
-    assert!(merits["bounded"].is_boolean(), "{merits}");
+    // Two users push; the run is another one when the copy is carried on, and says what it was told.
+    let pushed = ["coordination.stiffness_n_per_m=310", "user.1.push_n=1", "user.2.push_n=0.5"];
+    let pushed: Vec<&str> = pushed.iter().flat_map(|setting| ["--set", setting]).collect();
+    let merits = |ahead_s| of(&[&["cooperate", "--seconds", "2"], &pushed[..]].concat(), ahead_s);
+    let (plain, ahead) = (merits("predict.ahead_s=0"), merits("predict.ahead_s=0.01"));
+    assert!(plain["stable"] == true && ahead["stable"] == true, "{plain} {ahead}");
+    assert!(plain["true_discrepancy_mm"].as_f64() > Some(1.0) && plain["state_hash"] != ahead["state_hash"], "{plain}");
+    assert_eq!(ahead["made"]["settings"]["predict.ahead_s"], "0.01");
     let table = json(&program, &["campaign"]);
     let rows: Vec<&Value> = table.as_array().expect("rows").iter().filter(|row| row["comm"] == "predict").collect();
     assert!(rows.len() > 20 && rows.iter().any(|row| row["stable"] == true), "{rows:?}");
