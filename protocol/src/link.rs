@@ -29,6 +29,7 @@ use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, M
 
 mod error;
 mod incoming;
+mod progress;
 mod stage;
 
 pub use error::{ConfigError, Error};
