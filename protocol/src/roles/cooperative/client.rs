@@ -1,7 +1,8 @@
 //! A client's part: it has the engine while a lease from the server runs.
 
-use super::{Body, Lease, Message};
+use super::message::{Body, Message};
 use crate::notices::Notices;
+use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 

@@ -1,6 +1,7 @@
 //! The server's part: it has the engine, or has lent it to one client.
 
-use super::{Body, Lease, Message};
+use super::message::{Body, Message};
+use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 

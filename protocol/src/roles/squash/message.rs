@@ -1,7 +1,8 @@
 //! What players and server of a game say to each other; the event's code is [`code::SQUASH`]. Times are µs on the clock of who wrote
 //! them first, in a hit on the server's.
 
-use super::{Ball, Ending, Game, Turn};
+use super::court::Ball;
+use super::rules::{Ending, Game, Turn};
 use crate::bytes::messages;
 use crate::error::Error;
 use crate::roles::{Carried, code};

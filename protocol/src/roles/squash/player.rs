@@ -1,9 +1,12 @@
 //! A player: hits when it is active, knows where the ball is when it is not.
 
-use super::{
-    Ball, BallBounds, Court, Ending, Game, Impact, Message, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, Racket,
-    RoundTrips, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
+use super::bounder::{BallBounds, RoundTrips};
+use super::court::{Ball, Court};
+use super::message::Message;
+use super::rules::{
+    Ending, Game, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
 };
+use super::stroke::{Impact, Racket};
 use crate::clock::Clock;
 use crate::notices::Notices;
 use crate::roles::{Out, Role};

@@ -2,9 +2,10 @@
 
 use core::convert::Infallible;
 
-use super::{
-    Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, RoundTrips, SERVER, Turn,
-    Verdict, place_of,
+use super::bounder::RoundTrips;
+use super::message::Message;
+use super::rules::{
+    Ending, Game, HEARTBEAT_LIMIT_US, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SERVER, Turn, Verdict, place_of,
 };
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;

@@ -17,7 +17,7 @@
 
 use heapless::Vec;
 
-use super::BURST;
+use super::server::BURST;
 use crate::wire::{Ask, Bits, Page, Part, Payload, Topic};
 use crate::world::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, Region, Scope, checksum_of, world_checksum};
 

@@ -14,7 +14,4 @@ mod server;
 pub use board::Board;
 pub use download::{Download, Taken};
 pub use roam::Roam;
-pub use server::Server;
-
-/// Most parts that one question is answered with; what else it wants is asked for again.
-pub const BURST: usize = 16;
+pub use server::{BURST, Server};

@@ -1,8 +1,10 @@
 //! Server: answers questions about a world from its database, and remembers nothing about who asked.
 
-use super::BURST;
 use crate::wire::{Ask, Error, Page, Part, Payload, Topic};
 use crate::world::{Database, Object, Region, Scope, checksum_of};
+
+/// Most parts that one question is answered with; what else it wants is asked for again.
+pub const BURST: usize = 16;
 
 /// One server of a world.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
-use super::{Copy, Lease, Message, Value};
+use super::message::{Copy, Message};
 use crate::notices::Notices;
-use crate::roles::collaborative::NotOwner;
 use crate::roles::collaborative::lease::Requests;
+use crate::roles::collaborative::{Lease, NotOwner, Value};
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 

@@ -1,9 +1,19 @@
 //! What clients and server of a lock say to each other; the event's code is [`code::LOCK`].
 
-use super::Copy;
-use crate::bytes::messages;
+use crate::bytes::{layout, messages};
 use crate::roles::collaborative::Value;
 use crate::roles::{carried_by_events, code};
+
+layout! {
+    /// A copy of the object.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Copy(28 bytes) {
+        /// Fence of the grant that it was made under; 0 is how the object was in the beginning.
+        0 => version: u32,
+        /// What it is.
+        4 => value: Value,
+    }
+}
 
 messages! {
     /// A message about one object.

@@ -26,22 +26,10 @@ mod message;
 mod server;
 
 pub use client::{Client, Notice, Phase};
-pub use message::Message;
+pub use message::{Copy, Message};
 pub use server::{Record, Server};
 
-use super::{Lease, Value};
-use crate::bytes::layout;
-
-layout! {
-    /// A copy of the object.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub struct Copy(28 bytes) {
-        /// Fence of the grant that it was made under; 0 is how the object was in the beginning.
-        0 => version: u32,
-        /// What it is.
-        4 => value: Value,
-    }
-}
+use super::Lease;
 
 /// How long a client that asks may have to wait for its grant, µs, if nobody loses a message from now on: a vanished owner's
 /// lease, or the server's own after a restart, then every other client once, each for `edit_us` at the most and four

@@ -4,7 +4,8 @@ use core::convert::Infallible;
 
 use heapless::{Deque, Vec};
 
-use super::{Copy, Lease, Message, Value};
+use super::message::{Copy, Message};
+use crate::roles::collaborative::{Lease, Value};
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 

@@ -1,23 +1,10 @@
 //! Candidate: how a lost token is made anew, never two of them.
 
-use super::{Ballot, Message, Part, Ring, Roster, State};
+use super::Ring;
+use super::message::{Ballot, Message, State};
+use super::part::{Candidacy, Part};
+use super::roster::Roster;
 use crate::roles::Out;
-
-/// What a candidate has heard.
-#[derive(Clone, Debug)]
-pub(super) struct Candidacy {
-    votes: Roster,
-    /// The newest state that a voter knew, and under which ballot it was kept.
-    ballot: Ballot,
-    state: State,
-}
-
-impl Candidacy {
-    /// Whose votes count.
-    pub(super) fn electorate(&self) -> Roster {
-        self.state.everybody()
-    }
-}
 
 impl Ring {
     /// Epoch of a vote that is none: a member tells somebody who is no member any more how far the ring has come. The epochs

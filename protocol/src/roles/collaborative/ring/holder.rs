@@ -1,53 +1,15 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
-use super::{Ballot, Message, Notice, Part, Ring, Roster, SEATS, State, Value};
+use super::message::{Ballot, Message, State};
+use super::part::{Held, Holding, Other, Part, Stage};
+use super::roster::{Roster, SEATS};
+use super::{Notice, Ring};
 use crate::roles::Out;
+use crate::roles::collaborative::Value;
 use crate::wire::PeerId;
 
 /// Turns and leases of silence after which a member is left out.
 const ABSENT_AFTER: u8 = 8;
-
-/// What somebody has said about this turn.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    /// When the hold was sent that was answered, µs.
-    sent_us: u64,
-    version: u32,
-}
-
-/// What the holder is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// Waits until a majority keeps the state; and whether that is a publication of its own.
-    Settling {
-        publishes: bool,
-    },
-    Editing {
-        since_us: u64,
-    },
-    /// The state is kept, and there is nothing more to do in this turn.
-    Done,
-}
-
-/// A turn of the token.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Holding {
-    held: [Option<Held>; SEATS as usize],
-    stage: Stage,
-    /// It has had its turn: others first.
-    used: bool,
-}
-
-impl Holding {
-    pub(super) fn is_editing(&self) -> bool {
-        matches!(self.stage, Stage::Editing { .. })
-    }
-
-    /// Something of its user's would be lost.
-    pub(super) fn is_at_work(&self) -> bool {
-        self.is_editing() || self.stage == Stage::Settling { publishes: true }
-    }
-}
 
 impl Ring {
     /// Others first, from now on.
@@ -213,7 +175,7 @@ impl Ring {
         for (seat, other) in (0..SEATS).zip(&mut self.others) {
             other.joins &= !roster.contains(seat);
             if !roster.contains(seat) {
-                *other = super::Other { joins: other.joins, ..super::Other::default() };
+                *other = Other { joins: other.joins, ..Other::default() };
             }
         }
     }

@@ -1,6 +1,8 @@
 //! What a member does for the others: keeps the state, supports one holder at a time, votes.
 
-use super::{Ballot, Message, Notice, Part, Ring, State};
+use super::message::{Ballot, Message, State};
+use super::part::Part;
+use super::{Notice, Ring};
 use crate::roles::Out;
 use crate::wire::PeerId;
 

@@ -1,8 +1,48 @@
 //! What the members of a ring say to each other; the event's code is [`code::RING`].
 
-use super::{Ballot, State};
-use crate::bytes::messages;
+use super::roster::Roster;
+use crate::bytes::{layout, messages};
+use crate::roles::collaborative::Value;
 use crate::roles::{carried_by_events, code};
+
+layout! {
+    /// A right to propose: which token, and which of its turns.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    pub struct Ballot(8 bytes) {
+        /// Which token. The low 4 bits are the seat of who made it.
+        0 => epoch: u32,
+        /// How often it has been passed.
+        4 => turn: u32,
+    }
+}
+
+layout! {
+    /// What is passed around: the object, and who the members are.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct State(32 bytes) {
+        /// How often it has been changed.
+        0 => version: u32,
+        /// The members.
+        4 => roster: Roster,
+        /// The members before this version.
+        6 => before: Roster,
+        /// What the object is.
+        8 => value: Value,
+    }
+}
+
+impl State {
+    /// Whether this is a majority of the members, and of those before.
+    pub(super) fn has_majority(&self, votes: Roster) -> bool {
+        let majority = |roster: Roster| Roster(roster.0 & votes.0).len() >= roster.majority();
+        majority(self.roster) && majority(self.before)
+    }
+
+    /// Everybody who has a say in it.
+    pub(super) fn everybody(&self) -> Roster {
+        self.roster.union(self.before)
+    }
+}
 
 messages! {
     /// A message about one object.

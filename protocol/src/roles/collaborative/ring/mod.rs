@@ -26,7 +26,6 @@
 
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};
-use crate::bytes::layout;
 use crate::notices::Notices;
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
@@ -35,51 +34,12 @@ mod candidate;
 mod holder;
 mod member;
 mod message;
+mod part;
 mod roster;
 
-use candidate::Candidacy;
-use holder::Holding;
-pub use message::Message;
+pub use message::{Ballot, Message, State};
+use part::{Other, Part};
 pub use roster::{Roster, SEATS};
-
-layout! {
-    /// A right to propose: which token, and which of its turns.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-    pub struct Ballot(8 bytes) {
-        /// Which token. The low 4 bits are the seat of who made it.
-        0 => epoch: u32,
-        /// How often it has been passed.
-        4 => turn: u32,
-    }
-}
-
-layout! {
-    /// What is passed around: the object, and who the members are.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub struct State(32 bytes) {
-        /// How often it has been changed.
-        0 => version: u32,
-        /// The members.
-        4 => roster: Roster,
-        /// The members before this version.
-        6 => before: Roster,
-        /// What the object is.
-        8 => value: Value,
-    }
-}
-
-impl State {
-    /// Whether this is a majority of the members, and of those before.
-    fn has_majority(&self, votes: Roster) -> bool {
-        let majority = |roster: Roster| Roster(roster.0 & votes.0).len() >= roster.majority();
-        majority(self.roster) && majority(self.before)
-    }
-
-    /// Everybody who has a say in it.
-    fn everybody(&self) -> Roster {
-        self.roster.union(self.before)
-    }
-}
 
 /// What a member must still know after a crash. Store it before sending what came with the change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,31 +94,6 @@ pub enum Notice {
     Overdue,
     /// The token was made anew elsewhere. What it edited stays local; what it was publishing may have been taken or not.
     Lost,
-}
-
-/// What a member is just now.
-#[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
-enum Part {
-    Member,
-    Candidate(Candidacy),
-    Holder(Holding),
-    /// Has passed the token, and says so until the next holder is heard.
-    Passing {
-        to: u8,
-        ballot: Ballot,
-    },
-}
-
-/// What is known of another seat.
-#[derive(Clone, Copy, Debug, Default)]
-struct Other {
-    heard_us: Option<u64>,
-    wants: bool,
-    leaves: bool,
-    joins: bool,
-    /// Turns of this member in which the other was not heard.
-    missed: u8,
 }
 
 /// A member of a ring.
