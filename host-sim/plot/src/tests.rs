@@ -221,5 +221,5 @@ fn an_error_names_the_file_and_the_cause() {
     let file = folder.join("a-file");
     std::fs::write(&file, "").unwrap();
     let text = draw(&Figure::default(), &file.join("figure")).unwrap_err().to_string();
-    assert!(text.starts_with("cannot write ") && text.contains("a-file/figure as SVG: "), "{text}");
+    assert!(text.starts_with("cannot write ") && text.contains("a-file/figure.svg as SVG: "), "{text}");
 }

@@ -242,7 +242,7 @@ fn stability_of_one_device() {
         refused(&[&["stability", "rendering", "--json"], arguments].concat(), names);
     };
     rendering(&["--device-mass-kg", "-1"], &["device_mass_kg = -1 is not allowed"]);
-    rendering(&["--object-mass-kg", "nan"], &["object-mass-kg = NaN"]);
+    rendering(&["--object-mass-kg", "nan"], &["object_mass_kg = NaN is not allowed"]);
     rendering(&["--device-damping-n-s-per-m", "0"], &["damping"]);
     rendering(&["--sampling-period-s", "0.0001"], &["delay_s", "0.02 s"]);
     refused(&["stability", "tune", "--json", "--margin", "-0.1"], &["margin = -0.1", "0 to 10"]);

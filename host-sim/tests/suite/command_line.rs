@@ -208,8 +208,10 @@ fn a_stroke_around_an_object() {
         [&document["remainder_j"], &document["energy"]["work_j"]].map(|energy| energy.as_f64().expect("J"));
     assert!(work > 0.1 && open.abs() < 1e-3 * work, "{document}");
     for file in document["files"].as_array().expect("a list of files") {
-        let size = std::fs::metadata(file.as_str().expect("a path")).expect("the file is there").len();
-        assert!(size > 5000, "{file}");
+        let path = file.as_str().expect("a path");
+        let size = std::fs::metadata(path).expect("the file is there").len();
+        // What made them is a page of settings; the table and the picture are much more.
+        assert!(size > if path.ends_with(".toml") { 200 } else { 5000 }, "{file}");
     }
 }
 
