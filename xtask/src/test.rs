@@ -22,6 +22,8 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     step("lints", lints)?;
 
+    step("rooms", || crate::rooms::rooms(run::root()))?;
+
     step("rooms of the microcontroller", || {
         let mut build = cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
         for (room, package) in ON_THE_MICROCONTROLLER {
@@ -73,6 +75,7 @@ pub(crate) fn quick() -> Result<(), Failure> {
     let start = Instant::now();
     step("format", format)?;
     step("lints", lints)?;
+    step("rooms", || crate::rooms::rooms(run::root()))?;
     step("unit tests", || run(&mut cargo(&["test", "--locked", "--lib", "--bins"])))?;
     step("golden traces", || run(&mut cargo(&["test", "--locked", "--package", "haptic-sim", "--test", "golden"])))?;
     passed(start);

@@ -6,7 +6,7 @@
 //! | [`limit`] | at which values of one key does that change? |
 //! | [`map`] | and of two keys? |
 //! | [`advice`] | what to change in a scene that is unstable |
-//! | [`tune`] | the stiffest contact and coordination that leave a margin |
+//! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
 //! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
 //! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |

@@ -9,7 +9,7 @@
 //! make rounding louder.
 //!
 //! Found on a grid of contact stiffnesses: at each the first K_T that is unstable, pockets followed
-//! ([`mod@super::limit`]), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
+//! (`limit`), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
 //! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
 //! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
 //! ([`haptic_sim::scene::Scene::linear`]); [`try_out`] runs the scene itself.

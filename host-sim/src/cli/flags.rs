@@ -36,17 +36,11 @@ pub struct SceneArgs {
 
 impl SceneArgs {
     /// The scene, checked.
-    ///
-    /// # Errors
-    /// The first thing that is wrong with it.
     pub(super) fn load(&self, ui: &Ui) -> Result<Scene, Failure> {
         self.load_with(ui, &[], None)
     }
 
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
-    ///
-    /// # Errors
-    /// The first thing that is wrong with it.
     pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
         let name = self.name_of_built_in()?;
         self.read(ui.laws, name, base, last).map_err(|error| match &error {
@@ -90,9 +84,6 @@ impl SceneArgs {
     }
 
     /// The keys that the scene and its overrides name, as `table.key`.
-    ///
-    /// # Errors
-    /// There is no such scene.
     pub(super) fn named(&self) -> Result<Vec<String>, Failure> {
         let text = match (&self.scene, self.name_of_built_in()?) {
             (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
@@ -142,9 +133,6 @@ pub(super) struct WorldArgs {
 
 impl WorldArgs {
     /// The world, where one is named, and its file.
-    ///
-    /// # Errors
-    /// What is wrong with it.
     pub(super) fn load(&self) -> Result<Option<(Box<World>, String)>, Failure> {
         let Some(path) = &self.world else { return Ok(None) };
         Ok(Some((world::load(path)?, path.display().to_string())))
@@ -182,9 +170,6 @@ pub(super) struct KeyFile {
 
 impl KeyFile {
     /// The key.
-    ///
-    /// # Errors
-    /// The file is none, or others can read it.
     pub(super) fn read(&self) -> Result<Key, String> {
         key_file::read(&self.key_file)
     }

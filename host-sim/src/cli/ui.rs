@@ -42,9 +42,6 @@ impl Ui {
     }
 
     /// The result as the one JSON document.
-    ///
-    /// # Errors
-    /// It cannot be written as JSON.
     pub(super) fn document(&self, document: &impl Serialize) -> Result<(), Failure> {
         if self.json {
             print(format_args!("{}\n", serde_json::to_string_pretty(document)?));
@@ -53,9 +50,6 @@ impl Ui {
     }
 
     /// Rows, or anything else that is a text for people and a document for programs: as the one that was asked for.
-    ///
-    /// # Errors
-    /// It cannot be written as JSON.
     pub(super) fn result(&self, result: &(impl Serialize + fmt::Display)) -> Result<(), Failure> {
         self.table(result);
         self.document(result)
@@ -67,9 +61,6 @@ impl Ui {
     }
 
     /// The result as the one JSON document, with what made it.
-    ///
-    /// # Errors
-    /// It cannot be written as JSON.
     pub(super) fn document_of(&self, made: &Made, document: &impl Serialize) -> Result<(), Failure> {
         self.document(&Told { document, made })
     }
@@ -106,9 +97,6 @@ impl Ui {
     }
 
     /// Has files of this name written into that folder, if there is one; returns their paths.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub(super) fn files(
         &self,
         folder: Option<&Path>,

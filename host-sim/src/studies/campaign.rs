@@ -125,9 +125,6 @@ pub struct Cell {
 }
 
 /// The scene of one cell.
-///
-/// # Errors
-/// A setting that the scene refuses.
 pub fn scene(laws: Laws, comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, SceneError> {
     let mut scene = scenes::load(laws, "paper-5.2-passive-wave-16ms")?;
     let peers = ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
@@ -140,9 +137,6 @@ pub fn scene(laws: Laws, comm: &[impl AsRef<str>], impairment: &[&str]) -> Resul
 }
 
 /// Runs every comm over every network, in parallel; the order and every bit are the same on any number of threads.
-///
-/// # Errors
-/// A cell that cannot be built, which would be a mistake in this file.
 pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>> {
     let comms = with_unnamed(laws, &COMMS.map(|(name, settings, _)| (name, settings)));
     let cells: Vec<_> =

@@ -83,9 +83,6 @@ pub struct Cost {
 }
 
 /// Measures every choice over every network, in parallel; every bit is the same on any number of threads.
-///
-/// # Errors
-/// A cell that cannot be built, which would be a mistake in this file.
 pub fn costs(laws: haptic_sim::Laws) -> Result<Vec<Cost>, Box<dyn std::error::Error + Send + Sync>> {
     let choices = with_unnamed(laws, &CHOICES);
     let cells: Vec<_> =

@@ -77,9 +77,6 @@ pub struct Gain {
 }
 
 /// Runs every experiment of the paper and the matched line, in parallel.
-///
-/// # Errors
-/// A built-in scene that cannot be run.
 pub fn experiments() -> Result<Vec<Experiment>, Box<dyn std::error::Error + Send + Sync>> {
     let names: Vec<&str> = scenes::ALL.iter().map(|(name, _)| *name).filter(|name| section(name).is_some()).collect();
     names.into_par_iter().map(experiment).collect()
@@ -125,9 +122,6 @@ fn comm(scene: &Scene) -> String {
 }
 
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.
-///
-/// # Errors
-/// A built-in scene that cannot be analysed.
 pub fn gains() -> Result<Vec<Gain>, Box<dyn std::error::Error + Send + Sync>> {
     PRINTED
         .iter()

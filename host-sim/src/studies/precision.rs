@@ -46,9 +46,6 @@ pub struct Precision {
 }
 
 /// Runs the scene for `duration_s` in f64, f32 and I32F32.
-///
-/// # Errors
-/// What the peers' `build()` refuses.
 pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, Refused<'static>> {
     let (mut double, mut single, mut fixed) =
         (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);

@@ -32,9 +32,6 @@ fn lines(settings: &Settings) -> String {
 }
 
 /// Peer `number` (1 or 2) of a scene in f32 for so many ticks.
-///
-/// # Errors
-/// What the scene is refused for.
 pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, String> {
     if scene.world.network.clock_drift_ppm != 0.0 {
         return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".to_owned());

@@ -141,9 +141,6 @@ impl World<'_> {
 }
 
 /// Restarts one peer or the other `count` times.
-///
-/// # Errors
-/// A scene that is refused, or peers that do not even meet once.
 pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
     let mut rng = Rng::new(seed);
     let timing = &scene.peer.timing;

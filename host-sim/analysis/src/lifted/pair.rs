@@ -64,7 +64,7 @@ impl Wholes {
 }
 
 /// The lifted matrix of the whole pair, nothing left out and not taken apart, in the order peer 1, peer 2, packets on
-/// their way to peer 1, to peer 2; local order as in [`super::driven`].
+/// their way to peer 1, to peer 2; local order as in `lifted::driven`.
 pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
     let mut responses = <[Response; 2]>::default();
     let mut whole = Lifted::default();

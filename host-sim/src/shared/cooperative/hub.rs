@@ -63,9 +63,6 @@ pub struct Hub<A> {
 
 impl<A: Copy> Hub<A> {
     /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
-    ///
-    /// # Errors
-    /// A number of users out of range, or a scene that a hub cannot be made for: in one line.
     pub fn new(
         scene: &Scene,
         users: usize,

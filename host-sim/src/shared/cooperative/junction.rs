@@ -125,9 +125,6 @@ pub struct Junction {
 
 impl Junction {
     /// The lines of `users` peers of this scene, engaged as the peers are that are armed together.
-    ///
-    /// # Errors
-    /// The peers send no waves.
     pub fn new(scene: &Scene, users: usize) -> Result<Self, NoWaves> {
         let settings = &scene.peer;
         let coordination = &settings.coordination;

@@ -52,9 +52,6 @@ pub fn lines(world: &World, scene: &Scene) -> Vec<Line> {
 }
 
 /// The verdict on one packet period of these clients in the linear scene behind this one.
-///
-/// # Errors
-/// Eigenvalues that do not converge.
 pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> {
     let mut period = Period::new(&scene.linear(), lines);
     let size = period.state.len();

@@ -102,9 +102,6 @@ fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setu
 }
 
 /// Whether what a strike left dies out: its largest force in the last quarter against the third.
-///
-/// # Errors
-/// What the world refuses.
 pub fn dies_out(setup: &Setup, watched_s: f64) -> Result<bool, WorldError> {
     let mut world = World::new(setup)?;
     let ticks = (watched_s / setup.scene.peer.timing.control_period_s) as u64;
@@ -143,9 +140,6 @@ pub fn rendering(setup: &Setup, round_trip_s: f64, drag: f64) -> Rendering {
 }
 
 /// The spectral radius of a setup whose bounder has settled on a round trip, s.
-///
-/// # Errors
-/// Eigenvalues that do not converge.
 pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, AnalysisError> {
     let (peer, device) = (&setup.scene.peer, &setup.scene.world.device);
     let (contact, period_s) = (&peer.contact, peer.timing.control_period_s);
@@ -175,9 +169,6 @@ fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Res
 }
 
 /// The stiffest objects for one round trip (ms), contact computed at `collision`.
-///
-/// # Errors
-/// What world and analysis refuse.
 pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) -> Result<Stiffest, LimitError> {
     let round_trip_s = 1e-3 * round_trip_ms;
     let setup = setup(1.0, collision, round_trip_s)?;
@@ -195,9 +186,6 @@ pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) ->
 }
 
 /// All of [`ROUND_TRIPS_MS`], contact at the server and at the clients.
-///
-/// # Errors
-/// What world and analysis refuse.
 pub fn table() -> Result<Vec<Stiffest>, LimitError> {
     let places = [Collision::Server, Collision::Client];
     let all: Vec<_> = places.into_iter().flat_map(|place| ROUND_TRIPS_MS.map(|(kind, ms)| (kind, ms, place))).collect();

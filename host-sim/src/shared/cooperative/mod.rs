@@ -109,9 +109,6 @@ impl Setup {
     }
 
     /// The base scene with this delay of every packet to or from the server, s, and these keys.
-    ///
-    /// # Errors
-    /// A key or value that the scene refuses.
     pub fn base(one_way_s: f64, keys: &[&str]) -> Result<Self, SceneError> {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =

@@ -57,9 +57,6 @@ pub struct Outcome {
 const COLUMNS: [&str; 7] = ["time_s", "object_m", "view_1_m", "view_last_m", "force_1_n", "force_last_n", "engine"];
 
 /// Runs the environment for `duration_s`.
-///
-/// # Errors
-/// What the world refuses.
 pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     let mut world = World::new(setup)?;
     let period_s = setup.scene.peer.timing.control_period_s;

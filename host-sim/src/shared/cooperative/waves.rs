@@ -89,10 +89,6 @@ pub struct Outcome {
 
 impl Waves {
     /// `users` peers in this scene, armed and at rest; the scene's delay is the way between a peer and the server.
-    ///
-    /// # Errors
-    /// Users out of range; a comm that sends no waves; a network that does more than delay, without the ledger; what the
-    /// peers refuse.
     pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         if !(1..=MOST_USERS).contains(&users) {
             return Err(WorldError::Users(users));

@@ -333,9 +333,6 @@ pub enum WorldError {
 
 impl World {
     /// Everybody at rest, the engine at the server.
-    ///
-    /// # Errors
-    /// Users out of range; what the peers' settings refuse.
     pub fn new(setup: &Setup) -> Result<Self, WorldError> {
         let users = setup.users;
         if !(1..=MOST_USERS).contains(&users) {

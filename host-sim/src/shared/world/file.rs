@@ -33,9 +33,6 @@ pub enum WorldError {
 }
 
 /// The world in the file at `path`.
-///
-/// # Errors
-/// The first thing that is wrong; see [`WorldError`].
 pub fn load(path: &Path) -> Result<Box<World>, WorldError> {
     let text = std::fs::read_to_string(path).map_err(|cause| WorldError::Read { path: path.to_path_buf(), cause })?;
     parse(&text, &path.display().to_string())
@@ -138,9 +135,6 @@ impl Source<'_> {
 }
 
 /// The world in `text`, found at `place`.
-///
-/// # Errors
-/// The first thing that is wrong; see [`WorldError`].
 pub fn parse(text: &str, place: &str) -> Result<Box<World>, WorldError> {
     let source = Source { text, place };
     let root = DeTable::parse(text)

@@ -63,9 +63,6 @@ pub struct Host<A> {
 
 impl<A: Copy> Host<A> {
     /// Server `number` of `world`, the whole or one region of it, for clients on lines 1 to `lines`.
-    ///
-    /// # Errors
-    /// The world holds a number that is not finite, or there are too many lines: in one line.
     pub fn new(
         key: Key,
         number: u8,
@@ -101,9 +98,6 @@ impl<A: Copy> Host<A> {
     }
 
     /// Replaces the world; clients notice with the next part they get.
-    ///
-    /// # Errors
-    /// The world holds a number that is not finite.
     pub fn publish(&mut self, world: World) -> Result<(), String> {
         self.server.publish(world).map_err(|error| error.to_string())
     }

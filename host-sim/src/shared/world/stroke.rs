@@ -227,9 +227,6 @@ fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<Part
 }
 
 /// Strokes along an object.
-///
-/// # Errors
-/// A strip; a line under the surface that does not fit into the object: in one line.
 pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     let Ok(solid) = solid(shape) else {
         return Err("a strip has no outline to stroke along: choose a wall, a body or a block".to_owned());

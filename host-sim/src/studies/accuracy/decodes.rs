@@ -69,9 +69,6 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for stiffness in STIFFNESSES {

@@ -42,9 +42,6 @@ pub fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     let mut advice = Vec::new();

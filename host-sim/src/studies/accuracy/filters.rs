@@ -56,9 +56,6 @@ pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let paper = Settings::default();
     let mut quick = paper;

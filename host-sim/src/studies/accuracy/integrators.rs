@@ -65,9 +65,6 @@ pub fn energy_error<S: Scalar>(integrator: IntegratorName, period_s: f64) -> f64
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let compare = |title: &str, error: &str, unit, measure: &dyn Fn(IntegratorName) -> f64| {
         let points = IntegratorName::ALL.iter().map(|&integrator| {

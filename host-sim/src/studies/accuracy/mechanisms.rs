@@ -84,9 +84,6 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for model in [KinematicsName::FiveBar, KinematicsName::Capstan] {

@@ -154,9 +154,6 @@ const FAMILIES: [Measure; 7] = [
 ];
 
 /// Measures every family, with the instructions of this processor.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn families(processor: counts::Processor) -> Result<Vec<Family>, Refused<'static>> {
     FAMILIES.par_iter().map(|measure| measure(processor)).collect()
 }

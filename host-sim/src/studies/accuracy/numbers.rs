@@ -20,9 +20,6 @@ use haptic_sim::report::text::significant;
 const CASE: &str = "tick/implicit-semi-implicit";
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
     let exact = continuous::run(&scene, pair::DURATION_S);

@@ -39,9 +39,6 @@ pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> S
 }
 
 /// Runs a scene in `S`; one sample each millisecond.
-///
-/// # Errors
-/// What the peers' `build()` refuses.
 pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Refused<'static>> {
     let ticks_per_sample = (SAMPLE_S / scene.peer.timing.control_period_s).round() as usize;
     let mut pair = Pair::<S>::new(scene)?;

@@ -46,9 +46,6 @@ fn schemes() -> Vec<Scheme> {
 }
 
 /// Measures.
-///
-/// # Errors
-/// A scene that does not build.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
     let measured = schemes()

@@ -198,9 +198,6 @@ pub enum ArchitectureError {
 }
 
 /// The scene of the task with these keys: both users reach together, from the left and from the right.
-///
-/// # Errors
-/// A key or value that the scene refuses.
 pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
     let user = |index: usize| {
         // Toward the other peer is toward positive x for user 1, and away from it for user 2.
@@ -221,9 +218,6 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
 }
 
 /// One architecture at one delay.
-///
-/// # Errors
-/// A mistake in the task itself, or a delay that the network refuses.
 pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
     match architecture {
         Architecture::CollaborativeLock | Architecture::CollaborativeRing => turns::row(architecture, delay_ms),
@@ -235,9 +229,6 @@ pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Architectur
 }
 
 /// Every architecture at every delay, in parallel; the same on any number of threads.
-///
-/// # Errors
-/// As [`row`].
 pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, ArchitectureError> {
     let points: Vec<_> =
         Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();

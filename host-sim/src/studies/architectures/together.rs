@@ -10,9 +10,6 @@ use haptic_analysis::verdict;
 use haptic_sim::pair::Pair;
 
 /// Two peers: static (no coordination law) or distributed.
-///
-/// # Errors
-/// What the scene refuses.
 pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
     // The gains of the fault campaign.
     let (comm, stiffness) = match architecture {
@@ -55,9 +52,6 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
 }
 
 /// One dynamics engine.
-///
-/// # Errors
-/// What the scene or the world refuses.
 pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
     // Half of the way to the server.
     let scene = scene(&[format!("network.extra_delay_s={}", 0.5e-3 * delay_ms)])?;
@@ -92,9 +86,6 @@ fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// The spectral radius of one packet period of the engine at the server, without delay and bounder, with a packet every so
 /// many ticks: how slow packets may be for the scene's contact.
-///
-/// # Errors
-/// What scene and analysis refuse.
 pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, ArchitectureError> {
     let scene = scene(&[format!("timing.ticks_per_packet={ticks_per_packet}")])?;
     let mut setup = Setup::new(scene);

@@ -163,9 +163,6 @@ fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize,
 }
 
 /// One run.
-///
-/// # Errors
-/// What the scene or the roles refuse.
 pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
     let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
