@@ -9,8 +9,8 @@ use std::time::Instant;
 use firmware_parts::record::{RECEIVED, Record, SENT};
 use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
-use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::measure::Statistics;
+use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome, PortEnergy};
 use haptic_sim::scene::Scene;
@@ -184,8 +184,7 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
     let mut table = Columns::named(like.table.data().map(|column| column.name()));
     for (tick, (one, two)) in pairs().enumerate().step_by(every) {
         let peers = [one, two].into_iter().flat_map(columns);
-        let row: Vec<f64> =
-            std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect();
+        let row: Vec<f64> = std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect();
         table.push_row(&row);
     }
     Outcome {

@@ -7,9 +7,12 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
+use haptic_sim::Laws;
 use haptic_sim::report::{Columns, Files};
 use haptic_sim::run::Outcome;
-use host_sim::cli::{SceneArgs, made};
+use haptic_sim::scene::{Scene, SceneError};
+use haptic_sim::scenes;
+use host_sim::cli::made;
 use host_sim::studies::figures;
 use serde_json::json;
 
@@ -20,8 +23,12 @@ const USUAL: &str = "paper-5.2-passive-wave-16ms";
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask board")]
 struct Arguments {
-    #[command(flatten)]
-    scene: SceneArgs,
+    /// Scene file (TOML) or the name of a built-in scene.
+    #[arg(long, default_value = USUAL, value_name = "NAME|FILE")]
+    scene: PathBuf,
+    /// Override one key of the scene; may be repeated.
+    #[arg(long = "set", value_name = "TABLE.KEY=VALUE")]
+    set: Vec<String>,
     /// Virtual time, s.
     #[arg(long, default_value_t = 20.0, value_name = "S", allow_negative_numbers = true)]
     seconds: f64,
@@ -31,6 +38,20 @@ struct Arguments {
     /// Folder for CSV and pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The scene, checked: the file of that name, or the built-in scene.
+    fn load(&self) -> Result<Scene, SceneError> {
+        if self.scene.exists() {
+            return Scene::load(Laws::built_in(), Some(&self.scene), &self.set);
+        }
+        let name = self.scene.to_string_lossy();
+        let mut scene = scenes::load(Laws::built_in(), &name)?;
+        self.set.iter().try_for_each(|text| scene.apply_override(text))?;
+        scene.check(&name)?;
+        Ok(scene)
+    }
 }
 
 fn main() -> ExitCode {
@@ -49,7 +70,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()
         );
     }
-    let (scene, name) = (arguments.scene.load_or(USUAL)?, arguments.scene.name_or(USUAL));
+    let scene = arguments.load()?;
+    let name = arguments.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let firmware = Arc::new(Firmware::release());
     let trial = trial::run(&firmware, &scene, arguments.seconds)?;
     let folder = match (&arguments.out, arguments.json) {

@@ -128,7 +128,8 @@ fn static_stack(measured: &mut Measured) -> f64 {
 
 /// Two boards at work, every tick recorded and sent.
 fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
+    let scene =
+        for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
     let mut bench = Bench::start(firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take it");
     bench.arm();

@@ -20,7 +20,8 @@ fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
 #[test]
 fn pulled_and_put_back() {
     let firmware = Arc::new(Firmware::release());
-    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
+    let scene =
+        for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
     let mut bench = Bench::start(&firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();
