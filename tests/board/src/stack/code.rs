@@ -99,8 +99,7 @@ impl Code {
                 );
             }
         }
-        let function =
-            |address: &u64| (address & 1 == 1).then_some(address - 1).filter(|at| functions.contains_key(at));
+        let function = |address: &u64| (address & 1 == 1).then(|| address - 1).filter(|at| functions.contains_key(at));
         let is_veneer = |function: &Function| function.names.iter().any(|name| veneer(name).is_some());
         let reached: BTreeSet<u64> =
             functions.values().filter(|f| is_veneer(f)).flat_map(|f| f.body.constants.clone()).collect();
