@@ -4,7 +4,7 @@
 //! things are built: the image as cargo would, the bench in `tests/board/target`, or in `board/` below `CARGO_TARGET_DIR`.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 use std::{env, fs};
 
 use crate::run::{self, Failure, cargo, run, step};
@@ -28,7 +28,7 @@ impl<'a> Plan<'a> {
                 "--json" if attached.is_none() => continue,
                 "--scene" | "--set" | "--seconds" | "--out" => {
                     let Some(value) = attached.or_else(|| words.next().copied()) else {
-                        return Err(Failure::new(format!(
+                        return Err(Failure::usage(format!(
                             "{option} needs a value; `cargo xtask board --help` says which"
                         )));
                     };
@@ -37,7 +37,7 @@ impl<'a> Plan<'a> {
                 _ => Some(format!("there is no option {word}; `cargo xtask board --help` lists them")),
             };
             if let Some(wrong) = wrong {
-                return Err(Failure::new(wrong));
+                return Err(Failure::usage(wrong));
             }
         }
         Ok(Self(arguments))
@@ -68,7 +68,8 @@ fn built_in() -> impl Iterator<Item = String> {
 }
 
 /// Builds and runs; exit status 2 where the bench refuses the scene.
-pub(crate) fn board(plan: &Plan<'_>) -> Result<ExitCode, Failure> {
+pub(crate) fn board(arguments: &[&str]) -> Result<(), Failure> {
+    let plan = Plan::parse(arguments)?;
     let ready = step("set-up", setup::setup)?;
     let image = step("image", || image(&ready))?;
     let mut bench = bench(&["run", "--bin", "board"], &image);
@@ -78,8 +79,9 @@ pub(crate) fn board(plan: &Plan<'_>) -> Result<ExitCode, Failure> {
     eprintln!("    {}", run::spelled(&bench));
     let status = bench.status().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
     match status.code() {
-        Some(0) => Ok(ExitCode::SUCCESS),
-        Some(2) => Ok(ExitCode::from(2)),
+        Some(0) => Ok(()),
+        // It has said why.
+        Some(2) => Err(Failure::usage("")),
         _ => Err(Failure::new("the virtual boards did not run the scene (see above)")),
     }
 }

@@ -48,7 +48,7 @@ impl Plan {
                     let value = words.next().copied().unwrap_or_default();
                     plan.seconds =
                         value.parse().ok().filter(|seconds| (1..=MOST_SECONDS).contains(seconds)).ok_or_else(|| {
-                            Failure::new(format!(
+                            Failure::usage(format!(
                                 "--seconds \"{value}\" is not allowed: it must be a whole number from 1 to {MOST_SECONDS}"
                             ))
                         })?;
@@ -57,14 +57,14 @@ impl Plan {
                     let value = words.next().copied().unwrap_or_default();
                     let known = targets().into_iter().find(|known| *known == value);
                     plan.targets = vec![known.ok_or_else(|| {
-                        Failure::new(format!(
+                        Failure::usage(format!(
                             "--target \"{value}\" is not allowed: it must be one of {}",
                             targets().join(", ")
                         ))
                     })?];
                 }
                 other => {
-                    return Err(Failure::new(format!(
+                    return Err(Failure::usage(format!(
                         "there is no option {other}; `cargo xtask fuzz --help` lists them"
                     )));
                 }
@@ -75,7 +75,8 @@ impl Plan {
 }
 
 /// Builds the targets and runs them one after the other.
-pub(crate) fn fuzz(plan: Plan) -> Result<(), Failure> {
+pub(crate) fn fuzz(arguments: &[&str]) -> Result<(), Failure> {
+    let plan = Plan::parse(arguments)?;
     let binaries = step("build", build)?;
     let mut rows = Vec::new();
     for target in plan.targets {

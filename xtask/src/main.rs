@@ -1,22 +1,5 @@
 //! Chores of the project: `cargo xtask COMMAND`. One file per chore, the standard library only.
 //!
-//! | file | chore |
-//! |---|---|
-//! | [`setup`] | installs what a fresh machine lacks |
-//! | [`mod@test`] | everything that must pass before a change is taken |
-//! | [`mod@bench`] | measures the tick and prints the README's tables |
-//! | [`instructions`] | compares instruction counts with the reviewed ones |
-//! | [`board`] | runs a scene on two virtual boards |
-//! | [`mod@count`] | counts instructions on the board's processor, under QEMU |
-//! | [`fuzz`] | runs the protocol's fuzz targets |
-//! | [`log`] | what a running board says, to a file |
-//! | [`no_panic`] | shows that no panic is reachable from the tick |
-//! | [`qemu`] | haptic-core on another model of the board's processor |
-//! | [`provision`] | gives a board its key |
-//! | [`readme`] | writes what commands print into README.md |
-//! | [`rooms`] | who leans on whom: circles, imports that climb, sizes |
-//! | [`run`] | how chores call other programs, and how they fail |
-//!
 //! Exit status: 0 when the chore succeeded, 1 when it failed, 2 when the command line is wrong.
 
 mod bench;
@@ -36,245 +19,191 @@ mod test;
 
 use std::process::ExitCode;
 
-const HELP: &str = "\
-Chores of the project.
+use run::Failure;
 
-Usage: cargo xtask COMMAND [--help]
+/// A command.
+struct Chore {
+    name: &'static str,
+    /// What may follow it.
+    options: &'static str,
+    /// One sentence of what it does.
+    does: &'static str,
+    /// The rest of its help.
+    more: &'static str,
+    run: fn(&[&str]) -> Result<(), Failure>,
+}
 
-  setup        install what building and testing need and this machine lacks
-  quick        what tells soonest whether a small change is good: format, lints, unit tests, golden traces
-  test         set up, then everything that must pass: format, lints, the microcontroller build, documentation, tests
-  board-test   the release image on virtual boards: same bits as the simulator, budgets, faults (builds an emulator)
-  bench        measure one tick of every scene and the two-peer simulation, print the README's tables
-  bench-check  compare the instructions of one tick with host-sim/cases/benches/instructions.txt
-  count        count instructions on the board's processor (QEMU), compare with the reviewed tables
-  board        run a scene on two virtual boards with the release image, print its table, write curves and pictures
-  fuzz         run every fuzz target of the protocol for a minute, keep what it finds
-  log          attach to a running board and keep what it says in out/board.log
-  no-panic     show that the 1 kHz interrupt cannot panic and lies in ITCM
-  provision    give a board the key that it shares with its peer and its operator, over the debug probe
-  qemu         haptic-core alone on QEMU's Cortex-M7: same bits as host-sim, outputs off when it ends
-  rooms        who leans on whom: circles, imports that climb, lines of every package
-  readme       write what the commands named in README.md print, and the pictures they draw, into it
-";
-
-const SETUP_HELP: &str = "\
-Installs what building and testing need and this machine lacks. Does nothing, in under a second, when all is there.
-
-Usage: cargo xtask setup
-
+const CHORES: [Chore; 15] = [
+    Chore {
+        name: "setup",
+        options: "",
+        does: "Installs what building and testing need and this machine lacks",
+        more: "Nothing is done, in under a second, when all is there. Looked for are:
   - rustfmt and clippy, with `rustup component add`
   - core for thumbv7em-none-eabihf, with `rustup target add`; where that download is refused, from Debian's sources
     with xtask/thumb-toolchain.sh
-
-Prints the toolchain that builds for the microcontroller.
-";
-
-const TEST_HELP: &str = "\
-The one command: sets up what is missing and passes every test. Stops at the first failure.
-
-Usage: cargo xtask test
-
-  set-up, cargo fmt --check, clippy without warnings, core and protocol built for the microcontroller, documentation
-  without warnings, all tests in debug (documentation tests and what of the image needs no chip included), the golden
-  traces in release as well, no panic in the tick, README.md against what its commands print, the instructions of one tick against
-  host-sim/cases/benches/instructions.txt (needs valgrind, which apt-get installs if it can), the memory that interrupt and tasks
-  share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on virtual boards
-  (board-test), whose emulator takes minutes to build.
-";
-
-const QUICK_HELP: &str = "\
-What tells soonest whether a small change is good: format, lints, unit tests and golden traces, all in debug. Stops at the
-first failure. Before a change is taken, `cargo xtask test` must pass.
-
-Usage: cargo xtask quick
-";
-
-const BENCH_HELP: &str = "\
-Measures one tick of every scene in every number type (instructions under callgrind, nanoseconds with criterion) and the
-two-peer simulation, and prints the tables of the README in Markdown.
-
-Usage: cargo xtask bench [--quick]
-
-  --quick   less time for each measurement: for a look, not for the README
-";
-
-const BENCH_CHECK_HELP: &str = "\
-Counts the instructions of one tick under callgrind and compares them with host-sim/cases/benches/instructions.txt: each may
-differ by 2 %. x86-64 Linux only, where it installs valgrind if apt-get can.
-
-Usage: cargo xtask bench-check [--bless]
-
-  --bless   write what was counted to the file, for review
-";
-
-const BOARD_HELP: &str = "\
-Builds the release image and runs it on two virtual NUCLEO-H743ZI2 on one wire, closed around host-sim's devices; prints
-the experiment's table beside host-sim's f32 run of the same scene.
-
-Usage: cargo xtask board [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S] [--json] [--out DIR]
-
+Prints the toolchain that builds for the microcontroller.",
+        run: |rest| none(rest, || setup::setup().map(|ready| println!("{}", ready.thumb_toolchain))),
+    },
+    Chore {
+        name: "quick",
+        options: "",
+        does: "Tells soonest whether a small change is good: format, lints, unit tests, golden traces, all in debug",
+        more: "Stops at the first failure. Before a change is taken, `cargo xtask test` must pass.",
+        run: |rest| none(rest, test::quick),
+    },
+    Chore {
+        name: "test",
+        options: "",
+        does: "The one command: sets up what is missing and passes every test",
+        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, core and protocol built for the
+microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
+chip included), the golden traces in release as well, no panic in the tick, the pages against what their commands print
+(readme), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
+interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on
+virtual boards (board-test), whose emulator takes minutes to build.",
+        run: |rest| none(rest, test::test),
+    },
+    Chore {
+        name: "board-test",
+        options: "",
+        does: "Runs the release image on virtual boards: the simulator's bits, the paper's table, budgets, faults",
+        more: "Everything in tests/board; minutes on a cold machine, for it builds an emulator.",
+        run: |rest| none(rest, test::board_test),
+    },
+    Chore {
+        name: "bench",
+        options: " [--quick]",
+        does: "Measures one tick of every scene and the two-peer simulation, prints the tables of docs/ in Markdown",
+        more: "Instructions under callgrind, nanoseconds with criterion, in every number type.
+  --quick   less time for each measurement: for a look, not for a page",
+        run: |rest| bench::bench(flag(rest, "--quick")?),
+    },
+    Chore {
+        name: "bench-check",
+        options: " [--bless]",
+        does: "Counts the instructions of one tick and compares them with host-sim/cases/benches/instructions.txt",
+        more: "Under callgrind; each may differ by 2 %. x86-64 Linux only, where it installs valgrind if apt-get can.
+  --bless   write what was counted to the file, for review",
+        run: |rest| instructions::check(flag(rest, "--bless")?),
+    },
+    Chore {
+        name: "count",
+        options: " [--bless]",
+        does: "Counts instructions on the board's processor, a Cortex-M7 under QEMU, and compares with the reviewed tables",
+        more: "Every numerical choice of the tick (host-sim/src/studies/accuracy), and sealing, opening, refusing and joining on the
+wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 % or 3 instructions.
+  --bless   write what was counted to the files, for review",
+        run: |rest| count::count(flag(rest, "--bless")?),
+    },
+    Chore {
+        name: "board",
+        options: " [--scene FILE] [--set TABLE.KEY=VALUE]... [--seconds S] [--json] [--out DIR]",
+        does: "Runs a scene on two virtual boards with the release image, prints its table, writes curves and pictures",
+        more: "Two NUCLEO-H743ZI2 on one wire, closed around host-sim's devices, beside host-sim's f32 run of the same scene.
   --scene    scene file or name of a built-in one [default: paper-5.2-passive-wave-16ms]
   --set      override one key of the scene; may be repeated
   --seconds  virtual time, 1 to 3600 s [default: 20]
   --json     print one JSON document; files are written only with --out
-  --out      folder for CSV and pictures [default: out/board]
-";
-
-const COUNT_HELP: &str = "\
-Counts instructions on the board's processor, a Cortex-M7 under QEMU: every numerical choice of the tick, and sealing,
-opening, refusing and joining on the wire. Prints the tables and compares them with the reviewed ones
-(host-sim/src/studies/accuracy and protocol, instructions-cortex-m7.txt): each count may differ by 2 % or 3 instructions.
-
-Usage: cargo xtask count [--bless]
-
-  --bless   write what was counted to the files, for review
-";
-
-const FUZZ_HELP: &str = "\
-Builds the fuzz targets of protocol/fuzz with the project's own toolchain and runs one after the other. Inputs that reach
-something new are merged into protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fails.
-
-Usage: cargo xtask fuzz [--seconds N] [--target NAME]
-
+  --out      folder for CSV and pictures [default: out/board]",
+        run: board::board,
+    },
+    Chore {
+        name: "fuzz",
+        options: " [--seconds N] [--target NAME]",
+        does: "Runs every fuzz target of the protocol for a minute, keeps what it finds",
+        more: "Built with the project's own toolchain, one after the other. Inputs that reach something new are merged into
+protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fails.
   --seconds  time for each target, 1 to 86400 s [default: 60]
-  --target   one of them, as protocol/fuzz/Cargo.toml names it [default: all]
-";
-
-const LOG_HELP: &str = "\
-Attaches to a running board with probe-rs, without stopping or flashing it, and prints what it says; the same goes to
-out/board.log. The image must be the one that was flashed.
-
-Usage: cargo xtask log
-";
-
-const NO_PANIC_HELP: &str = "\
-Links a program that holds the 1 kHz interrupt and a panic handler that calls a function which does not exist, and has a
+  --target   one of them, as protocol/fuzz/Cargo.toml names it [default: all]",
+        run: fuzz::fuzz,
+    },
+    Chore {
+        name: "log",
+        options: "",
+        does: "Attaches to a running board and keeps what it says in out/board.log",
+        more: "With probe-rs, without stopping or flashing it. The image must be the one that was flashed.",
+        run: |rest| none(rest, log::log),
+    },
+    Chore {
+        name: "no-panic",
+        options: "",
+        does: "Shows that the 1 kHz interrupt cannot panic and lies in ITCM",
+        more: "Links a program that holds the interrupt and a panic handler that calls a function which does not exist, and has a
 place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
-panic planted outside ITCM, which must fail on both counts.
-
-Usage: cargo xtask no-panic
-";
-
-const BOARD_TEST_HELP: &str = "\
-Builds the release image and the virtual board, and runs everything in tests/board: the board's bits against the
-simulator's, the paper's three kinds of communications on two boards, budgets, faults. Minutes on a cold machine.
-
-Usage: cargo xtask board-test
-";
-
-const PROVISION_HELP: &str = "\
-Gives a board the key that it shares with its peer and its operator (`host-sim key generate` makes one): puts it into the flash
-sector that memory.x calls KEY, over the debug probe, and starts the board anew. Flashing an image leaves it there.
-
-Usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]
-
+panic planted outside ITCM, which must fail on both counts.",
+        run: |rest| none(rest, || no_panic::no_panic(&setup::setup()?)),
+    },
+    Chore {
+        name: "provision",
+        options: " --key-file FILE [--probe VID:PID[:SERIAL]]",
+        does: "Gives a board the key that it shares with its peer and its operator, over the debug probe",
+        more: "Puts the key (`host-sim key generate` makes one) into the flash sector that memory.x calls KEY and starts the board
+anew. Flashing an image leaves it there.
   --key-file  the key
-  --probe     which board, where two are connected (`probe-rs list` names them)
-";
+  --probe     which board, where two are connected (`probe-rs list` names them)",
+        run: provision::provision,
+    },
+    Chore {
+        name: "qemu",
+        options: "",
+        does: "Runs haptic-core alone on QEMU's Cortex-M7: the same bits as host-sim, outputs off when it ends",
+        more: "Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim board record), and replays it:
+the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first. Installs
+qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
+        run: |rest| none(rest, || test::second_opinion(&setup::setup()?)),
+    },
+    Chore {
+        name: "rooms",
+        options: " [--root DIR]",
+        does: "Prints who leans on whom: circles, imports that climb, lines of every package",
+        more: "Lines of Rust in src and benches, comments and tests inside files included. Fails on files that import each other in a
+circle, on an import that climbs against the order in xtask/rooms.txt, and on a package that has outgrown its lines there.
+  --root  another checkout to look at, by the same rules",
+        run: rooms::rooms_at,
+    },
+    Chore {
+        name: "readme",
+        options: " [--check]",
+        does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
+        more: "  --check   change nothing; fail if a text would change",
+        run: |rest| readme::readme(flag(rest, "--check")?),
+    },
+];
 
-const QEMU_HELP: &str = "\
-Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim board record), and replays it on QEMU's
-Cortex-M7: the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first.
-Installs qemu-system-arm if apt-get can; without it says so, and fails where CI is set.
+/// Nothing follows the command.
+fn none(rest: &[&str], chore: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    rest.first().map_or_else(chore, |word| Err(Failure::usage(format!("there is no option {word}"))))
+}
 
-Usage: cargo xtask qemu
-";
-
-const README_HELP: &str = "\
-Runs the commands named in README.md and writes what they print, and the pictures they draw, into it and docs/.
-
-Usage: cargo xtask readme [--check]
-
-  --check   change nothing; fail if the text would change
-";
-
-const ROOMS_HELP: &str = "\
-Prints every package's lines of Rust (src and benches, comments and tests inside files included) and who leans on whom.
-Fails on files that import each other in a circle, on an import that climbs against the order in xtask/rooms.txt, and on a
-package that has outgrown its lines there.
-
-Usage: cargo xtask rooms [--root DIR]
-
-  --root  another checkout to look at, by the same rules
-";
+/// Nothing or this follows the command.
+fn flag(rest: &[&str], name: &str) -> Result<bool, Failure> {
+    match rest {
+        [] => Ok(false),
+        [word] if *word == name => Ok(true),
+        _ => Err(Failure::usage(format!("{} is not allowed: it must be {name} or nothing", rest.join(" ")))),
+    }
+}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let outcome = match words.as_slice() {
-        [] | ["help" | "--help" | "-h"] => print(HELP),
-        ["setup", "--help" | "-h"] => print(SETUP_HELP),
-        ["test", "--help" | "-h"] => print(TEST_HELP),
-        ["bench", "--help" | "-h"] => print(BENCH_HELP),
-        ["bench-check", "--help" | "-h"] => print(BENCH_CHECK_HELP),
-        ["board", "--help" | "-h"] => print(BOARD_HELP),
-        ["board", arguments @ ..] => match board::Plan::parse(arguments) {
-            Ok(plan) => match board::board(&plan) {
-                Ok(status) => return status,
-                Err(failure) => Err(failure),
-            },
-            Err(failure) => {
-                eprintln!("error: {failure}");
-                return ExitCode::from(2);
-            }
-        },
-        ["count", "--help" | "-h"] => print(COUNT_HELP),
-        ["count"] => count::count(false),
-        ["count", "--bless"] => count::count(true),
-        ["fuzz", "--help" | "-h"] => print(FUZZ_HELP),
-        ["fuzz", arguments @ ..] => match fuzz::Plan::parse(arguments) {
-            Ok(plan) => fuzz::fuzz(plan),
-            Err(failure) => {
-                eprintln!("error: {failure}");
-                return ExitCode::from(2);
-            }
-        },
-        ["log", "--help" | "-h"] => print(LOG_HELP),
-        ["log"] => log::log(),
-        ["no-panic", "--help" | "-h"] => print(NO_PANIC_HELP),
-        ["no-panic"] => setup::setup().and_then(|ready| no_panic::no_panic(&ready)),
-        ["provision", "--help" | "-h"] => print(PROVISION_HELP),
-        ["qemu"] => setup::setup().and_then(|ready| test::second_opinion(&ready)),
-        ["qemu", "--help" | "-h"] => print(QEMU_HELP),
-        ["provision", arguments @ ..] => match provision::Plan::parse(arguments) {
-            Ok(plan) => provision::provision(&plan),
-            Err(failure) => {
-                eprintln!("error: {failure}");
-                return ExitCode::from(2);
-            }
-        },
-        ["quick", "--help" | "-h"] => print(QUICK_HELP),
-        ["quick"] => test::quick(),
-        ["readme", "--help" | "-h"] => print(README_HELP),
-        ["readme"] => readme::readme(false),
-        ["readme", "--check"] => readme::readme(true),
-        ["rooms", "--help" | "-h"] => print(ROOMS_HELP),
-        ["rooms"] => rooms::rooms(run::root()),
-        ["rooms", "--root", other] => rooms::rooms(std::path::Path::new(other)),
-        ["setup"] => setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
-        ["test"] => test::test(),
-        ["board-test"] => test::board_test(),
-        ["board-test", "--help" | "-h"] => print(BOARD_TEST_HELP),
-        ["bench"] => bench::bench(false),
-        ["bench", "--quick"] => bench::bench(true),
-        ["bench-check"] => instructions::check(false),
-        ["bench-check", "--bless"] => instructions::check(true),
-        _ => {
-            eprintln!("error: there is no `cargo xtask {}`; `cargo xtask --help` lists the commands", words.join(" "));
-            return ExitCode::from(2);
+    let chore = words.first().and_then(|word| CHORES.iter().find(|chore| chore.name == *word));
+    let outcome = match (chore, words.as_slice()) {
+        (None, [] | ["help" | "--help" | "-h"]) => {
+            println!("Chores of the project.\n\nUsage: cargo xtask COMMAND [--help]\n");
+            CHORES.iter().for_each(|Chore { name, does, .. }| println!("  {name:<12} {does}"));
+            Ok(())
         }
+        (None, _) => Err(Failure::usage(format!(
+            "there is no `cargo xtask {}`; `cargo xtask --help` lists the commands",
+            words.join(" ")
+        ))),
+        (Some(Chore { name, options, does, more, .. }), [_, "--help" | "-h"]) => {
+            println!("{does}.\n\nUsage: cargo xtask {name}{options}\n\n{more}");
+            Ok(())
+        }
+        (Some(chore), _) => (chore.run)(words.get(1..).unwrap_or(&[])),
     };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("error: {failure}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn print(help: &str) -> Result<(), run::Failure> {
-    print!("{help}");
-    Ok(())
+    outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

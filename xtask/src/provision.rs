@@ -32,14 +32,14 @@ impl<'a> Plan<'a> {
         }
         match (key_file, rest) {
             (Some(key_file), []) => Ok(Self { key_file, probe }),
-            _ => Err(Failure::new("usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]")),
+            _ => Err(Failure::usage("usage: cargo xtask provision --key-file FILE [--probe VID:PID[:SERIAL]]")),
         }
     }
 }
 
 /// Makes the image, puts it on the board and starts the board anew.
-pub(crate) fn provision(plan: &Plan<'_>) -> Result<(), Failure> {
-    let Plan { key_file, probe } = *plan;
+pub(crate) fn provision(arguments: &[&str]) -> Result<(), Failure> {
+    let Plan { key_file, probe } = Plan::parse(arguments)?;
     if !run::succeeds(&mut command("probe-rs", &["--version"])) {
         return Err(Failure::new("probe-rs is missing: `cargo install probe-rs-tools --locked` installs it"));
     }

@@ -13,6 +13,15 @@ use crate::run::{self, Failure};
 /// Order and size of the rooms, under review.
 const FILE: &str = "xtask/rooms.txt";
 
+/// `--root DIR` or nothing.
+pub(crate) fn rooms_at(arguments: &[&str]) -> Result<(), Failure> {
+    match arguments {
+        [] => rooms(run::root()),
+        ["--root", other] => rooms(Path::new(other)),
+        _ => Err(Failure::usage("usage: cargo xtask rooms [--root DIR]")),
+    }
+}
+
 /// Prints every package's lines, circles and climbing imports; any that is not allowed is a failure. `root` is the
 /// repository to look at, this one unless another is named.
 pub(crate) fn rooms(root: &Path) -> Result<(), Failure> {

@@ -5,17 +5,30 @@
 
 use std::fmt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-/// Why a chore stopped: what failed and what to do about it, in one line.
+/// Why a chore stopped: what failed and what to do about it, in one line, and the exit status.
 #[derive(Debug)]
-pub(crate) struct Failure(String);
+pub(crate) struct Failure(String, u8);
 
 impl Failure {
     /// Says what failed and what to do.
     pub(crate) fn new(what: impl Into<String>) -> Self {
-        Self(what.into())
+        Self(what.into(), 1)
+    }
+
+    /// The command line is wrong.
+    pub(crate) fn usage(what: impl Into<String>) -> Self {
+        Self(what.into(), 2)
+    }
+
+    /// Says it, unless that was done; gives the exit status.
+    pub(crate) fn report(self) -> ExitCode {
+        if !self.0.is_empty() {
+            eprintln!("error: {self}");
+        }
+        ExitCode::from(self.1)
     }
 }
 
@@ -78,7 +91,7 @@ fn cannot_run(command: &Command, cause: &std::io::Error) -> Failure {
 pub(crate) fn step<T>(name: &str, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     let (start, spent) = (Instant::now(), processor_s());
     eprintln!("==> {name}");
-    let outcome = work().map_err(|failure| Failure::new(format!("{name}: {failure}")));
+    let outcome = work().map_err(|failure| Failure(format!("{name}: {failure}"), failure.1));
     let verdict = if outcome.is_ok() { "done" } else { "FAILED" };
     let spent = processor_s()
         .zip(spent)
