@@ -2,32 +2,48 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 use serde_json::Value;
 
-/// Copies an example into a folder of its own, far from any workspace, builds it against this repository and gives the
-/// program. What is built besides it stays in the workspace's target folder, so that a second time costs seconds.
-fn built(name: &str) -> PathBuf {
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
-    let folder = std::env::temp_dir().join(format!("haptic-example-{}-{name}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(folder.join("src")).expect("a temporary folder");
-    let text = |path: PathBuf| std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{} is read", path.display()));
-    let example = repository.join("examples").join(name);
-    let workspace = text(repository.join("Cargo.toml"));
-    let profile = workspace.find("[profile.dev]").map_or("", |at| &workspace[at..]);
-    let manifest = text(example.join("Cargo.toml")).replace("../../", &format!("{}/", repository.display()));
-    // The workspace's versions and profile, so that its dependencies need not be built again.
-    std::fs::write(folder.join("Cargo.toml"), format!("{manifest}\n{profile}")).expect("a manifest");
-    std::fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("versions");
-    std::fs::write(folder.join("src/main.rs"), text(example.join("src/main.rs"))).expect("a program");
-    let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["build", "--quiet", "--offline"]).current_dir(&folder).env("CARGO_TARGET_DIR", target);
-    let output = cargo.output().expect("cargo runs");
-    let _ = std::fs::remove_dir_all(&folder);
-    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
-    target.join("debug").join(name)
+const EXAMPLES: [&str; 3] = ["observer", "outside-law", "plant"];
+
+/// Copies the examples into a folder far from any workspace, builds them there against this repository and gives the folder
+/// of the programs. What is built besides them is what the tests have built: the same versions, features and profile.
+fn built() -> &'static Path {
+    static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
+        let folder = std::env::temp_dir().join(format!("haptic-examples-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        let text =
+            |path: PathBuf| std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{} is read", path.display()));
+        let workspace = text(repository.join("Cargo.toml"));
+        let profile = &workspace[workspace.find("[profile.dev]").expect("a profile")..];
+        // A member there is a dependency here, which other rules would hold for. The commands only call: quick to build will do.
+        let rooms = ["haptic-analysis", "haptic-cases", "haptic-core", "haptic-plot", "haptic-protocol", "haptic-sim"];
+        let rooms: String = rooms.iter().map(|room| format!("[profile.dev.package.{room}]\nopt-level = 1\n")).collect();
+        let rooms = rooms + "[profile.dev.package.host-sim]\nopt-level = 0\n";
+        for name in EXAMPLES {
+            let example = repository.join("examples").join(name);
+            let manifest = text(example.join("Cargo.toml")).replace("../../", &format!("{}/", repository.display()));
+            std::fs::create_dir_all(folder.join(name).join("src")).expect("a temporary folder");
+            std::fs::write(folder.join(name).join("Cargo.toml"), manifest.replace("[workspace]", ""))
+                .expect("a manifest");
+            std::fs::write(folder.join(name).join("src/main.rs"), text(example.join("src/main.rs")))
+                .expect("a program");
+        }
+        let root = format!("[workspace]\nresolver = \"3\"\nmembers = {EXAMPLES:?}\n{profile}\n{rooms}");
+        std::fs::write(folder.join("Cargo.toml"), root).expect("a manifest");
+        std::fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("versions");
+        let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--offline"]).current_dir(&folder).env("CARGO_TARGET_DIR", target);
+        let output = cargo.output().expect("cargo runs");
+        let _ = std::fs::remove_dir_all(&folder);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        target.join("debug")
+    });
+    &PROGRAMS
 }
 
 fn run(program: &Path, arguments: &[&str]) -> Output {
@@ -45,7 +61,7 @@ fn json(program: &Path, arguments: &[&str]) -> Value {
 
 #[test]
 fn a_law_from_outside_is_simulated_proved_and_compared() {
-    let program = built("outside-law");
+    let program = built().join("outside-law");
     let predict = |ahead_s: &'static str| ["--set", "coordination.comm=predict", "--set", ahead_s];
     let of = |command: &[&str], ahead_s| json(&program, &[command, &predict(ahead_s)[..]].concat());
     let radius = |ahead_s| of(&["stability", "point"], ahead_s)["spectral_radius"].as_f64().expect("a radius");
@@ -88,13 +104,13 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
 
 #[test]
 fn an_observer_and_a_plant_from_outside_run() {
-    let observer = run(&built("observer"), &[]);
+    let observer = run(&built().join("observer"), &[]);
     assert!(observer.status.success(), "{}", String::from_utf8_lossy(&observer.stderr));
     let figure = Path::new(env!("CARGO_TARGET_TMPDIR")).join("examples/out/felt.svg");
     let figure = std::fs::read_to_string(figure).expect("its figure");
     assert!(figure.contains("user 2") && figure.contains("Contact force"));
 
-    let plant = run(&built("plant"), &[]);
+    let plant = run(&built().join("plant"), &[]);
     assert!(plant.status.success(), "{}", String::from_utf8_lossy(&plant.stderr));
     // Both handles are pulled home by springs, and pushed to where these hold them.
     let text = String::from_utf8_lossy(&plant.stdout).into_owned();
