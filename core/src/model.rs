@@ -13,9 +13,7 @@ pub trait Model<S>: Copy + core::fmt::Debug + Send + Sync + 'static {
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
 
     /// Takes what it needs from settings that are within their ranges.
-    ///
-    /// # Errors
-    /// What no single range can say: settings that do not go together.
+    /// Refuses what no single range can say: settings that do not go together.
     fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
 }
 
@@ -31,9 +29,6 @@ macro_rules! list {
 
         impl<S: $crate::num::Scalar> $Any<S> {
             /// The one that the settings name, at rest.
-            ///
-            /// # Errors
-            /// Settings that it refuses.
             pub fn build(settings: &$crate::settings::Settings) -> Result<Self, $crate::settings::Refused<'static>> {
                 Ok(match settings.$table.$key {
                     $( $Name::$Variant => {

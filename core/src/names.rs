@@ -17,81 +17,75 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
+/// Names with what each means, the first one by default.
 macro_rules! words {
-    ($( $(#[$doc:meta])* $Name:ident { $( $(#[$word_doc:meta])* $word:literal => $Variant:ident, )+ } )+) => { $(
+    ($(
+        $(#[$doc:meta])*
+        $Name:ident { $first_word:literal => $First:ident, $first:literal; $( $word:literal => $Variant:ident, $meaning:literal; )+ }
+    )+) => { $(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $Name { $( $(#[$word_doc])* $Variant ),+ }
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum $Name { #[doc = $first] #[default] $First, $( #[doc = $meaning] $Variant ),+ }
 
-        impl Choice for $Name {
-            const NAMES: &'static [&'static str] = &[$($word),+];
-            const ALL: &'static [Self] = &[$(Self::$Variant),+];
+        impl $crate::names::Choice for $Name {
+            const NAMES: &'static [&'static str] = &[$first_word, $($word),+];
+            const ALL: &'static [Self] = &[Self::$First, $(Self::$Variant),+];
+        }
+
+        impl $Name {
+            /// What it means, for a person.
+            pub fn explain(self) -> &'static str {
+                match self { Self::$First => $first, $( Self::$Variant => $meaning ),+ }
+            }
         }
     )+ };
 }
+pub(crate) use words;
 
 words! {
     /// Where the velocity of an axis comes from.
     VelocityName {
-        /// The reading's own velocity.
-        "measured" => Measured,
-        /// Backward difference.
-        "difference" => Difference,
-        /// Backward difference through a one-pole low pass.
-        "filtered" => Filtered,
-        /// First-order adaptive windowing.
-        "adaptive" => Adaptive,
+        "measured" => Measured, "The reading's own velocity.";
+        "difference" => Difference, "Backward difference.";
+        "filtered" => Filtered, "Backward difference through a one-pole low pass.";
+        "adaptive" => Adaptive, "First-order adaptive windowing.";
     }
 
     /// A mechanism.
     KinematicsName {
-        /// Each joint is an axis.
-        "direct" => Direct,
-        /// A motor drives a paddle through a capstan.
-        "capstan" => Capstan,
-        /// Two motors on a base, two links each, one hand.
-        "five-bar" => FiveBar,
+        "direct" => Direct, "Each joint is an axis.";
+        "capstan" => Capstan, "A motor drives a paddle through a capstan.";
+        "five-bar" => FiveBar, "Two motors on a base, two links each, one hand.";
     }
 
     /// Which sine and cosine a mechanism is computed with.
     Maths {
-        /// Exact to the last bit or so.
-        "libm" => Libm,
-        /// To 1.1e-3 where the number type has it (`f32`), in a fraction of the time.
-        "micromath" => Micromath,
+        "libm" => Libm, "Exact to the last bit or so.";
+        "micromath" => Micromath, "To 1.1e-3 where the number type has it (`f32`), in a fraction of the time.";
     }
 
     /// How contact is rendered.
     RenderingName {
-        /// A spring and a damper.
-        "continuous" => Continuous,
-        /// Impacts.
-        "impulsive" => Impulsive,
+        "continuous" => Continuous, "A spring and a damper.";
+        "impulsive" => Impulsive, "Impacts.";
     }
 
     /// The side of the object that the device is on.
     Side {
-        /// Pushes toward positive x.
-        "left" => Left,
-        /// Pushes toward negative x.
-        "right" => Right,
+        "left" => Left, "Pushes toward positive x.";
+        "right" => Right, "Pushes toward negative x.";
     }
 
     /// How the object advances by one tick.
     IntegratorName {
-        /// The old velocity moves the position.
-        "forward-euler" => ForwardEuler,
-        /// The new velocity moves the position.
-        "semi-implicit" => SemiImplicit,
-        /// The matrix exponential, for a held force.
-        "exact" => Exact,
+        "forward-euler" => ForwardEuler, "The old velocity moves the position.";
+        "semi-implicit" => SemiImplicit, "The new velocity moves the position.";
+        "exact" => Exact, "The matrix exponential, for a held force.";
     }
 
     /// How the algebraic loop of the wave decode is opened.
     Decode {
-        /// ẋ_d\[n\] from F_T\[n−1\]; x_d\[n\] = x_d\[n−1\] + T_c·ẋ_d\[n−1\].
-        "delayed" => Delayed,
-        /// Backward Euler on x_d, solved in closed form.
-        "implicit" => Implicit,
+        "delayed" => Delayed, "ẋ_d(n) from F_T(n−1); x_d(n) = x_d(n−1) + T_c·ẋ_d(n−1).";
+        "implicit" => Implicit, "Backward Euler on x_d, solved in closed form.";
     }
 }

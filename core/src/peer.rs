@@ -10,21 +10,18 @@
 //! object advances.
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
-use crate::device::constraint::Hold;
 use crate::device::encoder::{Encoder, EncoderState};
 use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing};
-use crate::device::velocity::AnyVelocity;
 use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
-use crate::law::ledger::Ledger;
 use crate::law::{AnyLaw, Coupled, Law, Packet, credit};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::AnyIntegrator;
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
+use crate::{device::constraint::Hold, device::velocity::AnyVelocity, law::ledger::Ledger, object::AnyIntegrator};
 
 /// What the tick reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,9 +119,6 @@ pub struct Peer<S: Scalar, L: Law<S>> {
 
 impl Settings {
     /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
-    ///
-    /// # Errors
-    /// The first key whose value is out of range or impossible beside the others.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         Peer::<f64, AnyLaw<f64>>::new(self, [Motion::REST; AXES]).map(drop)
     }

@@ -5,46 +5,51 @@
 //! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models say, a force leaves finite,
 //! within ±max_force and, unless it is off, within the slew limit of the one before.
 
-use crate::num::Scalar;
-use crate::settings::Settings;
+use crate::{num::Scalar, settings::Settings};
 
-macro_rules! faults {
-    ($( $number:literal $Fault:ident: $explained:literal, )+) => {
-        /// Why a peer stopped.
+/// Reasons with a number, never reused, and a sentence each.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! numbered {
+    ($(#[$doc:meta])* pub enum $Name:ident { $( $number:literal $Reason:ident: $explained:literal, )+ }) => {
+        $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
-        pub enum Fault { $( #[doc = $explained] $Fault = $number ),+ }
+        pub enum $Name { $( #[doc = $explained] $Reason = $number ),+ }
 
-        impl Fault {
-            /// Every fault, by number.
-            pub const ALL: [Self; [$($number),+].len()] = [$(Self::$Fault),+];
+        impl $Name {
+            /// Every one, by number.
+            pub const ALL: [Self; [$($number),+].len()] = [$(Self::$Reason),+];
+
+            /// The one called by `number`.
+            pub fn from_number(number: u8) -> Option<Self> {
+                Self::ALL.into_iter().find(|reason| *reason as u8 == number)
+            }
 
             /// One sentence for a person.
             pub fn explain(self) -> &'static str {
-                match self { $( Self::$Fault => $explained ),+ }
+                match self { $( Self::$Reason => $explained ),+ }
             }
         }
     };
 }
 
-faults! {
-    1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
-    2 EncoderJump: "an encoder moved further in one tick than the device can",
-    3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
-    4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
-    5 PeerLost: "the other peer was silent for safety.peer_lost_packets",
-    6 TickOverrun: "a tick began before the last one ended",
-    7 Diverged: "the object or the coordination force left the range of numbers",
-    8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
-    9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
+numbered! {
+    /// Why a peer stopped.
+    pub enum Fault {
+        1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
+        2 EncoderJump: "an encoder moved further in one tick than the device can",
+        3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
+        4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
+        5 PeerLost: "the other peer was silent for safety.peer_lost_packets",
+        6 TickOverrun: "a tick began before the last one ended",
+        7 Diverged: "the object or the coordination force left the range of numbers",
+        8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
+        9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
+    }
 }
 
 impl Fault {
-    /// The fault called by `number`.
-    pub fn from_number(number: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|fault| fault.number() == number)
-    }
-
     /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::device::probe`]).
     pub fn doubts_encoders(self) -> bool {
         matches!(self, Self::EncoderJump | Self::Overspeed | Self::EncoderStuck | Self::Runaway)

@@ -49,9 +49,6 @@ impl Schema {
     }
 
     /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
-    ///
-    /// # Errors
-    /// There is no such key, or it does not accept the value.
     pub fn set<'a>(self, settings: &mut Settings, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         match Tables::set(settings, name, value) {
             // The tables know no law.
@@ -87,9 +84,6 @@ impl Settings {
     }
 
     /// [`Schema::set`].
-    ///
-    /// # Errors
-    /// There is no such key, or it does not accept the value.
     pub fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         Schema::BUILT_IN.set(self, name, value)
     }

@@ -289,15 +289,9 @@ pub trait Tables: Copy {
     fn get(&self, name: &str) -> Option<Value<'static>>;
 
     /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
-    ///
-    /// # Errors
-    /// There is no such key, or it does not accept the value.
     fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>>;
 
     /// Every value within its range; a name from an open list is for whoever knows the list to refuse.
-    ///
-    /// # Errors
-    /// The first value that is not.
     fn check_ranges(&self) -> Result<(), Refused<'static>> {
         let mut probe = *self;
         for key in Self::KEYS.iter().filter(|key| !matches!(key.allowed, Allowed::Kinds(_))) {
@@ -321,7 +315,7 @@ macro_rules! settings {
         $(
             $(#[$table_doc:meta])*
             $table:ident: $Table:ident {
-                $( #[doc = $key_doc:literal] $key:ident: $type:ty = $default:expr, $allowed:expr, $unit:literal; )+
+                $( $key:ident: $type:ty = $default:expr, $allowed:expr, $unit:literal, $key_doc:literal; )+
             }
         )+
     ) => {
@@ -415,158 +409,128 @@ settings! {
 
     /// The two rates.
     timing: Timing {
-        #[doc = "Control period T_c of the force loop."]
-        control_period_s: f64 = 0.001, number(1e-5, 0.1), "s";
-        #[doc = "Ticks per packet M; the packet period is T_n = M·T_c."]
-        ticks_per_packet: u32 = 8, whole(1, 1000), "";
+        control_period_s: f64 = 0.001, number(1e-5, 0.1), "s", "Control period T_c of the force loop.";
+        ticks_per_packet: u32 = 8, whole(1, 1000), "", "Ticks per packet M; the packet period is T_n = M·T_c.";
     }
 
     /// Contact between the device and the local copy of the shared object.
     contact: Contact {
-        #[doc = "How contact is rendered: as a spring and a damper, or as impacts."]
-        rendering: RenderingName = RenderingName::Continuous, Allowed::Names(RenderingName::NAMES), "";
-        #[doc = "Contact stiffness K_LC."]
-        stiffness_n_per_m: f64 = 1000.0, number(0.0, 1e6), "N/m";
-        #[doc = "Contact damping B_LC."]
-        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m";
-        #[doc = "Push only: no force unless the device is past the surface."]
-        one_sided: bool = false, Allowed::Flag, "";
-        #[doc = "Free travel before contact begins; two-sided, the play to each side."]
-        gap_m: f64 = 0.0, number(0.0, 1.0), "m";
-        #[doc = "Side of the object the device is on; of a pair, user 1 is on the left and user 2 on the right."]
-        side: Side = Side::Left, Allowed::Names(Side::NAMES), "";
-        #[doc = "Impulsive rendering: share of the speed of approach with which device and object part."]
-        restitution: f64 = 1.0, number(0.0, 1.0), "";
-        #[doc = "Impulsive rendering: mass with which the device takes part in an impact."]
-        device_mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg";
+        rendering: RenderingName = RenderingName::Continuous, Allowed::Names(RenderingName::NAMES), "",
+            "How contact is rendered: as a spring and a damper, or as impacts.";
+        stiffness_n_per_m: f64 = 1000.0, number(0.0, 1e6), "N/m", "Contact stiffness K_LC.";
+        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m", "Contact damping B_LC.";
+        one_sided: bool = false, Allowed::Flag, "", "Push only: no force unless the device is past the surface.";
+        gap_m: f64 = 0.0, number(0.0, 1.0), "m", "Free travel before contact begins; two-sided, the play to each side.";
+        side: Side = Side::Left, Allowed::Names(Side::NAMES), "",
+            "Side of the object the device is on; of a pair, user 1 is on the left and user 2 on the right.";
+        restitution: f64 = 1.0, number(0.0, 1.0), "",
+            "Impulsive rendering: share of the speed of approach with which device and object part.";
+        device_mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg",
+            "Impulsive rendering: mass with which the device takes part in an impact.";
     }
 
     /// The local copy of the shared virtual object.
     object: Object {
-        #[doc = "Mass m_O of one copy."]
-        mass_kg: f64 = 0.3, number(1e-4, 1e3), "kg";
-        #[doc = "Viscous damping b_O of one copy."]
-        damping_n_s_per_m: f64 = 0.0, number(0.0, 1e4), "N·s/m";
-        #[doc = "Delay τ of the forces that move the copy: the old force acts for τ·T_c, then the new one."]
-        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks";
-        #[doc = "How the copy advances by one tick."]
-        integrator: IntegratorName = IntegratorName::ForwardEuler, Allowed::Names(IntegratorName::NAMES), "";
+        mass_kg: f64 = 0.3, number(1e-4, 1e3), "kg", "Mass m_O of one copy.";
+        damping_n_s_per_m: f64 = 0.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_O of one copy.";
+        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks",
+            "Delay τ of the forces that move the copy: the old force acts for τ·T_c, then the new one.";
+        integrator: IntegratorName = IntegratorName::ForwardEuler, Allowed::Names(IntegratorName::NAMES), "",
+            "How the copy advances by one tick.";
     }
 
     /// What holds the two copies together.
     coordination: Coordination {
-        #[doc = "Coordination law, by what it sends."]
-        comm: &'static str = "passive-wave", Allowed::Kinds(&[]), "";
-        #[doc = "How the wave decode's algebraic loop is opened."]
-        decode: Decode = Decode::Delayed, Allowed::Names(Decode::NAMES), "";
-        #[doc = "Coordination stiffness K_T."]
-        stiffness_n_per_m: f64 = 10620.0, number(0.0, 1e7), "N/m";
-        #[doc = "Coordination damping B_T."]
-        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m";
-        #[doc = "Wave impedance b."]
-        wave_impedance_n_s_per_m: f64 = 10.0, number(1e-3, 1e4), "N·s/m";
-        #[doc = "Cutoff of the anti-aliasing filter, Ω_c/2π."]
-        cutoff_hz: f64 = 60.0, number(0.01, 1e5), "Hz";
-        #[doc = "Never emit more wave energy than the other peer is known to have absorbed: passive on any network."]
-        ledger: bool = false, Allowed::Flag, "";
-        #[doc = "Make good what losses took from the wave integral, paid from the ledger; with comm \"passive-mean\"."]
-        drift_correction: bool = false, Allowed::Flag, "";
+        comm: &'static str = "passive-wave", Allowed::Kinds(&[]), "", "Coordination law, by what it sends.";
+        decode: Decode = Decode::Delayed, Allowed::Names(Decode::NAMES), "",
+            "How the wave decode's algebraic loop is opened.";
+        stiffness_n_per_m: f64 = 10620.0, number(0.0, 1e7), "N/m", "Coordination stiffness K_T.";
+        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m", "Coordination damping B_T.";
+        wave_impedance_n_s_per_m: f64 = 10.0, number(1e-3, 1e4), "N·s/m", "Wave impedance b.";
+        cutoff_hz: f64 = 60.0, number(0.01, 1e5), "Hz", "Cutoff of the anti-aliasing filter, Ω_c/2π.";
+        ledger: bool = false, Allowed::Flag, "",
+            "Never emit more wave energy than the other peer is known to have absorbed: passive on any network.";
+        drift_correction: bool = false, Allowed::Flag, "",
+            "Make good what losses took from the wave integral, paid from the ledger; with comm \"passive-mean\".";
     }
 
     /// How positions and velocities are sensed.
     axis: Axis {
-        #[doc = "Axes in use; the first is free, the others are held on their line."]
-        count: u32 = 1, whole(1, 2), "";
-        #[doc = "Where the velocity of an axis comes from."]
-        velocity: VelocityName = VelocityName::Measured, Allowed::Names(VelocityName::NAMES), "";
-        #[doc = "Cutoff of the filtered velocity estimator."]
-        velocity_cutoff_hz: f64 = 100.0, number(0.1, 1e4), "Hz";
-        #[doc = "Longest window of the adaptive velocity estimator."]
-        velocity_window_ticks: u32 = 16, whole(2, 16), "ticks";
-        #[doc = "Stiffness that holds every axis but the free one on its line."]
-        hold_stiffness_n_per_m: f64 = 1500.0, number(0.0, 1e5), "N/m";
-        #[doc = "Damping that holds every axis but the free one on its line."]
-        hold_damping_n_s_per_m: f64 = 3.0, number(0.0, 1e4), "N·s/m";
+        count: u32 = 1, whole(1, 2), "", "Axes in use; the first is free, the others are held on their line.";
+        velocity: VelocityName = VelocityName::Measured, Allowed::Names(VelocityName::NAMES), "",
+            "Where the velocity of an axis comes from.";
+        velocity_cutoff_hz: f64 = 100.0, number(0.1, 1e4), "Hz", "Cutoff of the filtered velocity estimator.";
+        velocity_window_ticks: u32 = 16, whole(2, 16), "ticks", "Longest window of the adaptive velocity estimator.";
+        hold_stiffness_n_per_m: f64 = 1500.0, number(0.0, 1e5), "N/m",
+            "Stiffness that holds every axis but the free one on its line.";
+        hold_damping_n_s_per_m: f64 = 3.0, number(0.0, 1e4), "N·s/m",
+            "Damping that holds every axis but the free one on its line.";
     }
 
     /// The position encoder of every joint.
     encoder: Encoder {
-        #[doc = "Counts per metre, where a joint is a slide (kinematics \"direct\")."]
-        counts_per_m: f64 = 200000.0, number(1.0, 2e8), "counts/m";
-        #[doc = "Counts per revolution, where a joint turns (every other kinematics)."]
-        counts_per_rev: f64 = 8192.0, number(16.0, 1e7), "counts/rev";
-        #[doc = "Counts grow against the axis."]
-        reversed: bool = false, Allowed::Flag, "";
+        counts_per_m: f64 = 200000.0, number(1.0, 2e8), "counts/m",
+            "Counts per metre, where a joint is a slide (kinematics \"direct\").";
+        counts_per_rev: f64 = 8192.0, number(16.0, 1e7), "counts/rev",
+            "Counts per revolution, where a joint turns (every other kinematics).";
+        reversed: bool = false, Allowed::Flag, "", "Counts grow against the axis.";
     }
 
     /// From joints to the axes of the task and back.
     kinematics: Kinematics {
-        #[doc = "Kind of mechanism."]
-        model: KinematicsName = KinematicsName::Direct, Allowed::Names(KinematicsName::NAMES), "";
-        #[doc = "Which sine and cosine the mechanism is computed with."]
-        maths: Maths = Maths::Libm, Allowed::Names(Maths::NAMES), "";
-        #[doc = "Capstan: motor turns per paddle turn."]
-        capstan_ratio: f64 = 10.0, number(0.1, 1000.0), "";
-        #[doc = "Capstan: distance of the hand from the paddle's axis."]
-        paddle_radius_m: f64 = 0.08, number(0.001, 1.0), "m";
-        #[doc = "Five-bar: distance between the two motors."]
-        base_m: f64 = 0.06, number(0.0, 1.0), "m";
-        #[doc = "Five-bar: length of the links at the motors."]
-        proximal_m: f64 = 0.1, number(0.01, 1.0), "m";
-        #[doc = "Five-bar: length of the links at the hand."]
-        distal_m: f64 = 0.12, number(0.01, 1.0), "m";
+        model: KinematicsName = KinematicsName::Direct, Allowed::Names(KinematicsName::NAMES), "", "Kind of mechanism.";
+        maths: Maths = Maths::Libm, Allowed::Names(Maths::NAMES), "",
+            "Which sine and cosine the mechanism is computed with.";
+        capstan_ratio: f64 = 10.0, number(0.1, 1000.0), "", "Capstan: motor turns per paddle turn.";
+        paddle_radius_m: f64 = 0.08, number(0.001, 1.0), "m", "Capstan: distance of the hand from the paddle's axis.";
+        base_m: f64 = 0.06, number(0.0, 1.0), "m", "Five-bar: distance between the two motors.";
+        proximal_m: f64 = 0.1, number(0.01, 1.0), "m", "Five-bar: length of the links at the motors.";
+        distal_m: f64 = 0.12, number(0.01, 1.0), "m", "Five-bar: length of the links at the hand.";
     }
 
     /// The motor and amplifier of every joint.
     motor: Motor {
-        #[doc = "Force (direct) or torque (turning joint) per ampere."]
-        newton_or_newton_metre_per_a: f64 = 8.0, number(1e-4, 1e3), "N/A or N·m/A";
-        #[doc = "Current at full duty."]
-        full_scale_a: f64 = 5.0, number(1e-3, 1e3), "A";
-        #[doc = "Largest duty the amplifier may be given, as a fraction of full scale."]
-        max_duty: f64 = 0.95, number(0.01, 1.0), "";
-        #[doc = "Positive duty pushes against the axis."]
-        reversed: bool = false, Allowed::Flag, "";
+        newton_or_newton_metre_per_a: f64 = 8.0, number(1e-4, 1e3), "N/A or N·m/A",
+            "Force (direct) or torque (turning joint) per ampere.";
+        full_scale_a: f64 = 5.0, number(1e-3, 1e3), "A", "Current at full duty.";
+        max_duty: f64 = 0.95, number(0.01, 1.0), "",
+            "Largest duty the amplifier may be given, as a fraction of full scale.";
+        reversed: bool = false, Allowed::Flag, "", "Positive duty pushes against the axis.";
     }
 
     /// Limits that hold whatever the rest says.
     safety: Safety {
-        #[doc = "Largest force on any axis."]
-        max_force_n: f64 = 40.0, number(0.01, 200.0), "N";
-        #[doc = "Fastest change of force on any axis."]
-        max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s";
-        #[doc = "Fastest plausible motion; above it the peer faults."]
-        max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s";
-        #[doc = "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults."]
-        saturated_ticks: u32 = 100, whole(1, 10000), "ticks";
-        #[doc = "Packet periods without a packet through which the last one stands."]
-        fade_packets: u32 = 3, whole(0, 10000), "packets";
-        #[doc = "Packet periods without a packet after which the coordination has faded out and the peer renders alone."]
-        disengage_packets: u32 = 12, whole(1, 10000), "packets";
-        #[doc = "Packet periods without a packet, from a peer that was heard before, after which the peer faults."]
-        peer_lost_packets: u32 = 1250, whole(1, 100000), "packets";
-        #[doc = "Change of a motor's duty, as a fraction of full scale, under which its encoder must count."]
-        stuck_duty: f64 = 0.25, number(0.01, 0.5), "";
-        #[doc = "Most power that a hand can feed the device; above it the peer faults."]
-        max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W";
+        max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis.";
+        max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s", "Fastest change of force on any axis.";
+        max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
+            "Fastest plausible motion; above it the peer faults.";
+        saturated_ticks: u32 = 100, whole(1, 10000), "ticks",
+            "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults.";
+        fade_packets: u32 = 3, whole(0, 10000), "packets",
+            "Packet periods without a packet through which the last one stands.";
+        disengage_packets: u32 = 12, whole(1, 10000), "packets",
+            "Packet periods without a packet after which the coordination has faded out and the peer renders alone.";
+        peer_lost_packets: u32 = 1250, whole(1, 100000), "packets",
+            "Packet periods without a packet, from a peer that was heard before, after which the peer faults.";
+        stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
+            "Change of a motor's duty, as a fraction of full scale, under which its encoder must count.";
+        max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",
+            "Most power that a hand can feed the device; above it the peer faults.";
     }
 
     /// Limits of what a motor does open loop, for calibration and for the check before arming.
     probe: Probe {
-        #[doc = "Largest duty of a probe, as a fraction of full scale."]
-        max_duty: f64 = 0.1, number(0.001, 0.5), "";
-        #[doc = "Farthest that a probe may move its joint from where it began."]
-        max_travel_counts: u32 = 4000, whole(10, 30000), "counts";
-        #[doc = "Fastest that a probe may move its joint."]
-        max_speed_counts_per_s: f64 = 200000.0, number(100.0, 3e7), "counts/s";
-        #[doc = "Longest probe."]
-        max_s: f64 = 3.0, number(0.01, 10.0), "s";
-        #[doc = "Duty of the check before arming, as a fraction of full scale; at most probe.max_duty."]
-        check_duty: f64 = 0.02, number(0.001, 0.1), "";
-        #[doc = "Time that the check before arming takes, for one joint."]
-        check_s: f64 = 0.04, number(0.02, 0.4), "s";
-        #[doc = "Counts that the motor must move its joint by for the check to tell which way."]
-        check_counts: u32 = 20, whole(16, 1000), "counts";
+        max_duty: f64 = 0.1, number(0.001, 0.5), "", "Largest duty of a probe, as a fraction of full scale.";
+        max_travel_counts: u32 = 4000, whole(10, 30000), "counts",
+            "Farthest that a probe may move its joint from where it began.";
+        max_speed_counts_per_s: f64 = 200000.0, number(100.0, 3e7), "counts/s",
+            "Fastest that a probe may move its joint.";
+        max_s: f64 = 3.0, number(0.01, 10.0), "s", "Longest probe.";
+        check_duty: f64 = 0.02, number(0.001, 0.1), "",
+            "Duty of the check before arming, as a fraction of full scale; at most probe.max_duty.";
+        check_s: f64 = 0.04, number(0.02, 0.4), "s", "Time that the check before arming takes, for one joint.";
+        check_counts: u32 = 20, whole(16, 1000), "counts",
+            "Counts that the motor must move its joint by for the check to tell which way.";
     }
 }
 

@@ -6,10 +6,9 @@
 //! A scene with neither gap nor side has no contact detection at all.
 
 use super::rendering::{Rendering, Strikes, Touch};
-use crate::model::Model;
-use crate::names::Side;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
+use crate::{model::Model, names::Side};
 
 /// Where contact begins.
 #[derive(Clone, Copy, Debug)]

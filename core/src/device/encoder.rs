@@ -12,11 +12,10 @@
 //! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
 //! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
 
-use crate::device::kinematics::Joints;
-use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings};
+use crate::{device::kinematics::Joints, num::Scalar};
 
-pub use super::reading::Counts;
+pub use super::Counts;
 
 /// Scale, direction and plausibility limit of every joint's encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,9 +45,6 @@ const ROUNDING_COUNTS: f64 = 2.0;
 
 /// Refuses a safety.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
-///
-/// # Errors
-/// The speed, with the largest that this encoder and control period can follow.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;

@@ -9,8 +9,7 @@
 //!
 //! Limits: no amplifier dynamics, no friction or cogging compensation, no thermal model.
 
-use crate::num::Scalar;
-use crate::settings::Settings;
+use crate::{num::Scalar, settings::Settings};
 
 /// Signed duty of an amplifier; [`Duty::FULL_SCALE`] is full current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

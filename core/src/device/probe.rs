@@ -22,28 +22,38 @@
 //! Limits: duty steps as the shape does, without a slew limit; counts come from encoders, so a simulated device that gives
 //! exact positions does not seem to move.
 
-use crate::device::AXES;
-use crate::device::motor::Duty;
-use crate::num::Scalar;
-use crate::settings::{Allowed, Choice, Refused, Settings, Value};
+use crate::names::words;
+use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::{device::AXES, device::motor::Duty, num::Scalar};
 
-/// How the duty goes over the time of a probe.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shape {
-    /// The same all the time.
-    #[default]
-    Pulse,
-    /// One way, the other way for twice as long, the first way again.
-    Swing,
-    /// Evenly up from zero.
-    Ramp,
-    /// A cosine.
-    Sine,
-}
+words! {
+    /// How the duty goes over the time of a probe.
+    Shape {
+        "pulse" => Pulse, "the same all the time";
+        "swing" => Swing, "one way, the other way for twice as long, the first way again";
+        "ramp" => Ramp, "evenly up from zero";
+        "sine" => Sine, "a cosine";
+    }
 
-impl Choice for Shape {
-    const NAMES: &'static [&'static str] = &["pulse", "swing", "ramp", "sine"];
-    const ALL: &'static [Self] = &[Self::Pulse, Self::Swing, Self::Ramp, Self::Sine];
+    /// How a probe ended.
+    End {
+        "none" => None, "there was no probe yet";
+        "running" => Running, "the probe is running";
+        "done" => Done, "its time was over";
+        "travel" => Travel, "the device went as far as the probe may";
+        "speed" => Speed, "the device was faster than probe.max_speed_counts_per_s";
+        "stopped" => Stopped, "it was stopped by command or by a fault";
+    }
+
+    /// What a probe says about the signs of motor and encoder.
+    Verdict {
+        "agree" => Agree, "motor and encoder agree";
+        "disagree" => Disagree,
+            "motor and encoder disagree: change motor.reversed (or encoder.reversed, if the axis points the wrong way)";
+        "still" => Still,
+            "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder";
+        "unclear" => Unclear, "something else moved it, or it went too far: let go of it, or lower probe.check_duty";
+    }
 }
 
 /// What to push with.
@@ -86,9 +96,6 @@ const CHECK_TRAVEL: u32 = 20;
 
 impl<S: Scalar> Probe<S> {
     /// A probe within the limits of the table `probe`.
-    ///
-    /// # Errors
-    /// The first number that is outside them.
     pub fn build(settings: &Settings, request: &Request) -> Result<Self, Refused<'static>> {
         let limits = &settings.probe;
         let most = limits.max_duty.min(settings.motor.max_duty);
@@ -121,9 +128,6 @@ impl<S: Scalar> Probe<S> {
     }
 
     /// The check before arming of `joint` (1 or 2): a weak swing, over a short way.
-    ///
-    /// # Errors
-    /// There is no such joint, or the table `probe` leaves no room for it.
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
@@ -166,52 +170,6 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
         return Ok(());
     }
     Err(Refused { key, value: Value::Number(number), allowed: Allowed::Number { min, max }, unit })
-}
-
-macro_rules! explained {
-    ($(#[$doc:meta])* $Name:ident { $( $(#[$default:meta])? $Variant:ident: $word:literal, $explained:literal; )+ }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $Name { $( #[doc = $explained] $(#[$default])? $Variant ),+ }
-
-        impl $Name {
-            /// One word for a program.
-            pub fn name(self) -> &'static str {
-                match self { $( Self::$Variant => $word ),+ }
-            }
-
-            /// One sentence for a person.
-            pub fn explain(self) -> &'static str {
-                match self { $( Self::$Variant => $explained ),+ }
-            }
-        }
-    };
-}
-
-explained! {
-    /// How a probe ended.
-    #[derive(Default)]
-    End {
-        #[default]
-        None: "none", "there was no probe yet";
-        Running: "running", "the probe is running";
-        Done: "done", "its time was over";
-        Travel: "travel", "the device went as far as the probe may";
-        Speed: "speed", "the device was faster than probe.max_speed_counts_per_s";
-        Stopped: "stopped", "it was stopped by command or by a fault";
-    }
-}
-
-explained! {
-    /// What a probe says about the signs of motor and encoder.
-    Verdict {
-        Agree: "agree", "motor and encoder agree";
-        Disagree: "disagree",
-            "motor and encoder disagree: change motor.reversed (or encoder.reversed, if the axis points the wrong way)";
-        Still: "still",
-            "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder";
-        Unclear: "unclear", "something else moved it, or it went too far: let go of it, or lower probe.check_duty";
-    }
 }
 
 /// What came of a probe.

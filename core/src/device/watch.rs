@@ -16,10 +16,8 @@
 //! acts. And a device pressed against a stop harder than `safety.stuck_duty`, or struck with more power than
 //! `safety.max_hand_power_w`, looks broken without being so.
 
-use crate::device::AXES;
-use crate::device::motor::Duty;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::{device::AXES, device::motor::Duty, settings::Settings};
 
 /// What is not believed.
 #[derive(Clone, Copy, Debug)]

@@ -36,9 +36,6 @@ pub struct Engagement {
 
 impl<S: Scalar> Ladder<S> {
     /// The scene's ladder.
-    ///
-    /// # Errors
-    /// Its rungs are out of order.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let safety = &settings.safety;
         match safety.disengage_packets.checked_sub(safety.fade_packets) {

@@ -3,13 +3,11 @@
 //! Forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
 //! A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
+pub mod euler;
 pub mod exact;
-pub mod forward_euler;
-pub mod semi_implicit;
 
 use crate::model::Model;
 use crate::num::{Carry, Motion, Scalar, StateVector};
-use crate::settings::Settings;
 
 pub use crate::names::IntegratorName;
 
@@ -22,8 +20,8 @@ pub trait Integrator<S: Scalar>: Model<S, State = Before<S>> {
 list! {
     /// Any integrator, with what it remembers.
     AnyIntegrator, named by IntegratorName in object.integrator {
-        ForwardEuler(forward_euler::ForwardEuler<S>),
-        SemiImplicit(semi_implicit::SemiImplicit<S>),
+        ForwardEuler(euler::ForwardEuler<S>),
+        SemiImplicit(euler::SemiImplicit<S>),
         Exact(exact::Exact<S>),
     }
 }
@@ -54,40 +52,5 @@ impl<S> StateVector<S> for Before<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         each(&mut self.force);
-    }
-}
-
-/// What both Euler forms share: the gain from force to velocity and the delayed force.
-#[derive(Clone, Copy, Debug)]
-struct Euler<S> {
-    period: S,
-    /// T_c/m_O.
-    gain: S,
-    /// b_O.
-    damping: S,
-    /// τ.
-    late: S,
-    /// 1 − τ.
-    prompt: S,
-}
-
-impl<S: Scalar> Euler<S> {
-    fn build(settings: &Settings) -> Self {
-        let (period, object) = (settings.timing.control_period_s, &settings.object);
-        Self {
-            period: S::from_f64(period),
-            gain: S::from_f64(period / object.mass_kg),
-            damping: S::from_f64(object.damping_n_s_per_m),
-            late: S::from_f64(object.force_delay_ticks),
-            prompt: S::from_f64(1.0 - object.force_delay_ticks),
-        }
-    }
-
-    /// ẋ + (T_c/m)·(F − b·ẋ) with F = τ·F\[n−1\] + (1 − τ)·F\[n\].
-    #[inline]
-    fn velocity(&self, before: &mut Before<S>, velocity: S, force: S) -> S {
-        let acting = self.late * before.force + self.prompt * force;
-        before.force = force;
-        velocity + self.gain * (acting - self.damping * velocity)
     }
 }

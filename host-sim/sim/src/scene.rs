@@ -41,62 +41,47 @@ haptic_core::settings! {
 
     /// The haptic device that both users hold one of.
     device: Device {
-        #[doc = "Moving mass m_HD."]
-        mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg";
-        #[doc = "Viscous damping b_HD."]
-        damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m";
-        #[doc = "Delay from sensing to the new motor force, in control periods."]
-        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks";
+        mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg", "Moving mass m_HD.";
+        damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_HD.";
+        force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks",
+            "Delay from sensing to the new motor force, in control periods.";
     }
 
     /// Imperfections of the device; each is off unless asked for.
     plant: PlantSettings {
-        #[doc = "The peer reads encoder counts (tables encoder, kinematics) instead of the exact position."]
-        encoder: bool = false, Allowed::Flag, "";
-        #[doc = "Coulomb friction; 0 is none."]
-        coulomb_n: f64 = 0.0, number(0.0, 100.0), "N";
-        #[doc = "The device is driven by motor duties (table motor), saturation included, instead of the exact force."]
-        motor: bool = false, Allowed::Flag, "";
-        #[doc = "PWM steps from zero to full duty, with plant.motor; 0 is as fine as the duty register."]
-        pwm_steps: u32 = 0, Allowed::Whole { min: 0, max: 32767 }, "";
+        encoder: bool = false, Allowed::Flag, "",
+            "The peer reads encoder counts (tables encoder, kinematics) instead of the exact position.";
+        coulomb_n: f64 = 0.0, number(0.0, 100.0), "N", "Coulomb friction; 0 is none.";
+        motor: bool = false, Allowed::Flag, "",
+            "The device is driven by motor duties (table motor), saturation included, instead of the exact force.";
+        pwm_steps: u32 = 0, Allowed::Whole { min: 0, max: 32767 }, "",
+            "PWM steps from zero to full duty, with plant.motor; 0 is as fine as the duty register.";
     }
 
     /// The network between the peers.
     network: Network {
-        #[doc = "One-way delay n_t in packet periods."]
-        one_way_delay_packets: u32 = 1, Allowed::Whole { min: 0, max: 1000 }, "packets";
-        #[doc = "Constant time on top of the delay, both ways."]
-        extra_delay_s: f64 = 0.0, number(0.0, 2.0), "s";
-        #[doc = "Constant time on top of the delay, from peer 2 to peer 1 only."]
-        asymmetry_s: f64 = 0.0, number(0.0, 2.0), "s";
-        #[doc = "From network.delay_step_at_s on, the delay is longer (or shorter) by this."]
-        delay_step_s: f64 = 0.0, number(-2.0, 2.0), "s";
-        #[doc = "When the delay steps."]
-        delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s";
-        #[doc = "How the delay varies from packet to packet."]
-        jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "";
-        #[doc = "Uniform jitter: the most; gamma jitter: the mean."]
-        jitter_s: f64 = 0.0, number(0.0, 2.0), "s";
-        #[doc = "Fraction of the packets that are lost."]
-        loss: f64 = 0.0, number(0.0, 0.95), "";
-        #[doc = "Mean length of a run of losses (Gilbert-Elliott); 1 is independent losses."]
-        loss_burst_packets: f64 = 1.0, number(1.0, 1e4), "packets";
-        #[doc = "Fraction of the packets that are held back and overtaken."]
-        reorder: f64 = 0.0, number(0.0, 1.0), "";
-        #[doc = "How far a packet is held back at the most."]
-        reorder_depth_packets: u32 = 4, Allowed::Whole { min: 1, max: 1000 }, "packets";
-        #[doc = "Fraction of the packets that arrive twice."]
-        duplicate: f64 = 0.0, number(0.0, 1.0), "";
-        #[doc = "Fraction of the packets that arrive broken."]
-        corrupt: f64 = 0.0, number(0.0, 1.0), "";
-        #[doc = "How much slower peer 2's clock runs."]
-        clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm";
-        #[doc = "Rate of the line; 0 is unlimited."]
-        bandwidth_bit_per_s: f64 = 0.0, number(0.0, 1e12), "bit/s";
-        #[doc = "Play-out buffer: packets wait until they are this much later than the fastest, so that the delay is constant."]
-        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 32 }, "packets";
-        #[doc = "Seed of everything random in a run."]
-        seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "";
+        one_way_delay_packets: u32 = 1, Allowed::Whole { min: 0, max: 1000 }, "packets",
+            "One-way delay n_t in packet periods.";
+        extra_delay_s: f64 = 0.0, number(0.0, 2.0), "s", "Constant time on top of the delay, both ways.";
+        asymmetry_s: f64 = 0.0, number(0.0, 2.0), "s", "Constant time on top of the delay, from peer 2 to peer 1 only.";
+        delay_step_s: f64 = 0.0, number(-2.0, 2.0), "s",
+            "From network.delay_step_at_s on, the delay is longer (or shorter) by this.";
+        delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s", "When the delay steps.";
+        jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "", "How the delay varies from packet to packet.";
+        jitter_s: f64 = 0.0, number(0.0, 2.0), "s", "Uniform jitter: the most; gamma jitter: the mean.";
+        loss: f64 = 0.0, number(0.0, 0.95), "", "Fraction of the packets that are lost.";
+        loss_burst_packets: f64 = 1.0, number(1.0, 1e4), "packets",
+            "Mean length of a run of losses (Gilbert-Elliott); 1 is independent losses.";
+        reorder: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that are held back and overtaken.";
+        reorder_depth_packets: u32 = 4, Allowed::Whole { min: 1, max: 1000 }, "packets",
+            "How far a packet is held back at the most.";
+        duplicate: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that arrive twice.";
+        corrupt: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that arrive broken.";
+        clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm", "How much slower peer 2's clock runs.";
+        bandwidth_bit_per_s: f64 = 0.0, number(0.0, 1e12), "bit/s", "Rate of the line; 0 is unlimited.";
+        playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 32 }, "packets",
+            "Play-out buffer: packets wait until they are this much later than the fastest, so that the delay is constant.";
+        seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "", "Seed of everything random in a run.";
     }
 }
 

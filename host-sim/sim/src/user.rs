@@ -14,34 +14,22 @@ haptic_core::settings! {
 
     /// One user.
     user: Profile {
-        #[doc = "Steady push."]
-        push_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
-        #[doc = "Height of a pulse, repeated from time 0."]
-        pulse_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
-        #[doc = "Length of a pulse."]
-        pulse_s: f64 = 0.025, number(0.0, 1e6), "s";
-        #[doc = "Time from one pulse to the next."]
-        pulse_every_s: f64 = 2.5, number(1e-3, 1e6), "s";
-        #[doc = "Amplitude of a sine."]
-        sine_n: f64 = 0.0, number(-1000.0, 1000.0), "N";
-        #[doc = "Angular frequency of the sine."]
-        sine_rad_per_s: f64 = 3.0, number(0.0, 1e4), "rad/s";
-        #[doc = "Push along the axes that are held on their line."]
-        side_push_n: f64 = 0.0, number(-100.0, 100.0), "N";
-        #[doc = "Stiffness of the arm that pulls the device to where the user wants it; 0 is no arm."]
-        arm_stiffness_n_per_m: f64 = 0.0, number(0.0, 1e4), "N/m";
-        #[doc = "Damping of the arm."]
-        arm_damping_n_s_per_m: f64 = 0.0, number(0.0, 1e3), "N·s/m";
-        #[doc = "Mass of the arm that moves with the device."]
-        arm_mass_kg: f64 = 0.0, number(0.0, 100.0), "kg";
-        #[doc = "Distance of a minimum-jerk reach toward the other peer, through the arm."]
-        reach_m: f64 = 0.0, number(-1.0, 1.0), "m";
-        #[doc = "Duration of the reach."]
-        reach_s: f64 = 1.0, number(0.01, 1e4), "s";
-        #[doc = "Amplitude of the tremor of the reach."]
-        tremor_m: f64 = 0.0, number(0.0, 0.1), "m";
-        #[doc = "Frequency of the tremor."]
-        tremor_hz: f64 = 9.0, number(0.0, 100.0), "Hz";
+        push_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Steady push.";
+        pulse_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Height of a pulse, repeated from time 0.";
+        pulse_s: f64 = 0.025, number(0.0, 1e6), "s", "Length of a pulse.";
+        pulse_every_s: f64 = 2.5, number(1e-3, 1e6), "s", "Time from one pulse to the next.";
+        sine_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Amplitude of a sine.";
+        sine_rad_per_s: f64 = 3.0, number(0.0, 1e4), "rad/s", "Angular frequency of the sine.";
+        side_push_n: f64 = 0.0, number(-100.0, 100.0), "N", "Push along the axes that are held on their line.";
+        arm_stiffness_n_per_m: f64 = 0.0, number(0.0, 1e4), "N/m",
+            "Stiffness of the arm that pulls the device to where the user wants it; 0 is no arm.";
+        arm_damping_n_s_per_m: f64 = 0.0, number(0.0, 1e3), "N·s/m", "Damping of the arm.";
+        arm_mass_kg: f64 = 0.0, number(0.0, 100.0), "kg", "Mass of the arm that moves with the device.";
+        reach_m: f64 = 0.0, number(-1.0, 1.0), "m",
+            "Distance of a minimum-jerk reach toward the other peer, through the arm.";
+        reach_s: f64 = 1.0, number(0.01, 1e4), "s", "Duration of the reach.";
+        tremor_m: f64 = 0.0, number(0.0, 0.1), "m", "Amplitude of the tremor of the reach.";
+        tremor_hz: f64 = 9.0, number(0.0, 100.0), "Hz", "Frequency of the tremor.";
     }
 }
 

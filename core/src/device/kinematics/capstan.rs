@@ -7,11 +7,10 @@
 //! Units: q in rad, x in m. Limits: no cable stretch, no slip. A positive motor angle is a positive x; turn it with
 //! `encoder.reversed` and `motor.reversed`.
 
-use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Pose};
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
+use crate::{device::AXES, model::Model};
 
 /// Metres along the arc per radian of the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,11 +25,10 @@
 //! `kinematics.maths = "micromath"` the hand is off by up to 1 mm per m of link in the middle of the workspace, and J
 //! is the derivative only to 0.5 % of l₁.
 
-use crate::device::AXES;
 use crate::device::kinematics::{Kinematics, Maths, Pose};
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
+use crate::{device::AXES, model::Model};
 
 /// Angle between base and proximal links at home, rad: 60°.
 pub const HOME_RAD: f64 = core::f64::consts::FRAC_PI_3;

@@ -12,13 +12,11 @@
 //! Units: joints m or rad, axes m; J in m/m or m/rad; joint forces N or N·m.
 
 pub mod capstan;
-pub mod direct;
 pub mod five_bar;
 
-use crate::device::AXES;
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::settings::Settings;
+use crate::settings::{Refused, Settings};
+use crate::{device::AXES, model::Model};
 
 pub use crate::names::{KinematicsName, Maths};
 
@@ -63,10 +61,28 @@ pub trait Kinematics<S: Scalar>: Model<S> {
     fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S>;
 }
 
+/// No mechanism between joints and axes: for slides, and for simulated devices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Direct;
+
+impl<S: Scalar> Model<S> for Direct {
+    type State = ();
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
+    }
+}
+
+impl<S: Scalar> Kinematics<S> for Direct {
+    #[inline]
+    fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S> {
+        Pose::direct(joints)
+    }
+}
+
 list! {
     /// Any one of the mechanisms.
     AnyKinematics, named by KinematicsName in kinematics.model {
-        Direct(direct::Direct),
+        Direct(Direct),
         Capstan(capstan::Capstan<S>),
         FiveBar(five_bar::FiveBar<S>),
     }

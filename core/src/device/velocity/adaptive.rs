@@ -21,11 +21,9 @@
 //! Control Systems Technology 8(6), 2000, end-fit FOAW; their procedure stops at the first k that does not fit, this is
 //! their definition: the largest that does.
 
-use crate::device::kinematics::Joints;
-use crate::device::velocity::VelocityEstimator;
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
+use crate::{device::kinematics::Joints, device::velocity::VelocityEstimator, model::Model};
 
 /// Longest window, ticks.
 pub const MAX_WINDOW: usize = 16;

@@ -6,10 +6,9 @@
 //! Limits: one encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the
 //! motion.
 
-use crate::device::velocity::VelocityEstimator;
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
+use crate::{device::velocity::VelocityEstimator, model::Model};
 
 /// The control period and one over it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,11 +8,9 @@
 //! Limits: lags a ramp by T_c/2 + T_c/(e^(ω·T_c) − 1), about 1/ω. A non-finite reading stays in the filter until
 //! `start`.
 
-use crate::device::velocity::VelocityEstimator;
-use crate::device::velocity::difference::Difference;
-use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
+use crate::{device::velocity::VelocityEstimator, device::velocity::difference::Difference, model::Model};
 
 /// The difference, and the share of it that a tick takes over.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,10 +15,10 @@
 pub mod adaptive;
 pub mod difference;
 pub mod filtered;
-pub mod measured;
 
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
+use crate::settings::{Refused, Settings};
 
 pub use crate::names::VelocityName;
 
@@ -30,10 +30,29 @@ pub trait VelocityEstimator<S: Scalar>: Model<S> {
     fn step(&self, state: &mut Self::State, reading: Motion<S>) -> S;
 }
 
+/// The velocity that comes with the reading, m/s or rad/s, passed on unchanged, NaN included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measured;
+
+impl<S: Scalar> Model<S> for Measured {
+    type State = ();
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
+    }
+}
+
+impl<S: Scalar> VelocityEstimator<S> for Measured {
+    fn start(&self, (): &mut (), _: Motion<S>) {}
+    #[inline]
+    fn step(&self, (): &mut (), reading: Motion<S>) -> S {
+        reading.velocity
+    }
+}
+
 list! {
     /// Any one of the velocity estimators, with its state.
     AnyVelocity, named by VelocityName in axis.velocity {
-        Measured(measured::Measured),
+        Measured(Measured),
         Difference(difference::Difference<S>),
         Filtered(filtered::Filtered<S>),
         Adaptive(adaptive::Adaptive<S>),

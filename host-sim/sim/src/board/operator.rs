@@ -47,7 +47,7 @@ impl Session {
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) {
         let taken = self.link.receive(now_us, datagram);
         while let Some(notice) = self.link.take_notice() {
-            if matches!(notice, Notice::NewPeer { .. }) && !self.lines.is_saying() {
+            if matches!(notice, Notice::NewPeer(_)) && !self.lines.is_saying() {
                 self.lines.forget();
             }
         }

@@ -16,7 +16,7 @@
 
 use haptic_core::model::Model as _;
 use haptic_core::num::Motion;
-use haptic_core::object::semi_implicit::SemiImplicit;
+use haptic_core::object::euler::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;
 use haptic_protocol::world::Shape;

@@ -3,9 +3,8 @@
 use core::f64::consts::TAU;
 
 use haptic_core::num::Motion;
+use haptic_core::object::euler::{ForwardEuler, SemiImplicit};
 use haptic_core::object::exact::Exact;
-use haptic_core::object::forward_euler::ForwardEuler;
-use haptic_core::object::semi_implicit::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::settings::Settings;
 
