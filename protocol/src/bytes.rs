@@ -14,30 +14,25 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Opens `bytes` as a `message` that is `wanted` bytes long.
     pub(crate) fn exact(bytes: &'a [u8], message: &'static str, wanted: usize) -> Result<Self, Error> {
         let reader = Self { rest: bytes, message, wanted, got: bytes.len() };
         if bytes.len() == wanted { Ok(reader) } else { Err(reader.length()) }
     }
 
-    /// The length is not the layout's.
     pub(crate) fn length(&self) -> Error {
         Error::Length { message: self.message, wanted: self.wanted, got: self.got }
     }
 
-    /// Bytes taken so far.
     #[inline]
     pub(crate) fn at(&self) -> usize {
         self.got.saturating_sub(self.rest.len())
     }
 
-    /// The next field.
     #[inline]
     pub(crate) fn get<T: Field>(&mut self) -> Result<T, Error> {
         T::read(self)
     }
 
-    /// The next `N` bytes as they are.
     #[inline]
     pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
         let (field, rest) = self.rest.split_first_chunk().ok_or(self.length())?;
@@ -45,7 +40,6 @@ impl<'a> Reader<'a> {
         Ok(*field)
     }
 
-    /// The next `count` bytes as they are.
     #[inline]
     pub(crate) fn slice(&mut self, count: usize) -> Result<&'a [u8], Error> {
         let (field, rest) = self.rest.split_at_checked(count).ok_or(self.length())?;
@@ -60,24 +54,21 @@ impl<'a> Reader<'a> {
         if gap.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(self.reserved()) }
     }
 
-    /// The version byte.
     pub(crate) fn version(&mut self, wanted: u8) -> Result<(), Error> {
         let version = self.get()?;
-        if version == wanted { Ok(()) } else { Err(Error::UnknownVersion { version }) }
+        if version == wanted { Ok(()) } else { Err(Error::UnknownVersion(version)) }
     }
 
     /// The kind byte, which the caller has looked at already.
     pub(crate) fn kind(&mut self, wanted: u8) -> Result<(), Error> {
         let kind = self.get()?;
-        if kind == wanted { Ok(()) } else { Err(Error::UnknownKind { kind }) }
+        if kind == wanted { Ok(()) } else { Err(Error::UnknownKind(kind)) }
     }
 
-    /// A bit or byte that must be 0 is not.
     pub(crate) fn reserved(&self) -> Error {
-        Error::Reserved { message: self.message }
+        Error::Reserved(self.message)
     }
 
-    /// `field` has a value without a meaning.
     pub(crate) fn out_of_range(&self, field: &'static str) -> Error {
         Error::OutOfRange { message: self.message, field }
     }
@@ -93,25 +84,21 @@ pub(crate) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Starts a `message` at the front of `out`.
     pub(crate) fn new(out: &'a mut [u8], message: &'static str) -> Self {
         let room = out.len();
         Self { rest: out, written: 0, room, finite: true, message }
     }
 
-    /// Bytes written so far.
     #[inline]
     pub(crate) fn at(&self) -> usize {
         self.written
     }
 
-    /// The next field.
     #[inline]
     pub(crate) fn put(&mut self, field: &impl Field) {
         field.write(self);
     }
 
-    /// The next bytes as they are.
     #[inline]
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         self.written = self.written.saturating_add(bytes.len());
@@ -122,7 +109,6 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Fills up to offset `at` with 0.
     #[inline]
     pub(crate) fn zeros_to(&mut self, at: usize) {
         while let Some(gap) = at.checked_sub(self.written).filter(|gap| *gap > 0) {
@@ -130,10 +116,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The length written, or what was wrong.
     pub(crate) fn end(self) -> Result<usize, Error> {
         if !self.finite {
-            Err(Error::NotFinite { message: self.message })
+            Err(Error::NotFinite(self.message))
         } else if self.written <= self.room {
             Ok(self.written)
         } else {
@@ -153,17 +138,13 @@ pub(crate) fn emit(field: &impl Field, message: &'static str, out: &mut [u8]) ->
 pub(crate) trait Field: Sized {
     /// Bytes.
     const LEN: usize;
-    /// Takes one off the front.
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
-    /// Puts it next.
     fn write(&self, writer: &mut Writer<'_>);
 
-    /// Takes several off the front.
     fn read_all(reader: &mut Reader<'_>, all: &mut [Self]) -> Result<(), Error> {
         all.iter_mut().try_for_each(|one| reader.get().map(|read| *one = read))
     }
 
-    /// Puts several next.
     fn write_all(all: &[Self], writer: &mut Writer<'_>) {
         all.iter().for_each(|one| one.write(writer));
     }
@@ -203,7 +184,7 @@ macro_rules! numbers {
             fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
                 let fits: fn(Self) -> bool = $fits;
                 let number = Self::from_le_bytes(reader.array()?);
-                if fits(number) { Ok(number) } else { Err(Error::NotFinite { message: reader.message }) }
+                if fits(number) { Ok(number) } else { Err(Error::NotFinite(reader.message)) }
             }
 
             #[inline]
@@ -245,11 +226,8 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
 pub(crate) trait Flag: Sized {
     /// Bytes that follow where it is set.
     const TAIL: usize;
-    /// Whether it is.
     fn is_set(&self) -> bool;
-    /// Takes what follows.
     fn read(set: bool, reader: &mut Reader<'_>) -> Result<Self, Error>;
-    /// Puts what follows.
     fn write(&self, writer: &mut Writer<'_>);
 }
 
@@ -289,15 +267,15 @@ pub(crate) fn byte_of(flags: &[bool]) -> u8 {
     flags.iter().rev().fold(0, |byte, flag| byte << 1 | u8::from(*flag))
 }
 
-/// A struct of fixed layout: each field with its offset and, where not every value has a meaning, which ones do. What no field
-/// takes is 0. A `message` is one by itself, and has `parse` and `emit`; a `struct` is a field of others.
+/// A struct of fixed layout: each field with its offset, its meaning and, where not every value has one, which ones do. What no
+/// field takes is 0. A `message` is one by itself, and has `parse` and `emit`; a `struct` is a field of others.
 ///
 /// ```text
 /// layout! {
 ///     pub message Flow("flow", 36 bytes, kind 1) {
-///         flags at 1 { engaged, fading }
-///         4 => tick: u32,
-///         8 => position: f32 where |position| *position > 0.0,
+///         flags at 1 { engaged, "What it says."; }
+///         4 => tick: u32, "What it says.";
+///         8 => position: f32 where |position| *position > 0.0, "What it says.";
 ///     }
 /// }
 /// ```
@@ -323,14 +301,15 @@ macro_rules! layout {
     (
         $(#[$meta:meta])*
         pub struct $Name:ident($len:literal bytes $(, $first:ident $value:expr)*) {
-            $(flags at $at:literal { $($(#[$flag_meta:meta])* $flag:ident,)+ })?
-            $($(#[$field_meta:meta])* $offset:literal => $field:ident: $ty:ty $(where $allowed:expr)?,)*
+            $(flags at $at:literal { $($flag:ident, $flag_doc:literal;)+ })?
+            $($offset:literal => $field:ident: $ty:ty $(where $allowed:expr)?, $doc:literal;)*
         }
     ) => {
         $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct $Name {
-            $($($(#[$flag_meta])* pub $flag: bool,)+)?
-            $($(#[$field_meta])* pub $field: $ty,)*
+            $($(#[doc = $flag_doc] pub $flag: bool,)+)?
+            $(#[doc = $doc] pub $field: $ty,)*
         }
 
         impl $Name {
@@ -396,12 +375,22 @@ macro_rules! layout {
     (@first version $value:expr) => {};
 }
 
-/// A name for each of some bytes; the others have no meaning.
+/// A name for each of some bytes, the first one by default; the others have no meaning.
 macro_rules! byte_enum {
-    ($(#[$meta:meta])* pub enum $Name:ident($field:literal) { $($(#[$each:meta])* $Variant:ident = $value:literal,)+ }) => {
+    (
+        $(#[$meta:meta])*
+        pub enum $Name:ident($field:literal) {
+            $first_value:literal => $First:ident, $first_doc:literal;
+            $($value:literal => $Variant:ident, $doc:literal;)+
+        }
+    ) => {
         $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[repr(u8)]
-        pub enum $Name { $($(#[$each])* $Variant = $value,)+ }
+        pub enum $Name {
+            #[doc = $first_doc] #[default] $First = $first_value,
+            $(#[doc = $doc] $Variant = $value,)+
+        }
 
         impl $crate::bytes::Field for $Name {
             const LEN: usize = 1;
@@ -409,6 +398,7 @@ macro_rules! byte_enum {
             #[inline]
             fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
                 match reader.get::<u8>()? {
+                    $first_value => Ok(Self::$First),
                     $($value => Ok(Self::$Variant),)+
                     _ => Err(reader.out_of_range($field)),
                 }
@@ -441,42 +431,45 @@ macro_rules! newtype {
     };
 }
 
-/// What a role says, as payloads of events: kind and length of each message, and its fields with their offsets. What no field
-/// takes is 0. `about 1` has the number of the object at offset 2 and is carried by events, `about 0` has none. Flags stand in byte 1; what an `Option` holds
-/// follows at the end.
+/// What a role says, as payloads of events: kind and length of each message, and its fields with their offsets and meanings. What
+/// no field takes is 0. `about 1` has the number of the object at offset 2, `about 0` has none. Flags stand in byte 1; what an
+/// `Option` holds follows at the end. Of what is `flow` the newest counts; the rest is to arrive.
 macro_rules! messages {
     (
         $(#[$meta:meta])*
-        pub enum $Name:ident($message:literal, $code:expr, about $objects:literal) {
+        pub enum $Name:ident($message:literal, code $code:literal, about $objects:literal $(, flow $($Flow:ident)+)?) {
             $(
-                $(#[$each:meta])*
-                $Variant:ident = $kind:literal, $len:literal bytes $({
-                    $($(#[$field_meta:meta])* $offset:literal => $field:ident: $ty:ty,)*
-                } $(, flags { $($(#[$flag_meta:meta])* $flag:ident: $flag_ty:ty,)+ })?)?
+                $(#[$each:meta])+
+                $Variant:ident = $kind:literal, $len:literal bytes $(:
+                    $($offset:literal => $field:ident: $ty:ty, $doc:literal;)+
+                    $(flags $($flag:ident: $flag_ty:ty, $flag_doc:literal;)+)?
+                )?
             )+
         }
     ) => {
         $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum $Name {
-            $($(#[$each])* $Variant $({
-                $($(#[$field_meta])* $field: $ty,)*
-                $($($(#[$flag_meta])* $flag: $flag_ty,)+)?
+            $($(#[$each])+ $Variant $({
+                $(#[doc = $doc] $field: $ty,)+
+                $($(#[doc = $flag_doc] $flag: $flag_ty,)+)?
             })?,)+
         }
 
         $($(const _: () = {
             let mut _end = if $objects == 0 { 1 } else { 4 };
-            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as $crate::bytes::Field>::LEN };)*
+            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as $crate::bytes::Field>::LEN };)+
             assert!(_end <= $len, "a field is beyond the end");
         };)?)+
 
-        impl $Name {
-            /// The message about `object` as an event.
-            pub fn event(&self, object: u16) -> Result<$crate::wire::Event, $crate::error::Error> {
+        impl $crate::roles::Carried for $Name {
+            const CODE: u16 = $code;
+
+            fn event(&self, object: u16) -> Result<$crate::wire::Event, $crate::error::Error> {
                 let mut bytes = [0; $crate::wire::Event::MAX_PAYLOAD];
                 let mut writer = $crate::bytes::Writer::new(&mut bytes, $message);
                 match self {
-                    $(Self::$Variant $({ $($field,)* $($($flag,)+)? })? => {
+                    $(Self::$Variant $({ $($field,)+ $($($flag,)+)? })? => {
                         writer.bytes(&[$kind]);
                         $($(writer.put(&$crate::bytes::byte_of(&[$($crate::bytes::Flag::is_set($flag)),+]));)?)?
                         if $objects != 0 {
@@ -486,7 +479,7 @@ macro_rules! messages {
                         $($(
                             writer.zeros_to($offset);
                             writer.put($field);
-                        )*)?
+                        )+)?
                         writer.zeros_to($len);
                         $($($($crate::bytes::Flag::write($flag, &mut writer);)+)?)?
                     })+
@@ -495,8 +488,7 @@ macro_rules! messages {
                 $crate::wire::Event::new($code, bytes.get(..len).unwrap_or(&[]))
             }
 
-            /// The object and the message that an event holds.
-            pub fn parse(event: &$crate::wire::Event) -> Result<(u16, Self), $crate::error::Error> {
+            fn parse(event: &$crate::wire::Event) -> Result<(u16, Self), $crate::error::Error> {
                 let bytes = event.payload();
                 if event.code != $code {
                     return Err($crate::error::Error::OutOfRange { message: $message, field: "code" });
@@ -513,7 +505,7 @@ macro_rules! messages {
                                 _bits >>= 1;
                             )+
                             if _bits != 0 {
-                                return Err($crate::error::Error::Reserved { message: $message });
+                                return Err($crate::error::Error::Reserved($message));
                             }
                         )?)?
                         let mut reader = $crate::bytes::Reader::exact(bytes, $message, _len)?;
@@ -528,13 +520,17 @@ macro_rules! messages {
                         $($(
                             reader.zeros_to($offset)?;
                             let $field: $ty = reader.get()?;
-                        )*)?
+                        )+)?
                         reader.zeros_to($len)?;
                         $($($(let $flag = <$flag_ty as $crate::bytes::Flag>::read($flag, &mut reader)?;)+)?)?
-                        Ok((object, Self::$Variant $({ $($field,)* $($($flag,)+)? })?))
+                        Ok((object, Self::$Variant $({ $($field,)+ $($($flag,)+)? })?))
                     })+
-                    kind => Err($crate::error::Error::UnknownKind { kind }),
+                    kind => Err($crate::error::Error::UnknownKind(kind)),
                 }
+            }
+
+            fn is_flow(&self) -> bool {
+                false $(|| matches!(self, $(Self::$Flow { .. })|+))?
             }
         }
     };

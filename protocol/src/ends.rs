@@ -3,7 +3,7 @@
 //! Numbers are not secret and prove nothing; they give every direction its own keys, and they tell a person which wire
 //! was crossed.
 
-use crate::wire::PeerId;
+use crate::{error::Refusal, wire::PeerId};
 
 /// The two ends of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,29 +14,15 @@ pub struct Ends {
     pub remote: PeerId,
 }
 
-/// Why a datagram is none of this link's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// It comes from this peer's own number: reflected, or two peers were given the same one.
-    #[error("a datagram from this peer's own number: reflected, or two peers have the same number")]
-    OwnNumber,
-    /// It comes from a peer that this link does not lead to.
-    #[error("a datagram from a peer that this link does not lead to")]
-    Stranger,
-    /// It is for another peer.
-    #[error("a datagram for another peer")]
-    NotForUs,
-}
-
 impl Ends {
     /// Whether a datagram from `from` for `to` goes from the other end to this one.
-    pub fn check(self, from: PeerId, to: PeerId) -> Result<(), Error> {
+    pub(crate) fn check(self, from: PeerId, to: PeerId) -> Result<(), Refusal> {
         if from == self.local {
-            Err(Error::OwnNumber)
+            Err(Refusal::OwnNumber)
         } else if from != self.remote {
-            Err(Error::Stranger)
+            Err(Refusal::Stranger)
         } else if to != self.local {
-            Err(Error::NotForUs)
+            Err(Refusal::NotForUs)
         } else {
             Ok(())
         }

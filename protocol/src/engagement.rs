@@ -15,7 +15,6 @@
 //! so it has no jumps but the one to 0 when a session ends. **Unit**: µs in, a factor from 0 to 1 out. Exact: counted in
 //! whole 1/36 of a µs, the least that both 1/12 and 1/9 divide. Time that goes backwards counts as standing still.
 
-/// Where on the ladder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Rung {
     /// No flow, or none for long.
@@ -39,7 +38,6 @@ const RISE_STEP: u64 = (LEVELS / RISE) as u64;
 const FADE_STEP: u64 = (LEVELS / (APART_AFTER - FADE_AFTER)) as u64;
 const _: () = assert!(LEVELS.is_multiple_of(RISE) && LEVELS.is_multiple_of(APART_AFTER - FADE_AFTER));
 
-/// The ladder and the level.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Engagement {
     period_us: u64,
@@ -70,7 +68,6 @@ impl Engagement {
         self.heard_us = Some(now);
     }
 
-    /// Lets time pass.
     pub(crate) fn update(&mut self, now: u64) {
         let Some(heard) = self.heard_us else { return };
         let fade = heard.saturating_add(self.periods(FADE_AFTER));

@@ -2,8 +2,10 @@
 //!
 //! Every peer has one current **challenge**. A greeting carries its sender's challenge and echoes the receiver's. An echo
 //! of the current challenge under a right tag proves that the sender holds the key and is there now, because nobody could
-//! have known the challenge before; only that makes a session. Both ends follow the same three rules ([`Standing`]), so
-//! hellos that cross need no arbiter:
+//! have known the challenge before; only that makes a session. Both ends follow the same three rules, the first
+//! that applies, so hellos that cross need no arbiter: a greeting whose two challenges are those of the session at hand is nothing
+//! new; one that echoes the current challenge makes a session; any other may be old, so that a hello is answered with the current
+//! challenge, a welcome is dropped, and neither is remembered.
 //!
 //! ```text
 //!     A                                    B
@@ -20,49 +22,9 @@
 //! **Limit**: old hellos make a peer answer, byte for byte as long. A peer whose randomness repeats itself at every start
 //! gets fresh keys all the same from a peer that has heard it before; two such peers do not.
 
-use crate::ends::{self, Ends};
-use crate::key::Key;
-use crate::parameters::Parameters;
 use crate::session::{Offer, Session};
 use crate::wire::{self, Challenge, Greeting, GreetingKind};
-
-/// Why a greeting is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// It does not go from the other end to this one.
-    #[error(transparent)]
-    Ends(ends::Error),
-    /// It is about another client of the same server.
-    #[error("a greeting on another line: it is about another client of the same server")]
-    OtherLine,
-    /// The tag is wrong: altered on the way, or made by someone without the key.
-    #[error("the tag of a greeting is wrong: altered, or another shared key")]
-    Forged,
-    /// It answers a challenge that this peer no longer has.
-    #[error("a greeting that answers a challenge of the past")]
-    Stale,
-    /// The other peer was told something else in this table of parameters.
-    #[error("the other peer has other parameters: {0}")]
-    Parameters(
-        /// The first table that differs.
-        &'static str,
-    ),
-    /// The bytes are not a greeting.
-    #[error(transparent)]
-    Wire(wire::Error),
-}
-
-/// How an authentic greeting stands to what this peer knows: the first that applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Standing {
-    /// Its two challenges are those of the session at hand: nothing new, nothing to say.
-    Known,
-    /// It echoes the current challenge: its sender is there now, and has the session that follows from it.
-    Fresh,
-    /// Its sender may be new, or the greeting may be old. A hello is answered with the current challenge, a welcome is
-    /// dropped; neither is remembered.
-    Unproven,
-}
+use crate::{ends::Ends, error::Refusal, key::Key, parameters::Parameters};
 
 /// What a peer needs to greet and to judge greetings.
 #[derive(Debug)]
@@ -99,12 +61,10 @@ impl Handshake {
         handshake
     }
 
-    /// Greets on this line of a server instead of line 0.
     pub(crate) fn set_line(&mut self, line: u32) {
         self.line = line;
     }
 
-    /// Draws a new current challenge.
     pub(crate) fn renew(&mut self) {
         self.drawn = self.drawn.wrapping_add(1);
         self.offer.challenge = self.entropy.derive("challenge").with(&self.drawn.to_le_bytes()).first();
@@ -124,30 +84,24 @@ impl Handshake {
     }
 
     /// Reads a greeting if it is for this peer, from the other end and authentic.
-    pub(crate) fn open(&self, datagram: &[u8]) -> Result<Greeting, Error> {
-        let (greeting, body, tag) = Greeting::parse(datagram).map_err(Error::Wire)?;
-        self.ends.check(greeting.from, greeting.to).map_err(Error::Ends)?;
+    pub(crate) fn open(&self, datagram: &[u8]) -> Result<Greeting, Refusal> {
+        let (greeting, body, tag) = Greeting::parse(datagram)?;
+        self.ends.check(greeting.from, greeting.to)?;
         if greeting.line != self.line {
-            return Err(Error::OtherLine);
+            return Err(Refusal::OtherLine);
         }
-        if self.inward.verifies(body, tag) { Ok(greeting) } else { Err(Error::Forged) }
+        if self.inward.verifies(body, tag) { Ok(greeting) } else { Err(Refusal::ForgedGreeting) }
     }
 
-    /// How an authentic greeting stands to the session at hand and to the current challenge.
-    pub(crate) fn judge(&self, greeting: &Greeting, session: Option<&Session>) -> Standing {
-        if session.is_some_and(|session| session.is_named_by(greeting)) {
-            Standing::Known
-        } else if greeting.echo == self.offer.challenge {
-            Standing::Fresh
-        } else {
-            Standing::Unproven
-        }
+    /// Whether an authentic greeting echoes the current challenge.
+    pub(crate) fn is_fresh(&self, greeting: &Greeting) -> bool {
+        greeting.echo == self.offer.challenge
     }
 
     /// The session that a fresh greeting leads to, unless the two peers were told different things.
-    pub(crate) fn accept(&self, greeting: &Greeting) -> Result<Session, Error> {
+    pub(crate) fn accept(&self, greeting: &Greeting) -> Result<Session, Refusal> {
         if let Some(table) = self.parameters.difference(greeting.count, &greeting.tables) {
-            return Err(Error::Parameters(table));
+            return Err(Refusal::Parameters(table));
         }
         let remote = Offer { challenge: greeting.challenge, incarnation: greeting.incarnation };
         Ok(Session::new(&self.shared, self.ends, self.offer, remote, &self.parameters.hashes()))

@@ -8,10 +8,9 @@
 
 use core::fmt;
 
-use blake2::digest::array::Array;
-use blake2::digest::consts::U16;
 use blake2::digest::{FixedOutput, KeyInit, Mac, Update};
 use blake2::{Blake2sMac, Blake2sMac256};
+use blake2::{digest::array::Array, digest::consts::U16};
 
 /// Bytes of the authentication tag that ends every datagram.
 pub const TAG_LEN: usize = 16;
@@ -61,7 +60,6 @@ impl Key {
         &self.0
     }
 
-    /// Whether nobody has set it.
     pub(crate) fn is_zero(&self) -> bool {
         self.0 == [0; Self::LEN]
     }
@@ -77,7 +75,6 @@ impl Key {
         Derivation(mac)
     }
 
-    /// The tag of `bytes` under this key.
     pub(crate) fn tag(&self, bytes: &[u8]) -> [u8; TAG_LEN] {
         Blake2sMac::<U16>::new(&Array(self.0)).chain_update(bytes).finalize_fixed().0
     }
@@ -99,13 +96,11 @@ impl fmt::Debug for Key {
 pub(crate) struct Derivation(Blake2sMac256);
 
 impl Derivation {
-    /// Takes in more data.
     pub(crate) fn with(mut self, data: &[u8]) -> Self {
         Update::update(&mut self.0, data);
         self
     }
 
-    /// The key that all the data gives.
     pub(crate) fn end(self) -> Key {
         Key(self.0.finalize_fixed().0)
     }
@@ -114,25 +109,5 @@ impl Derivation {
     pub(crate) fn first<const N: usize>(self) -> [u8; N] {
         let Key(bytes) = self.end();
         bytes.first_chunk().copied().unwrap_or([0; N])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_image_leads_back_to_its_key_and_to_no_other() {
-        let key = Key::new(core::array::from_fn(|at| at as u8));
-        let image = key.image();
-        assert_eq!(image[..16], *b"haptkey1\0\0\0\0\0\0\0\0");
-        assert_eq!(Key::from_image(&image), Some(key));
-        for at in 0..Key::IMAGE {
-            let mut broken = image;
-            broken[at] ^= 0x40;
-            assert_eq!(Key::from_image(&broken), None, "byte {at}");
-        }
-        assert_eq!(Key::from_image(&[0xFF; 64]), None);
-        assert_eq!(Key::from_image(&Key::new([0; 32]).image()), None);
     }
 }

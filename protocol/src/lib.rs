@@ -80,28 +80,11 @@
 //! assert_eq!(seen.map(|flow| (flow.tick, flow.position)), Some((392, 0.01)));
 //! assert_eq!(two.take_event().map(|event| event.payload().to_vec()), Some(b"take it".to_vec()));
 //! assert_eq!(two.take_event(), None);
-//! assert_eq!(one.take_notice(), Some(Notice::NewPeer { dropped: 0 }));
+//! assert_eq!(one.take_notice(), Some(Notice::NewPeer(0)));
 //! ```
 //!
-//! In an Embassy task the same calls stand around a `select` of socket and ticker. Poll a `send_to` once and drop it when it is
-//! not ready: flow that has to wait is flow that is late.
-//!
-//! ```text
-//! loop {
-//!     match select(socket.recv_from(&mut came), packet_period.next()).await {
-//!         First(Ok((len, _))) => match link.receive(now(), &mut came[..len]) {
-//!             Ok(Some(Message::Flow(flow))) => EXCHANGE.incoming.put(flow),
-//!             _ => {}
-//!         },
-//!         First(Err(_)) => {}
-//!         Second(()) => {
-//!             EXCHANGE.engagement.put(link.engagement());
-//!             if let Some(len) = link.send(now(), EXCHANGE.outgoing.get(), &mut out) { send(&out[..len]) }
-//!         }
-//!     }
-//!     while let Some(len) = link.poll(now(), &mut out) { send(&out[..len]) }
-//! }
-//! ```
+//! In an Embassy task the same calls stand around a `select` of socket and ticker: `firmware/src/flow.rs`. Poll a `send_to` once and
+//! drop it when it is not ready: flow that has to wait is flow that is late.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -8,8 +8,7 @@
 
 use heapless::{String, Vec};
 
-use crate::link::Link;
-use crate::wire::Event;
+use crate::{link::Link, wire::Event};
 
 /// Longest line, bytes.
 pub const LONGEST: usize = 384;

@@ -15,30 +15,19 @@
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
-use crate::clock::Clock;
-use crate::ends::Ends;
 use crate::engagement::{APART_AFTER, Engagement};
-use crate::handshake::Handshake;
-use crate::key::Key;
-use crate::notices::Notices;
-use crate::parameters::Parameters;
 use crate::reliable::{Receiver, Sender};
-use crate::seal::Counter;
-use crate::session::Session;
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
+use crate::{
+    clock::Clock, ends::Ends, handshake::Handshake, key::Key, notices::Notices, parameters::Parameters, seal::Counter,
+    session::Session,
+};
 
-mod error;
 mod incoming;
 mod progress;
-mod stage;
 
-pub use error::{ConfigError, Error};
-pub use stage::{Notice, Stage};
-
-pub use crate::handshake::Error as HandshakeError;
+pub use crate::error::Refusal as Error;
 pub use crate::reliable::{Full, WINDOW as EVENTS};
-pub use crate::seal::Error as SealError;
-pub use crate::session::Error as SessionError;
 
 /// Packet periods between hellos.
 const HELLO_EVERY: u32 = 2;
@@ -62,6 +51,73 @@ pub struct Config {
     pub parameters: Parameters,
     /// 32 random bytes, never the same at two starts of this peer: from a true random number generator.
     pub entropy: [u8; Key::LEN],
+}
+
+/// Why a link cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ConfigError {
+    /// Both ends were given the same number.
+    #[error("both ends of a link have the number {0}: give one another")]
+    SameNumber(u8),
+    /// The shared key is all zeros: nobody has set it.
+    #[error("the shared key is all zeros: make one and give it to both peers")]
+    ZeroKey,
+    /// The entropy is all zeros: the random number generator was not asked, or failed.
+    #[error("the entropy is all zeros: the random number generator failed")]
+    ZeroEntropy,
+    /// The packet period, µs, is out of range.
+    #[error("packet period = {us} µs is not allowed: it must be from {} to {} µs", Self::SHORTEST_US, Self::LONGEST_US)]
+    PacketPeriod {
+        /// What was asked for, µs.
+        us: u32,
+    },
+}
+
+impl ConfigError {
+    /// The shortest packet period, µs.
+    pub const SHORTEST_US: u32 = 100;
+    /// The longest packet period, µs.
+    pub const LONGEST_US: u32 = 10_000_000;
+}
+
+/// How far two peers have come with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Stage {
+    /// No session: saying hello.
+    Calling = 0,
+    /// The other peer has proved itself; keys are there, nothing has been heard under them yet.
+    Joining = 1,
+    /// Heard, but no flow comes: the other peer is there and does not coordinate.
+    Idle = 2,
+    /// Flow comes.
+    Running = 3,
+    /// Flow stays away; the coordination lets go.
+    Fading = 4,
+    /// The other peer was told other parameters; still saying hello, in case it is told better.
+    Refused = 5,
+}
+
+/// Something that has happened to a link; [`Link::take_notice`] tells each once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// A session is confirmed: there are fresh keys at both ends.
+    Joined,
+    /// The other peer has started anew since the last session, or is here for the first time. So many events that were under
+    /// way are dropped.
+    NewPeer(u8),
+    /// Flow comes: begin the coordination from rest, [`Link::engagement`] rises from 0.
+    Engaged,
+    /// No flow for 3 packet periods: the engagement falls.
+    Fading,
+    /// Flow again before the engagement was lost: it rises from where it was.
+    Resumed,
+    /// The engagement is 0: no flow for 12 packet periods, or the session has ended.
+    Disengaged,
+    /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
+    Lost,
+    /// The other peer was told something else: the first table of parameters that differs.
+    Refused(&'static str),
 }
 
 /// What a link has counted since it was made.
@@ -114,7 +170,7 @@ impl Link {
         let Config { key, ends, packet_period_us, parameters, entropy } = config;
         let entropy = Key::new(entropy);
         if ends.local == ends.remote {
-            return Err(ConfigError::SameNumber { number: ends.local.0 });
+            return Err(ConfigError::SameNumber(ends.local.0));
         }
         if key.is_zero() {
             return Err(ConfigError::ZeroKey);

@@ -2,7 +2,6 @@
 
 use heapless::Deque;
 
-/// Up to `N` that wait.
 #[derive(Clone, Debug)]
 pub(crate) struct Notices<T, const N: usize>(Deque<T, N>);
 
@@ -22,12 +21,10 @@ impl<T, const N: usize> Notices<T, N> {
         let _ = self.0.push_back(notice);
     }
 
-    /// The oldest, once.
     pub(crate) fn take(&mut self) -> Option<T> {
         self.0.pop_front()
     }
 
-    /// All that wait, oldest first.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         self.0.iter()
     }

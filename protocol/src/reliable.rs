@@ -21,17 +21,14 @@ const LONGEST_WAIT_US: u64 = 1_000_000;
 #[error("{WINDOW} events are under way already: wait until some have arrived")]
 pub struct Full;
 
-/// An event on its way.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     event: Event,
     /// Not before this time, µs.
     due_us: u64,
-    /// Times sent.
     sent: u32,
 }
 
-/// The sending end.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sender {
     next: u32,
@@ -39,7 +36,6 @@ pub(crate) struct Sender {
 }
 
 impl Sender {
-    /// Takes an event in charge and numbers it.
     pub(crate) fn push(&mut self, event: Event) -> Result<u32, Full> {
         let number = self.next;
         // Never further ahead of the oldest than the other end can keep.
@@ -87,13 +83,11 @@ impl Sender {
         }
     }
 
-    /// Events not yet acknowledged.
     pub(crate) fn under_way(&self) -> usize {
         self.pending.iter().flatten().count()
     }
 }
 
-/// The receiving end.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Receiver {
     /// The number of the event that is handed out next.
@@ -115,7 +109,6 @@ impl Receiver {
         }
     }
 
-    /// The next event in order, once.
     pub(crate) fn take(&mut self) -> Option<Event> {
         let event = self.slot(self.next)?.take()?;
         self.next = self.next.wrapping_add(1);

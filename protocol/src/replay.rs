@@ -7,6 +7,8 @@
 //! **Invariant**: [`Window::check`] changes nothing, and [`Window::take`] is called only after the tag was found right,
 //! so that nobody without the key can move the window. **Limit**: numbers from [`SEQUENCE_LIMIT`] on are refused.
 
+use crate::error::Refusal;
+
 /// The first sequence number that is never used: far below the wrap, further than a peer can count.
 pub const SEQUENCE_LIMIT: u64 = u64::MAX - (1 << 14) + 1;
 
@@ -18,27 +20,11 @@ pub struct Window {
     bits: [u32; Self::WORDS],
 }
 
-/// Why a sequence number is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// The number has been taken before.
-    #[error("this datagram was taken before")]
-    Replayed,
-    /// The number is older than the window remembers.
-    #[error("this datagram is older than the replay window")]
-    TooOld,
-    /// The number is beyond the last one allowed.
-    #[error("the sequence number is beyond the last one allowed")]
-    Exhausted,
-}
-
 impl Window {
     const WORD_BITS: u64 = u32::BITS as u64;
     const WORDS: usize = 8;
-    /// Bits of the ring.
-    pub const BITS: u64 = Self::WORDS as u64 * Self::WORD_BITS;
     /// How far behind the newest number any number is still told apart.
-    pub const REACH: u64 = Self::BITS - Self::WORD_BITS;
+    pub const REACH: u64 = (Self::WORDS as u64 - 1) * Self::WORD_BITS;
 
     fn place(sequence: u64) -> (usize, u32) {
         let word = sequence / Self::WORD_BITS % Self::WORDS as u64;
@@ -46,25 +32,25 @@ impl Window {
     }
 
     /// Whether `sequence` could be taken; changes nothing.
-    pub fn check(&self, sequence: u64) -> Result<(), Error> {
+    pub fn check(&self, sequence: u64) -> Result<(), Refusal> {
         if sequence >= SEQUENCE_LIMIT {
-            return Err(Error::Exhausted);
+            return Err(Refusal::BeyondLast);
         }
         if sequence >= self.next {
             return Ok(());
         }
         if self.next - sequence > Self::REACH + 1 {
-            return Err(Error::TooOld);
+            return Err(Refusal::TooOld);
         }
         let (word, bit) = Self::place(sequence);
         match self.bits.get(word) {
             Some(bits) if bits & bit == 0 => Ok(()),
-            _ => Err(Error::Replayed),
+            _ => Err(Refusal::Replayed),
         }
     }
 
     /// Takes `sequence`, whose datagram has been found authentic.
-    pub fn take(&mut self, sequence: u64) -> Result<(), Error> {
+    pub fn take(&mut self, sequence: u64) -> Result<(), Refusal> {
         self.check(sequence)?;
         if sequence >= self.next {
             // Words from the one after the newest number's up to this number's hold numbers of an earlier turn.

@@ -7,32 +7,15 @@
 //! **Invariants**: [`Counter`] hands out a number once and lives as long as its peer, across sessions, so that no key
 //! meets a nonce twice; a datagram whose tag is wrong leaves no trace. There is no way to send a message unsealed.
 
-use chacha20poly1305::ChaCha20Poly1305;
-use chacha20poly1305::aead::array::Array;
 use chacha20poly1305::aead::{AeadInOut, KeyInit};
+use chacha20poly1305::{ChaCha20Poly1305, aead::array::Array};
 
-use crate::key::Key;
-use crate::replay::SEQUENCE_LIMIT;
 use crate::wire::{self, Header, Message, PeerId, TAG_LEN};
+use crate::{error::Refusal, key::Key, replay::SEQUENCE_LIMIT};
 
 /// How many sequence numbers share a traffic key, as a power of 2.
 pub(crate) const EPOCH_BITS: u32 = 20;
 
-/// Why a datagram cannot be sealed or opened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// The tag is wrong: altered on the way, from another session, or made by someone without the key.
-    #[error("the tag of a sealed datagram is wrong")]
-    Forged,
-    /// Every sequence number has been used.
-    #[error("every sequence number has been used: restart this peer")]
-    Exhausted,
-    /// The message or the buffer does not have the length it must have.
-    #[error(transparent)]
-    Wire(#[from] wire::Error),
-}
-
-/// The sequence numbers of one sender.
 #[derive(Debug, Default)]
 pub(crate) struct Counter {
     next: u64,
@@ -45,10 +28,9 @@ impl Counter {
         Self { next }
     }
 
-    /// A number that has not been used.
-    pub(crate) fn draw(&mut self) -> Result<u64, Error> {
+    pub(crate) fn draw(&mut self) -> Result<u64, Refusal> {
         if self.next >= SEQUENCE_LIMIT {
-            return Err(Error::Exhausted);
+            return Err(Refusal::Exhausted);
         }
         let drawn = self.next;
         self.next += 1;
@@ -56,7 +38,6 @@ impl Counter {
     }
 }
 
-/// One direction of a session.
 pub(crate) struct Direction {
     base: Key,
     epoch: u64,
@@ -87,7 +68,7 @@ impl Direction {
     /// Writes header, sealed message and tag to the front of `out` and gives their length.
     ///
     /// The header's sequence must be fresh from the sender's one [`Counter`].
-    pub(crate) fn seal(&mut self, header: &Header, message: &Message, out: &mut [u8]) -> Result<usize, Error> {
+    pub(crate) fn seal(&mut self, header: &Header, message: &Message, out: &mut [u8]) -> Result<usize, Refusal> {
         let epoch = header.sequence >> EPOCH_BITS;
         if epoch != self.epoch {
             self.cipher = Self::traffic(&self.base, epoch);
@@ -100,7 +81,7 @@ impl Direction {
         let (body, rest) = rest.split_at_mut_checked(len).ok_or(too_short)?;
         let end = rest.first_chunk_mut::<TAG_LEN>().ok_or(too_short)?;
         let nonce = Array(Self::nonce(header.sequence));
-        let tag = self.cipher.encrypt_inout_detached(&nonce, head, body.into()).map_err(|_| Error::Forged)?;
+        let tag = self.cipher.encrypt_inout_detached(&nonce, head, body.into()).map_err(|_| Refusal::Forged)?;
         *end = tag.0;
         Ok(Header::LEN + len + TAG_LEN)
     }
@@ -111,16 +92,16 @@ impl Direction {
         header: &Header,
         head: &[u8; Header::LEN],
         sealed: &'a mut [u8],
-    ) -> Result<&'a [u8], Error> {
+    ) -> Result<&'a [u8], Refusal> {
         let length = wire::Error::Length { message: "sealed", wanted: TAG_LEN, got: sealed.len() };
         let (body, tag) = sealed.split_last_chunk_mut::<TAG_LEN>().ok_or(length)?;
         let (nonce, tag) = (Array(Self::nonce(header.sequence)), Array(*tag));
         let epoch = header.sequence >> EPOCH_BITS;
         if epoch == self.epoch {
-            self.cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Error::Forged)?;
+            self.cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Refusal::Forged)?;
         } else {
             let cipher = Self::traffic(&self.base, epoch);
-            cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Error::Forged)?;
+            cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Refusal::Forged)?;
             // Only the owner of the key gets here, so only it can move the epoch.
             if epoch > self.epoch {
                 self.cipher = cipher;

@@ -8,30 +8,23 @@
 
 use core::fmt;
 
-use crate::ends::Ends;
-use crate::key::Key;
-use crate::replay::{self, Window};
-use crate::seal::{self, Counter, Direction};
+use crate::seal::{Counter, Direction};
 use crate::wire::{Challenge, Greeting, Header, Message, TABLES, VERSION};
+use crate::{ends::Ends, error::Refusal, key::Key, replay::Window};
 
 /// What one end puts into a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Offer {
-    /// Its challenge.
     pub challenge: Challenge,
-    /// Its incarnation.
     pub incarnation: u64,
 }
 
 /// What both ends of a session were told, as a greeting carries it.
 pub(crate) type Agreed = (u8, [u64; TABLES]);
 
-/// Keys and window of one session.
 pub(crate) struct Session {
     ends: Ends,
-    /// What this end put in.
     pub(crate) local: Offer,
-    /// What the other end put in.
     pub(crate) remote: Offer,
     number: u32,
     outward: Direction,
@@ -45,20 +38,6 @@ impl fmt::Debug for Session {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Session({:08x}, {} taken, {:?})", self.number, self.taken, self.window)
     }
-}
-
-/// Why a sealed datagram is not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Error {
-    /// It belongs to another session: an earlier one, or none that this peer knows.
-    #[error("this datagram belongs to another session")]
-    OtherSession,
-    /// Its sequence number.
-    #[error(transparent)]
-    Replay(replay::Error),
-    /// Its seal.
-    #[error(transparent)]
-    Seal(seal::Error),
 }
 
 impl Session {
@@ -108,12 +87,7 @@ impl Session {
     }
 
     /// Seals `message` into the front of `out` and gives the datagram's length.
-    pub(crate) fn seal(
-        &mut self,
-        counter: &mut Counter,
-        message: &Message,
-        out: &mut [u8],
-    ) -> Result<usize, seal::Error> {
+    pub(crate) fn seal(&mut self, counter: &mut Counter, message: &Message, out: &mut [u8]) -> Result<usize, Refusal> {
         let Ends { local: from, remote: to } = self.ends;
         let header = Header { from, to, session: self.number, sequence: counter.draw()? };
         self.outward.seal(&header, message, out)
@@ -125,13 +99,13 @@ impl Session {
         header: &Header,
         head: &[u8; Header::LEN],
         sealed: &'a mut [u8],
-    ) -> Result<&'a [u8], Error> {
+    ) -> Result<&'a [u8], Refusal> {
         if header.session != self.number {
-            return Err(Error::OtherSession);
+            return Err(Refusal::OtherSession);
         }
-        self.window.check(header.sequence).map_err(Error::Replay)?;
-        let message = self.inward.open(header, head, sealed).map_err(Error::Seal)?;
-        self.window.take(header.sequence).map_err(Error::Replay)?;
+        self.window.check(header.sequence)?;
+        let message = self.inward.open(header, head, sealed)?;
+        self.window.take(header.sequence)?;
         if self.taken == 0 {
             self.first = header.sequence;
         }
@@ -145,7 +119,6 @@ impl Session {
         u32::try_from(self.taken).unwrap_or(u32::MAX)
     }
 
-    /// Sealed datagrams of the other end that have not come, so far.
     pub(crate) fn missing(&self) -> u32 {
         let Some(newest) = self.window.newest() else { return 0 };
         let sent = newest.saturating_sub(self.first).saturating_add(1);
@@ -154,18 +127,5 @@ impl Session {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::wire::PeerId;
-
-    #[test]
-    fn what_is_missing_is_known_after_years() {
-        let ends = Ends { local: PeerId(1), remote: PeerId(2) };
-        let offer = Offer { challenge: [3; 16], incarnation: 4 };
-        let mut session = Session::new(&Key::new([7; Key::LEN]), ends, offer, offer, &(0, [0; TABLES]));
-        // 198 days at 250 a second.
-        session.window.take((1 << 32) + 9).unwrap();
-        session.taken = (1 << 32) + 7;
-        assert_eq!((session.taken(), session.missing()), (u32::MAX, 3));
-    }
-}
+#[path = "../tests/inside/session.rs"]
+mod tests;

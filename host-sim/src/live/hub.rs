@@ -57,7 +57,7 @@ impl LineReport {
             line,
             number: number_on(line),
             address: end.address.map(|address| address.to_string()),
-            lives: end.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count(),
+            lives: end.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count(),
             energy: port.energy,
             copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
             said: end.heard.as_ref().map(Other::new),

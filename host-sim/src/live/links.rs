@@ -118,7 +118,7 @@ impl Links {
         net: &mut Out<'_, SocketAddr, [u8]>,
     ) {
         let mut out = [0; MAX_DATAGRAM];
-        while let Some((to, message)) = roles.take() {
+        while let Some((to, message)) = roles.pop_front() {
             let Some((link, met)) = self.others.iter_mut().find(|(_, met)| met.number == to.0) else { continue };
             if let Ok(message) = message.carry(0)
                 && let Some(len) = link.send(now, message, &mut out)

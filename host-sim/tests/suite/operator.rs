@@ -58,7 +58,7 @@ impl Board {
                     to = Some(from);
                 }
                 while let Some(notice) = link.take_notice() {
-                    if matches!(notice, Notice::NewPeer { .. } | Notice::Lost) {
+                    if matches!(notice, Notice::NewPeer(_) | Notice::Lost) {
                         streams = false;
                         lines.forget();
                     }

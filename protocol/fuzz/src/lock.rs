@@ -120,9 +120,9 @@ impl World {
                         self.base[at] = client.copy().version;
                         self.granted[at] += 1;
                     }
-                    Notice::Published { version } => assert!(self.taken.contains(&version), "{version} was not taken"),
-                    Notice::TooLate { fence } => assert!(!self.taken.contains(&fence), "{fence} was taken"),
-                    Notice::Changed { version } => assert!(self.taken.contains(&version)),
+                    Notice::Published(version) => assert!(self.taken.contains(&version), "{version} was not taken"),
+                    Notice::TooLate(fence) => assert!(!self.taken.contains(&fence), "{fence} was taken"),
+                    Notice::Changed(version) => assert!(self.taken.contains(&version)),
                     Notice::Expired => {}
                 }
             }

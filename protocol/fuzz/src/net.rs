@@ -31,7 +31,7 @@ impl<M: Clone> Net<M> {
 
     /// What somebody has to say sets out.
     pub(super) fn post<const N: usize>(&mut self, from: usize, out: &mut Outbox<M, N>) {
-        while let Some((to, message)) = out.take() {
+        while let Some((to, message)) = out.pop_front() {
             self.send(from, usize::from(to.0), message);
         }
     }

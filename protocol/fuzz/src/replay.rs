@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::replay::{Error, SEQUENCE_LIMIT, Window};
+use haptic_protocol::link::Error;
+use haptic_protocol::replay::{SEQUENCE_LIMIT, Window};
 
 /// One input.
 pub(super) fn run(bytes: &[u8]) {
@@ -17,7 +18,7 @@ pub(super) fn run(bytes: &[u8]) {
             _ => SEQUENCE_LIMIT.wrapping_sub(size),
         };
         let wanted = match newest {
-            _ if at >= SEQUENCE_LIMIT => Err(Error::Exhausted),
+            _ if at >= SEQUENCE_LIMIT => Err(Error::BeyondLast),
             Some(newest) if newest > at && newest - at > Window::REACH => Err(Error::TooOld),
             _ if taken.contains(&at) => Err(Error::Replayed),
             _ => Ok(()),

@@ -106,7 +106,7 @@ impl World {
             while let Some(notice) = ring.take_notice() {
                 match notice {
                     Notice::Granted => self.granted[seat] += 1,
-                    Notice::Published { version } => {
+                    Notice::Published(version) => {
                         let (proposed, value) = self.proposed[seat].take().expect("it was publishing");
                         assert_eq!(proposed, version);
                         assert_eq!(self.published.insert(version, value), None, "version {version} is published twice");

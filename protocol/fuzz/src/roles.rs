@@ -2,7 +2,7 @@
 
 use haptic_protocol::roles::collaborative::{Lease, lock, ring};
 use haptic_protocol::roles::squash::{Ball, Court, Player, PlayerConfig, Racket, ServerConfig};
-use haptic_protocol::roles::{Outbox, Role, code, cooperative, squash};
+use haptic_protocol::roles::{Carried as _, Outbox, Role, cooperative, squash};
 use haptic_protocol::wire::{Event, PeerId};
 
 use super::script::Script;
@@ -51,7 +51,7 @@ fn locks(mut any: Anything) {
     let mut server = lock::Server::<3>::new(lease(), [0; 24]);
     let mut client = lock::Client::new(PeerId(0), lease(), 1, [0; 24]);
     while any.script.goes_on() {
-        let (from, event, act) = any.next(code::LOCK);
+        let (from, event, act) = any.next(lock::Message::CODE);
         if let Ok((object, message)) = lock::Message::parse(&event) {
             assert_eq!(message.event(object), Ok(event));
             server.receive(any.now, from, &message, &mut out);
@@ -66,7 +66,7 @@ fn locks(mut any: Anything) {
         }
         server.poll(any.now, &mut out);
         assert!(server.waiting() <= 3);
-        while out.take().is_some() {}
+        while out.pop_front().is_some() {}
     }
 }
 
@@ -76,7 +76,7 @@ fn rings(mut any: Anything) {
     let mut out = Outbox::<_, QUEUE>::new();
     let mut ring = ring::Ring::new(config, 0, ring::Record::founder(founders, [0; 24]));
     while any.script.goes_on() {
-        let (from, event, act) = any.next(code::RING);
+        let (from, event, act) = any.next(ring::Message::CODE);
         if let Ok((object, message)) = ring::Message::parse(&event) {
             assert_eq!(message.event(object), Ok(event));
             ring.receive(any.now, from, &message, &mut out);
@@ -88,7 +88,7 @@ fn rings(mut any: Anything) {
             3 => ring = ring::Ring::new(config, any.now, *ring.record()),
             _ => ring.poll(any.now, &mut out),
         }
-        while out.take().is_some() {}
+        while out.pop_front().is_some() {}
     }
     ring.leave();
     ring.poll(any.now, &mut out);
@@ -99,7 +99,7 @@ fn engines(mut any: Anything) {
     let mut client = cooperative::Client::new(PeerId(0), lease());
     let (mut body, mut out) = (cooperative::Body::default(), Outbox::<_, QUEUE>::new());
     while any.script.goes_on() {
-        let (from, event, act) = any.next(code::COOPERATIVE);
+        let (from, event, act) = any.next(cooperative::Message::CODE);
         if let Ok((object, message)) = cooperative::Message::parse(&event) {
             assert_eq!(message.event(object), Ok(event));
             server.moves(body);
@@ -116,7 +116,7 @@ fn engines(mut any: Anything) {
         }
         server.poll(any.now, &mut out);
         body = server.take_notice().unwrap_or(body);
-        while out.take().is_some() {}
+        while out.pop_front().is_some() {}
         assert!(body.axes.iter().flatten().all(|number| number.is_finite()), "{body:?}");
         assert!(server.has_engine() == server.lent_to().is_none());
     }
@@ -131,7 +131,7 @@ fn games(mut any: Anything) {
     player.poll(any.now, &mut out);
     player.receive(any.now, PeerId(0), &said, &mut out);
     while any.script.goes_on() {
-        let (from, event, act) = any.next(code::SQUASH);
+        let (from, event, act) = any.next(squash::Message::CODE);
         if let Ok((_, message)) = squash::Message::parse(&event) {
             assert_eq!(message.event(0), Ok(event));
             server.receive(any.now, from, &message, &mut out);
@@ -151,6 +151,6 @@ fn games(mut any: Anything) {
         if let Some(Ball { position: [x, y], .. }) = player.ball(any.now) {
             assert!((0.0..=9.75).contains(&x) && (0.0..=6.4).contains(&y), "{x} {y}");
         }
-        while out.take().is_some() {}
+        while out.pop_front().is_some() {}
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{Error, Link, Notice};
 use crate::clock::Clock;
-use crate::handshake::{self, Standing};
 use crate::reliable::{Receiver, Sender};
 use crate::wire::{Greeting, GreetingKind, Header, Message, Probe};
 
@@ -28,45 +27,39 @@ impl Link {
 
     /// A greeting, by the three rules of [`crate::handshake`].
     fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
-        let greeting = self.handshake.open(datagram).map_err(Error::Handshake)?;
-        match self.handshake.judge(&greeting, self.session.as_ref()) {
-            Standing::Known => Ok(()),
-            Standing::Unproven if greeting.kind == GreetingKind::Hello => {
-                self.answer = Some(greeting.challenge);
-                Ok(())
-            }
-            Standing::Unproven => Err(Error::Handshake(handshake::Error::Stale)),
-            Standing::Fresh => match self.handshake.accept(&greeting) {
-                Ok(session) => {
-                    self.begin(session, now);
-                    Ok(())
-                }
-                Err(error) => {
-                    if let handshake::Error::Parameters(table) = error {
-                        // The other peer has started anew, and differs: the session with what it was is over.
-                        self.refused = Some(table);
-                        self.end();
-                        self.handshake.renew();
-                    }
-                    Err(Error::Handshake(error))
-                }
-            },
+        let greeting = self.handshake.open(datagram)?;
+        if self.session.as_ref().is_some_and(|session| session.is_named_by(&greeting)) {
+            return Ok(());
         }
+        if !self.handshake.is_fresh(&greeting) {
+            if greeting.kind != GreetingKind::Hello {
+                return Err(Error::Stale);
+            }
+            self.answer = Some(greeting.challenge);
+            return Ok(());
+        }
+        let accepted = self.handshake.accept(&greeting).map(|session| self.begin(session, now));
+        if let Err(Error::Parameters(table)) = accepted {
+            // The other peer has started anew, and differs: the session with what it was is over.
+            self.refused = Some(table);
+            self.end();
+            self.handshake.renew();
+        }
+        accepted
     }
 
-    /// A sealed datagram.
     fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
-        let (header, head, sealed) = Header::parse(datagram).map_err(Error::Wire)?;
-        self.ends.check(header.from, header.to).map_err(Error::Ends)?;
+        let (header, head, sealed) = Header::parse(datagram)?;
+        self.ends.check(header.from, header.to)?;
         let session = self.session.as_mut().ok_or(Error::NoSession)?;
         let first = !session.is_confirmed();
-        let message = session.open(&header, head, sealed).map_err(Error::Session)?;
+        let message = session.open(&header, head, sealed)?;
         let incarnation = session.remote.incarnation;
         self.heard_us = now;
         if first {
             self.confirm(now, incarnation);
         }
-        let message = Message::parse(message).map_err(Error::Wire)?;
+        let message = Message::parse(message)?;
         Ok(self.take(now, header.sequence, message))
     }
 
@@ -83,7 +76,7 @@ impl Link {
             self.receiver = Receiver::default();
             self.clock = Clock::default();
             self.peer = Some(incarnation);
-            self.notices.put(Notice::NewPeer { dropped: u8::try_from(dropped).unwrap_or(u8::MAX) });
+            self.notices.put(Notice::NewPeer(u8::try_from(dropped).unwrap_or(u8::MAX)));
         }
         self.sender.hurry();
     }

@@ -1,9 +1,7 @@
 //! Progress: from stage to stage, and a notice of every change.
 
-use super::Link;
-use super::stage::{Notice, Stage};
-use crate::engagement::Rung;
-use crate::session::Session;
+use super::{Link, Notice, Stage};
+use crate::{engagement::Rung, session::Session};
 
 impl Link {
     /// How far the two peers have come with each other, as of the last call.
@@ -57,7 +55,7 @@ impl Link {
         if let (Stage::Refused, Some(table)) = (now, self.refused)
             && before != Stage::Refused
         {
-            self.notices.put(Notice::Refused { table });
+            self.notices.put(Notice::Refused(table));
         }
     }
 

@@ -15,24 +15,12 @@
 
 use heapless::Deque;
 
-use crate::wire::{Error, Event, Message, PeerId};
+use crate::wire::{Error, Event, Message, PeerId, Sample};
 
 pub mod collaborative;
 pub mod cooperative;
 pub mod squash;
 pub mod static_scene;
-
-/// Event codes of the roles: what [`crate::wire::Event::code`] says.
-pub mod code {
-    /// [`super::collaborative::lock`].
-    pub const LOCK: u16 = 0x0101;
-    /// [`super::collaborative::ring`].
-    pub const RING: u16 = 0x0102;
-    /// [`super::squash`].
-    pub const SQUASH: u16 = 0x0103;
-    /// [`super::cooperative`].
-    pub const COOPERATIVE: u16 = 0x0201;
-}
 
 /// What a peer is in a shared environment, as whoever drives it sees it.
 ///
@@ -49,18 +37,16 @@ pub mod code {
 ///
 /// A crash is a new value of the same type; what it must still know comes back in by the role's own record.
 pub trait Role {
-    /// What it understands.
-    type Hears;
-    /// What it says.
-    type Says;
+    /// What it understands and says.
+    type Message;
     /// What it tells its user.
     type Notice;
 
     /// Takes a message of the peer `from`.
-    fn receive(&mut self, now_us: u64, from: PeerId, message: &Self::Hears, out: &mut dyn Out<Self::Says>);
+    fn receive(&mut self, now_us: u64, from: PeerId, message: &Self::Message, out: &mut dyn Out<Self::Message>);
 
     /// Lets time pass.
-    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Self::Says>);
+    fn poll(&mut self, now_us: u64, out: &mut dyn Out<Self::Message>);
 
     /// The oldest notice that has not been told.
     fn take_notice(&mut self) -> Option<Self::Notice> {
@@ -70,31 +56,36 @@ pub trait Role {
 
 /// A message of a role as a link carries it.
 pub trait Carried: Sized {
-    /// The message about `object` as the wire has it; a role that has one object only leaves the number out.
-    ///
-    /// A [`Message::Event`] is for [`crate::link::Link::push_event`]: once and in order. Everything else is sent once.
-    fn carry(&self, object: u16) -> Result<Message, Error>;
+    /// Event code of the role: what [`crate::wire::Event::code`] says.
+    const CODE: u16;
+
+    /// The message about `object` as an event; a role that has one object only leaves the number out.
+    fn event(&self, object: u16) -> Result<Event, Error>;
+
+    /// The object and the message that an event holds.
+    fn parse(event: &Event) -> Result<(u16, Self), Error>;
+
+    /// Whether the newest counts, and none has to arrive.
+    fn is_flow(&self) -> bool;
+
+    /// The message about `object` as the wire has it: an event that is to arrive, for [`crate::link::Link::push_event`], or a
+    /// sample, which is sent once.
+    fn carry(&self, object: u16) -> Result<Message, Error> {
+        let event = self.event(object)?;
+        Ok(if self.is_flow() { Sample::new(event.code, event.payload())?.into() } else { event.into() })
+    }
 
     /// The object and the message, if the wire brought one of this role.
-    fn read(message: &Message) -> Option<(u16, Self)>;
-}
-
-/// All that such a message says is to arrive.
-macro_rules! carried_by_events {
-    ($Message:ident) => {
-        impl $crate::roles::Carried for $Message {
-            fn carry(&self, object: u16) -> Result<$crate::wire::Message, $crate::error::Error> {
-                self.event(object).map($crate::wire::Message::Event)
+    fn read(message: &Message) -> Option<(u16, Self)> {
+        match message {
+            Message::Event(event) => Self::parse(event).ok(),
+            Message::Sample(sample) => {
+                Self::parse(&Event::new(sample.code, sample.payload()).ok()?).ok().filter(|(_, said)| said.is_flow())
             }
-
-            fn read(message: &$crate::wire::Message) -> Option<(u16, Self)> {
-                let $crate::wire::Message::Event(event) = message else { return None };
-                Self::parse(event).ok()
-            }
+            _ => None,
         }
-    };
+    }
 }
-pub(crate) use carried_by_events;
 
 /// Takes what a role says, on its way to a peer: an [`Outbox`], or any closure.
 pub trait Out<M> {
@@ -108,45 +99,11 @@ impl<M, F: FnMut(PeerId, M)> Out<M> for F {
     }
 }
 
-/// What a role wants to say, oldest first, and to whom. Full, it drops what is newest and counts it, as a network might.
-#[derive(Clone, Debug)]
-pub struct Outbox<M, const N: usize> {
-    queue: Deque<(PeerId, M), N>,
-    dropped: u32,
-}
-
-impl<M, const N: usize> Outbox<M, N> {
-    /// Nothing to say.
-    pub const fn new() -> Self {
-        Self { queue: Deque::new(), dropped: 0 }
-    }
-
-    /// The oldest message, once.
-    pub fn take(&mut self) -> Option<(PeerId, M)> {
-        self.queue.pop_front()
-    }
-
-    /// Everything, oldest first, as the events that carry it; what does not fit into one is left out.
-    pub fn events<E>(&mut self, event: impl Fn(&M) -> Result<Event, E>) -> impl Iterator<Item = (PeerId, Event)> {
-        core::iter::from_fn(|| self.take()).filter_map(move |(to, message)| Some((to, event(&message).ok()?)))
-    }
-
-    /// Messages for which there was no room.
-    pub fn dropped(&self) -> u32 {
-        self.dropped
-    }
-}
+/// What a role wants to say, oldest first, and to whom. Full, it drops what is newest, as a network might.
+pub type Outbox<M, const N: usize> = Deque<(PeerId, M), N>;
 
 impl<M, const N: usize> Out<M> for Outbox<M, N> {
     fn send(&mut self, to: PeerId, message: M) {
-        if self.queue.push_back((to, message)).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
-        }
-    }
-}
-
-impl<M, const N: usize> Default for Outbox<M, N> {
-    fn default() -> Self {
-        Self::new()
+        let _ = self.push_back((to, message));
     }
 }

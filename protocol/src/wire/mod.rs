@@ -11,29 +11,15 @@
 //! [`Header::LEN`] of its datagram. **Stable from version 1**: a layout is never changed, a new one gets a new kind, and a
 //! change of meaning gets a new version byte.
 
-mod ask;
-mod flow;
-mod greeting;
-mod header;
-mod moved;
-mod part;
-mod payload;
-mod presence;
-mod telemetry;
-#[cfg(test)]
-mod tests;
-mod upkeep;
+mod datagram;
+mod fixed;
+mod varying;
+mod world;
 
-pub use ask::{Ask, Bits, Topic};
-pub use flow::Flow;
-pub use greeting::{Challenge, Greeting, GreetingKind, TABLES};
-pub use header::{Header, PeerId};
-pub use moved::{Moved, Push};
-pub use part::{Page, Part, Payload};
-pub use payload::{Event, Sample};
-pub use presence::{Presence, Sighting};
-pub use telemetry::Telemetry;
-pub use upkeep::{Ack, Goodbye, Probe, Reply};
+pub use datagram::{Challenge, Greeting, GreetingKind, Header, PeerId, TABLES};
+pub use fixed::{Ack, Flow, Goodbye, Moved, Probe, Push, Reply, Telemetry};
+pub use varying::{Event, Presence, Sample, Sighting};
+pub use world::{Ask, Bits, Page, Part, Payload, Topic};
 
 pub use crate::error::{Error, VERSION};
 pub use crate::key::TAG_LEN;
@@ -66,7 +52,7 @@ macro_rules! kinds {
             pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
                 match bytes.first().copied() {
                     $(Some($Kind::KIND) => $Kind::parse(bytes).map(Self::$Kind),)+
-                    Some(kind) => Err(Error::UnknownKind { kind }),
+                    Some(kind) => Err(Error::UnknownKind(kind)),
                     None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
                 }
             }

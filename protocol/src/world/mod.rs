@@ -14,9 +14,7 @@ use heapless::Vec;
 pub use record::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, RecordError, Region};
 pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
-use crate::bytes;
-use crate::error::Error;
-use crate::key::Key;
+use crate::{bytes, error::Error, key::Key};
 
 /// Which part of a world is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,21 +48,14 @@ impl Scope {
     }
 }
 
-/// Why something cannot be added to a database.
+/// There is no room for another object or region in a database.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Full {
-    /// There is no room for another object.
-    #[error("no room for more than {most} objects")]
-    Objects {
-        /// How many there are.
-        most: usize,
-    },
-    /// There is no room for another region.
-    #[error("no room for more than {most} regions")]
-    Regions {
-        /// How many there are.
-        most: usize,
-    },
+#[error("no room for more than {most} {what}")]
+pub struct Full {
+    /// Of what.
+    pub what: &'static str,
+    /// How many there are.
+    pub most: usize,
 }
 
 /// A world, or what is known of it.
@@ -82,13 +73,13 @@ impl<const OBJECTS: usize> Database<OBJECTS> {
     /// Adds an object, or replaces the one with its id.
     pub fn put(&mut self, object: Object) -> Result<(), Full> {
         let most = OBJECTS.min(MAX_OBJECTS);
-        put(&mut self.objects, object, |known| known.id, most).map_err(|_| Full::Objects { most })
+        put(&mut self.objects, object, |known| known.id, most).map_err(|_| Full { what: "objects", most })
     }
 
     /// Adds a region, or replaces the one with its id.
     pub fn put_region(&mut self, region: Region) -> Result<(), Full> {
         let most = MAX_REGIONS;
-        put(&mut self.regions, region, |known| known.id, most).map_err(|_| Full::Regions { most })
+        put(&mut self.regions, region, |known| known.id, most).map_err(|_| Full { what: "regions", most })
     }
 
     /// Takes out every object for which `keep` is false.

@@ -4,8 +4,7 @@
 
 use super::shape::{Bounds, Refused, Shape};
 use crate::bytes::{Reader, Writer, layout};
-use crate::error::Error;
-use crate::key::Key;
+use crate::{error::Error, key::Key};
 
 /// Most objects of a world.
 pub const MAX_OBJECTS: usize = 4096;
@@ -19,11 +18,8 @@ pub enum RecordError {
     #[error("the checksum of a record is wrong")]
     Checksum,
     /// There is no shape of this kind.
-    #[error("there is no shape of kind {kind}")]
-    UnknownKind {
-        /// The kind found.
-        kind: u8,
-    },
+    #[error("there is no shape of kind {0}")]
+    UnknownKind(u8),
     /// A number of the shape is out of its range.
     #[error(transparent)]
     Refused(Refused),
@@ -32,7 +28,6 @@ pub enum RecordError {
     Wire(#[from] Error),
 }
 
-/// The checksum of `bytes`.
 fn checksum(bytes: &[u8]) -> [u8; 8] {
     Key::new([0; Key::LEN]).derive("record").with(bytes).first()
 }
@@ -88,7 +83,7 @@ impl Object {
         let (id, version, kind) = (reader.get()?, reader.get()?, reader.get()?);
         reader.zeros_to(12)?;
         let numbers = reader.get()?;
-        let shape = Shape::build(kind, &numbers).ok_or(RecordError::UnknownKind { kind })?;
+        let shape = Shape::build(kind, &numbers).ok_or(RecordError::UnknownKind(kind))?;
         let shape = shape.map_err(RecordError::Refused)?;
         // Unused numbers must be 0, all bits of them: a record has one encoding only.
         let used = Shape::ALL.iter().find(|(_, known, _)| *known == kind).map_or(0, |(_, _, fields)| fields.len());
@@ -150,15 +145,10 @@ impl Region {
 
 layout! {
     /// What a world is, before any of it is known.
-    #[derive(Clone, Copy, Debug, Default, PartialEq)]
     pub struct Manifest(12 bytes) {
-        /// Version of the world, for people.
-        0 => version: u32,
-        /// How many objects.
-        4 => objects: u16 where |objects| usize::from(*objects) <= MAX_OBJECTS,
-        /// How many regions.
-        6 => regions: u8 where |regions| usize::from(*regions) <= MAX_REGIONS,
-        /// How far beyond its region a server knows, m.
-        8 => margin_m: f32 where |margin_m| margin_m.is_sign_positive(),
+        0 => version: u32, "Version of the world, for people.";
+        4 => objects: u16 where |objects| usize::from(*objects) <= MAX_OBJECTS, "How many objects.";
+        6 => regions: u8 where |regions| usize::from(*regions) <= MAX_REGIONS, "How many regions.";
+        8 => margin_m: f32 where |margin_m| margin_m.is_sign_positive(), "How far beyond its region a server knows, m.";
     }
 }

@@ -192,12 +192,9 @@ impl Block {
 
 layout! {
     /// A rectangle along the axes: where it begins and ends in x and y, m.
-    #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Bounds(16 bytes) {
-        /// Least x and y.
-        0 => min: [f32; 2],
-        /// Largest x and y.
-        8 => max: [f32; 2],
+        0 => min: [f32; 2], "Least x and y.";
+        8 => max: [f32; 2], "Largest x and y.";
     }
 }
 

@@ -2,5 +2,6 @@
 //! reliable events without a link.
 
 mod engagement;
+mod parameters;
 mod reliable;
 mod vectors;

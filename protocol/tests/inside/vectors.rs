@@ -2,12 +2,13 @@
 //! to this crate.
 
 use crate::ends::Ends;
-use crate::handshake::{Error, Handshake};
+use crate::error::Refusal;
+use crate::handshake::Handshake;
 use crate::key::Key;
 use crate::parameters::{Parameters, Table};
 use crate::roles::static_scene::Server;
-use crate::seal::{self, Counter};
-use crate::session::{self, Offer, Session};
+use crate::seal::{Counter, EPOCH_BITS};
+use crate::session::{Offer, Session};
 use crate::wire::{
     Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting, Topic,
 };
@@ -123,7 +124,7 @@ fn a_hello_with_its_tables_and_tag() {
     // The tables were hashed there and here: nothing differs, so there is a session to be had.
     assert!(handshake(2).accept(&greeting).is_ok());
     assert_eq!(greeting.count, 2);
-    assert_eq!(handshake(1).open(&bytes(HELLO)).map(|_| ()), Err(Error::Ends(crate::ends::Error::OwnNumber)));
+    assert_eq!(handshake(1).open(&bytes(HELLO)).map(|_| ()), Err(Refusal::OwnNumber));
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn sealed_messages_of_both_directions_and_later_epochs() {
 #[test]
 fn keys_move_on_and_a_reordered_datagram_of_the_last_epoch_is_still_opened() {
     let (mut here, mut there) = (session(1), session(2));
-    let mut counter = Counter::starting_at((1 << seal::EPOCH_BITS) - 20);
+    let mut counter = Counter::starting_at((1 << EPOCH_BITS) - 20);
     let mut datagrams = (0..40)
         .map(|_| {
             let mut out = [0; MAX_DATAGRAM];
@@ -157,7 +158,7 @@ fn keys_move_on_and_a_reordered_datagram_of_the_last_epoch_is_still_opened() {
     let mut forged = bytes(LATER_FLOW);
     *forged.last_mut().unwrap() ^= 1;
     let (header, head, sealed) = Header::parse(&mut forged).unwrap();
-    assert_eq!(there.open(&header, head, sealed), Err(session::Error::Seal(seal::Error::Forged)));
+    assert_eq!(there.open(&header, head, sealed), Err(Refusal::Forged));
     let mut out = [0; MAX_DATAGRAM];
     let len = here.seal(&mut counter, &flow(), &mut out).unwrap();
     let (header, head, sealed) = Header::parse(&mut out[..len]).unwrap();
@@ -169,10 +170,10 @@ fn the_last_sequence_number_is_the_last() {
     let mut counter = Counter::starting_at(crate::replay::SEQUENCE_LIMIT - 1);
     assert!(counter.draw().is_ok());
     for _ in 0..3 {
-        assert_eq!(counter.draw(), Err(seal::Error::Exhausted));
+        assert_eq!(counter.draw(), Err(Refusal::Exhausted));
     }
     let mut out = [0; MAX_DATAGRAM];
-    assert_eq!(session(1).seal(&mut counter, &flow(), &mut out), Err(seal::Error::Exhausted));
+    assert_eq!(session(1).seal(&mut counter, &flow(), &mut out), Err(Refusal::Exhausted));
 }
 
 #[test]
@@ -192,7 +193,7 @@ fn a_hello_on_a_line_of_a_server() {
     handshake.set_line(300);
     let mut hello = bytes(HELLO);
     hello[4..8].copy_from_slice(&300_u32.to_le_bytes());
-    assert_eq!(handshake.open(&hello).map(|_| ()), Err(Error::Forged));
+    assert_eq!(handshake.open(&hello).map(|_| ()), Err(Refusal::ForgedGreeting));
     hello[184..].copy_from_slice(&bytes(LINE_HELLO_TAG));
     assert_eq!(handshake.open(&hello).unwrap().line, 300);
 }

@@ -1,8 +1,7 @@
 //! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 1 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::format`]).
 
-use haptic_protocol::link::{Error, Link, SessionError, Stage};
-use haptic_protocol::replay;
+use haptic_protocol::link::{Error, Link, Stage};
 use haptic_protocol::wire::{self, Flow, MAX_DATAGRAM, Message};
 
 use crate::format::{GREETING, Session, hello};
@@ -82,13 +81,13 @@ fn a_number_that_is_none_is_refused_and_the_coordination_goes_on() {
                 4 => broken[at..at + 4].copy_from_slice(&(number as f32).to_le_bytes()),
                 _ => broken[at..at + 8].copy_from_slice(&number.to_le_bytes()),
             }
-            assert_eq!(ear.hear(&broken), Err(Error::Wire(wire::Error::NotFinite { message: "flow" })), "byte {at}");
+            assert_eq!(ear.hear(&broken), Err(Error::Wire(wire::Error::NotFinite("flow"))), "byte {at}");
             assert_eq!((ear.link.stage(), ear.link.engagement()), (Stage::Running, 1.0));
             // It was heard, under a number that is spent now.
             let after = ear.link.counts();
             assert_eq!((after.taken, after.refused), (before.taken + 1, before.refused + 1));
             let again = ear.link.receive(ear.now, &mut ear.session.seal(2, 1, ear.sequence, &bytes));
-            assert_eq!(again, Err(Error::Session(SessionError::Replay(replay::Error::Replayed))));
+            assert_eq!(again, Err(Error::Replayed));
             // And the next flow is as good as ever.
             assert_eq!(ear.hear(&bytes), Ok(Some(Message::Flow(good))));
         }

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use haptic_protocol::roles::Role;
 use haptic_protocol::roles::cooperative::{Body, Client, Lease, Message, Notice, Server};
+use haptic_protocol::roles::{Carried as _, Role};
 use haptic_protocol::wire::{Event, PeerId};
 
 use crate::world::Rng;

@@ -75,7 +75,7 @@ fn what_was_meant_for_a_peer_that_is_gone_is_dropped_and_told() {
     world.restart(1);
     world.off[1] = false;
     assert!(world.run_until(500_000, World::is_engaged).is_some());
-    assert!(world.notices[0].contains(&Notice::NewPeer { dropped: 5 }), "{:?}", world.notices[0]);
+    assert!(world.notices[0].contains(&Notice::NewPeer(5)), "{:?}", world.notices[0]);
     assert!(world.events[1].is_empty());
     // Numbers begin again, at both ends.
     exchange(&mut world, 50, 5_000_000);

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, ConfigError, Error, HandshakeError, Link, Notice, Stage};
+use haptic_protocol::link::{Config, ConfigError, Error, Link, Notice, Stage};
 use haptic_protocol::wire::MAX_DATAGRAM;
 
 use crate::world::{CLEAN, Impairment, Rng, World, config, parameters, state};
@@ -13,7 +13,7 @@ fn what_a_link_cannot_be_made_from() {
     let error = |config: Config| Link::new(config).err();
     let good = config(1, 2, [1; 32]);
     assert_eq!(error(good.clone()), None);
-    assert_eq!(error(config(1, 1, [1; 32])), Some(ConfigError::SameNumber { number: 1 }));
+    assert_eq!(error(config(1, 1, [1; 32])), Some(ConfigError::SameNumber(1)));
     assert_eq!(error(config(1, 2, [0; 32])), Some(ConfigError::ZeroEntropy));
     assert_eq!(error(Config { key: Key::new([0; 32]), ..good.clone() }), Some(ConfigError::ZeroKey));
     for us in [0, 99, 10_000_001] {
@@ -49,10 +49,10 @@ fn parameters_that_differ_are_refused_by_name_at_both_ends() {
     for peer in [0, 1] {
         assert_eq!(world.links[peer].stage(), Stage::Refused);
         assert_eq!(world.links[peer].refused(), Some("coordination"));
-        assert_eq!(world.notices[peer], [Notice::Refused { table: "coordination" }]);
+        assert_eq!(world.notices[peer], [Notice::Refused("coordination")]);
         assert!(world.flows[peer].is_empty());
     }
-    let error = HandshakeError::Parameters("coordination");
+    let error = Error::Parameters("coordination");
     assert_eq!(error.to_string(), "the other peer has other parameters: coordination");
     // Told better, it is taken.
     world.restart(1);
@@ -68,7 +68,7 @@ fn a_peer_that_comes_back_with_other_parameters_is_refused() {
     world.run(300_000);
     assert_eq!(world.stages(), [Stage::Refused; 2]);
     // Peer 0 has nothing to say to a stranger while its session lasts; it learns of the refusal when it calls again.
-    let notices = [Notice::Fading, Notice::Disengaged, Notice::Lost, Notice::Refused { table: "coordination" }];
+    let notices = [Notice::Fading, Notice::Disengaged, Notice::Lost, Notice::Refused("coordination")];
     assert_eq!(world.notices[0], notices);
 }
 

@@ -1,7 +1,7 @@
 //! Lines: one server and more clients than there are peer numbers, each with its own key.
 
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Error, HandshakeError, Link};
+use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, Presence, Sighting};
 
 use crate::world::config;
@@ -53,11 +53,11 @@ fn a_client_has_no_other_line() {
     let (mut server, mut stranger) = (link(0, 3, 1), link(1, 4, 2));
     let mut out = [0; MAX_DATAGRAM];
     let len = stranger.poll(0, &mut out).unwrap();
-    assert_eq!(server.receive(0, &mut out[..len]), Err(Error::Handshake(HandshakeError::OtherLine)));
+    assert_eq!(server.receive(0, &mut out[..len]), Err(Error::OtherLine));
     // The right number does not help without the key of that line.
     let mut liar = link(1, 4, 2).on_line(3);
     let len = liar.poll(0, &mut out).unwrap();
-    assert_eq!(server.receive(0, &mut out[..len]), Err(Error::Handshake(HandshakeError::Forged)));
+    assert_eq!(server.receive(0, &mut out[..len]), Err(Error::ForgedGreeting));
     // Line 0 is the plain key.
     assert_eq!(Key::new([9; 32]).line(0), Key::new([9; 32]));
     assert_ne!(Key::new([9; 32]).line(1), Key::new([9; 32]).line(2));

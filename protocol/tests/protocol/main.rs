@@ -6,10 +6,14 @@ mod cooperative;
 mod events;
 mod format;
 mod handshake;
+mod key;
 mod ladder;
+mod layouts;
 mod lines;
 mod memory;
 mod parsers;
+#[cfg(feature = "peer")]
+mod peer;
 mod playout;
 mod records;
 mod replay;

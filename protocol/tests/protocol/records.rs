@@ -96,15 +96,15 @@ fn what_is_summed_up_rightly_can_still_be_refused() {
     assert!(refused.contains("strip.masses = 65"), "{refused}");
     with(&mut record, 28, 9.0).unwrap();
     let error = with(&mut record, 32, f32::NAN).unwrap_err();
-    assert_eq!(error, RecordError::Wire(wire::Error::NotFinite { message: "object" }));
+    assert_eq!(error, RecordError::Wire(wire::Error::NotFinite("object")));
     with(&mut record, 32, 0.01).unwrap();
     // The number after a strip's last.
     let error = with(&mut record, 52, 1.0).unwrap_err();
-    assert_eq!(error, RecordError::Wire(wire::Error::Reserved { message: "object" }));
+    assert_eq!(error, RecordError::Wire(wire::Error::Reserved("object")));
     with(&mut record, 52, 0.0).unwrap();
     record[8] = 5;
     resum(&mut record);
-    assert_eq!(Object::parse(&record), Err(RecordError::UnknownKind { kind: 5 }));
+    assert_eq!(Object::parse(&record), Err(RecordError::UnknownKind(5)));
 }
 
 fn body(id: u32, x: f32, y: f32) -> Object {
@@ -118,7 +118,7 @@ fn ids_are_there_once_and_in_order_and_memory_is_bounded() {
         database.put(body(id, id as f32, 0.0)).unwrap();
     }
     database.put(body(7, 0.0, 0.0)).unwrap();
-    assert_eq!(database.put(body(1, 0.0, 0.0)), Err(Full::Objects { most: 4 }));
+    assert_eq!(database.put(body(1, 0.0, 0.0)), Err(Full { what: "objects", most: 4 }));
     assert!(database.objects().iter().map(|object| object.id).eq([2, 5, 7, 9]));
     assert_eq!((database.get(5).map(|o| o.id), database.get(6)), (Some(5), None));
     let whole = database.checksum().unwrap();
@@ -130,7 +130,7 @@ fn ids_are_there_once_and_in_order_and_memory_is_bounded() {
         database.put_region(Region { id, server: 0, bounds: Bounds { min: [0.0; 2], max: [1.0; 2] } }).unwrap();
     }
     let region = Region { id: 32, server: 0, bounds: Bounds { min: [0.0; 2], max: [1.0; 2] } };
-    assert_eq!(database.put_region(region), Err(Full::Regions { most: 32 }));
+    assert_eq!(database.put_region(region), Err(Full { what: "regions", most: 32 }));
 }
 
 #[test]

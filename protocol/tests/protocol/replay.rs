@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use haptic_protocol::replay::{Error, SEQUENCE_LIMIT, Window};
+use haptic_protocol::link::Error;
+use haptic_protocol::replay::{SEQUENCE_LIMIT, Window};
 use proptest::prelude::*;
 
 /// Takes each number in turn and compares with what is wanted.
@@ -81,7 +82,7 @@ fn errors_say_which() {
     assert_eq!(window.newest(), Some(1_000));
     assert_eq!(window.take(1_000), Err(Error::Replayed));
     assert_eq!(window.take(1_000 - OUT), Err(Error::TooOld));
-    assert_eq!(window.take(u64::MAX), Err(Error::Exhausted));
+    assert_eq!(window.take(u64::MAX), Err(Error::BeyondLast));
     assert_eq!(window.take(1_000 - REACH), Ok(()));
 }
 

@@ -26,7 +26,7 @@ fn restarts(count: u32, seed: u64, impairment: Impairment) -> (u64, u64) {
         let full = full.unwrap_or_else(|| panic!("restart {restart} of peer {peer}: {:?}", world.stages()));
         assert!(world.flows[peer].len() > before);
         let told = &world.notices[1 - peer];
-        let new_peer = Notice::NewPeer { dropped: 0 };
+        let new_peer = Notice::NewPeer(0);
         for notice in [Notice::Disengaged, Notice::Lost, new_peer, Notice::Joined, Notice::Engaged] {
             assert!(told.contains(&notice), "{notice:?} is not in {told:?}");
         }

@@ -35,10 +35,10 @@ impl Table {
         let mut out = Outbox::<_, 32>::new();
         for (number, client) in (1..).zip(&mut self.clients) {
             client.poll(now, &mut out);
-            self.to_server.extend(std::iter::from_fn(|| out.take()).map(|(_, message)| (PeerId(number), message)));
+            self.to_server.extend(std::iter::from_fn(|| out.pop_front()).map(|(_, message)| (PeerId(number), message)));
         }
         self.server.poll(now, &mut out);
-        self.to_clients.extend(std::iter::from_fn(|| out.take()));
+        self.to_clients.extend(std::iter::from_fn(|| out.pop_front()));
     }
 
     /// Everything that is on its way arrives, and what is said to it.
@@ -47,11 +47,11 @@ impl Table {
         while !self.to_server.is_empty() || !self.to_clients.is_empty() {
             for (from, message) in std::mem::take(&mut self.to_server) {
                 self.server.receive(now, from, &message, &mut out);
-                self.to_clients.extend(std::iter::from_fn(|| out.take()));
+                self.to_clients.extend(std::iter::from_fn(|| out.pop_front()));
             }
             for (to, message) in std::mem::take(&mut self.to_clients) {
                 self.clients[usize::from(to.0) - 1].receive(now, SERVER, &message, &mut out);
-                self.to_server.extend(std::iter::from_fn(|| out.take()).map(|(_, message)| (to, message)));
+                self.to_server.extend(std::iter::from_fn(|| out.pop_front()).map(|(_, message)| (to, message)));
             }
         }
     }
@@ -60,7 +60,7 @@ impl Table {
         let mut out = Outbox::<_, 32>::new();
         self.clients[client].release(now, Some([value; 24]), &mut out)?;
         let from = PeerId(client as u8 + 1);
-        self.to_server.extend(std::iter::from_fn(|| out.take()).map(|(_, message)| (from, message)));
+        self.to_server.extend(std::iter::from_fn(|| out.pop_front()).map(|(_, message)| (from, message)));
         Ok(())
     }
 
@@ -85,8 +85,8 @@ fn first_come_first_served_and_everybody_hears_of_it() {
     table.release(2_000, 1, 7).unwrap();
     table.deliver(3_000);
     assert_eq!(table.server.copy().value, [7; 24]);
-    assert_eq!(table.notices(1), [Notice::Granted, Notice::Published { version: 1 }]);
-    assert_eq!(table.notices(0), [Notice::Changed { version: 1 }, Notice::Granted]);
+    assert_eq!(table.notices(1), [Notice::Granted, Notice::Published(1)]);
+    assert_eq!(table.notices(0), [Notice::Changed(1), Notice::Granted]);
     assert!(table.clients[0].owns(3_000) && table.clients[0].copy().value == [7; 24]);
 }
 
@@ -136,7 +136,7 @@ fn a_late_release_cannot_overwrite_and_its_author_is_told() {
     table.to_server = late;
     table.deliver(401_000);
     assert_eq!((table.server.copy().version, table.server.copy().value), (2, [2; 24]));
-    assert!(table.notices(0).contains(&Notice::TooLate { fence: 1 }));
+    assert!(table.notices(0).contains(&Notice::TooLate(1)));
     assert_eq!(table.clients[0].copy().value, [2; 24]);
 }
 
@@ -151,7 +151,7 @@ fn a_late_release_that_meets_nobody_is_taken_and_a_second_time_changes_nothing()
     table.server.poll(900_000, &mut Outbox::<_, 4>::new());
     assert_eq!(table.server.holder(), None);
     table.deliver(900_000);
-    assert_eq!(table.notices(0), [Notice::Granted, Notice::Published { version: 1 }]);
+    assert_eq!(table.notices(0), [Notice::Granted, Notice::Published(1)]);
     let record = table.server.record().clone();
     table.to_server = late;
     table.deliver(901_000);
@@ -169,16 +169,16 @@ fn a_grant_that_was_renounced_is_never_owned_even_if_the_renunciation_comes_late
     let ask = std::mem::take(&mut table.to_server);
     let mut granted = Outbox::<_, 8>::new();
     table.server.receive(1_000, PeerId(1), &ask[0].1, &mut granted);
-    let (_, grant) = granted.take().unwrap();
+    let (_, grant) = granted.pop_front().unwrap();
     table.clients[0].receive(2_000, SERVER, &grant, &mut out);
-    let renounced: Vec<_> = std::iter::from_fn(|| out.take()).map(|(_, message)| (PeerId(1), message)).collect();
+    let renounced: Vec<_> = std::iter::from_fn(|| out.pop_front()).map(|(_, message)| (PeerId(1), message)).collect();
     assert!(renounced.contains(&(PeerId(1), Message::Release { fence: 1, value: None })));
     // It comes back, and the server still thinks that it holds the object.
     table.clients[0].ask(3_000);
     table.poll(3_000);
     let ask = std::mem::take(&mut table.to_server);
     table.server.receive(4_000, PeerId(1), &ask[0].1, &mut granted);
-    let (_, grant) = granted.take().unwrap();
+    let (_, grant) = granted.pop_front().unwrap();
     table.clients[0].receive(5_000, SERVER, &grant, &mut out);
     assert!(!table.clients[0].owns(5_000));
 }

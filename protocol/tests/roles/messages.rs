@@ -1,6 +1,6 @@
 //! Every message comes back as it was, has one encoding only, and no decoder is surprised by anything.
 
-use haptic_protocol::roles::code;
+use haptic_protocol::roles::Carried as _;
 use haptic_protocol::roles::collaborative::lock::{self, Copy};
 use haptic_protocol::roles::collaborative::ring::{self, Ballot, Roster, State};
 use haptic_protocol::roles::cooperative::{self, Body};
@@ -96,16 +96,16 @@ proptest! {
         let mut bytes = vec![kind, flag];
         bytes.extend(rest);
         let code = |code| if own { code } else { code ^ 1 };
-        let event = Event::new(code(code::LOCK), &bytes[..bytes.len().min(48)]).unwrap();
+        let event = Event::new(code(lock::Message::CODE), &bytes[..bytes.len().min(48)]).unwrap();
         if let Ok((object, message)) = lock::Message::parse(&event) {
             prop_assert!(own);
             prop_assert_eq!(message.event(object).unwrap(), event);
         }
-        let event = Event::new(code(code::SQUASH), &bytes[..bytes.len().min(48)]).unwrap();
+        let event = Event::new(code(squash::Message::CODE), &bytes[..bytes.len().min(48)]).unwrap();
         if let Ok((object, message)) = squash::Message::parse(&event) {
             prop_assert_eq!(message.event(object).unwrap(), event);
         }
-        let event = Event::new(code(code::RING), &bytes[..bytes.len().min(48)]).unwrap();
+        let event = Event::new(code(ring::Message::CODE), &bytes[..bytes.len().min(48)]).unwrap();
         if let Ok((object, message)) = ring::Message::parse(&event) {
             prop_assert_eq!(message.event(object).unwrap(), event);
         }
@@ -146,7 +146,7 @@ fn an_engine_that_is_handed_over() {
     }
     let said = Message::Return { version: 6, body: at }.event(0).unwrap();
     let bytes = said.payload();
-    let heard = |bytes: &[u8]| Message::parse(&Event::new(code::COOPERATIVE, bytes).unwrap());
+    let heard = |bytes: &[u8]| Message::parse(&Event::new(Message::CODE, bytes).unwrap());
     for len in 0..bytes.len() {
         assert!(heard(&bytes[..len]).is_err());
     }
@@ -158,6 +158,6 @@ fn an_engine_that_is_handed_over() {
     }
     let mut broken = bytes.to_vec();
     broken[8..16].copy_from_slice(&f64::NAN.to_le_bytes());
-    assert_eq!(heard(&broken), Err(Error::NotFinite { message: "cooperative" }));
-    assert!(Message::parse(&Event::new(code::LOCK, bytes).unwrap()).is_err());
+    assert_eq!(heard(&broken), Err(Error::NotFinite("cooperative")));
+    assert!(Message::parse(&Event::new(lock::Message::CODE, bytes).unwrap()).is_err());
 }

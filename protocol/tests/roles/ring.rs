@@ -37,12 +37,13 @@ impl Circle {
                 let deaf = self.deaf.contains(from) && self.deaf.contains(to.0);
                 if self.cut.contains(from) == self.cut.contains(to.0) && !deaf {
                     self.rings[usize::from(to.0)].receive(self.now, PeerId(from), &message, &mut out);
-                    self.flying.extend(std::iter::from_fn(|| out.take()).map(|(next, message)| (to.0, next, message)));
+                    self.flying
+                        .extend(std::iter::from_fn(|| out.pop_front()).map(|(next, message)| (to.0, next, message)));
                 }
             }
             for (seat, ring) in (0..).zip(&mut self.rings) {
                 ring.poll(self.now, &mut out);
-                self.flying.extend(std::iter::from_fn(|| out.take()).map(|(to, message)| (seat, to, message)));
+                self.flying.extend(std::iter::from_fn(|| out.pop_front()).map(|(to, message)| (seat, to, message)));
             }
             assert!(self.owners().len() <= 1);
             each(self);
@@ -59,7 +60,7 @@ impl Circle {
             let mut out = Outbox::<_, 64>::new();
             self.rings[seat].publish(self.now, [seat as u8 + 1; 24], &mut out).unwrap();
             assert_eq!(self.rings[seat].publish(self.now, [9; 24], &mut out), Err(NotOwner));
-            self.flying.extend(std::iter::from_fn(|| out.take()).map(|(to, message)| (seat as u8, to, message)));
+            self.flying.extend(std::iter::from_fn(|| out.pop_front()).map(|(to, message)| (seat as u8, to, message)));
         }
     }
 }
@@ -208,7 +209,24 @@ fn new_members_alone_decide_nothing() {
     // Of the members before, 1 and 2 are the majority: what 0 proposes with 3 and 4 is never published.
     circle.run(3_000_000, |circle| assert!(circle.owners().iter().all(|seat| *seat == 1)));
     assert_eq!(circle.owners(), [1]);
-    assert!(
-        !std::iter::from_fn(|| circle.rings[0].take_notice()).any(|notice| matches!(notice, Notice::Published { .. }))
-    );
+    assert!(!std::iter::from_fn(|| circle.rings[0].take_notice()).any(|notice| matches!(notice, Notice::Published(_))));
+}
+
+#[test]
+fn any_two_majorities_meet() {
+    let of = |bits: u8| Roster::of((0..6).filter(move |seat| bits >> seat & 1 == 1));
+    for roster in 0..1 << 6 {
+        for (one, two) in (0..1 << 6).flat_map(|one| (0..1 << 6).map(move |two| (one & roster, two & roster))) {
+            let both = [one, two].iter().all(|votes| of(*votes).len() >= of(roster).majority());
+            assert!(!both || one & two != 0);
+        }
+    }
+}
+
+#[test]
+fn the_ring_goes_round() {
+    let roster = Roster::of([1, 4, 15, 16, 200]);
+    assert_eq!(roster.len(), 3);
+    assert!(roster.after(4).eq([15, 1, 4]) && roster.after(15).eq([1, 4, 15]) && roster.seats().eq([1, 4, 15]));
+    assert!(Roster::EMPTY.after(3).next().is_none() && roster.without(1).with(2).union(Roster::of([9])).len() == 4);
 }

@@ -37,7 +37,7 @@ proptest! {
                 _ => client.poll(now, &mut out),
             }
             prop_assert!(server.waiting() <= 3);
-            while out.take().is_some() {}
+            while out.pop_front().is_some() {}
         }
     }
 
@@ -57,7 +57,7 @@ proptest! {
                 3 => ring = Ring::new(config, now, *ring.record()),
                 _ => ring.poll(now, &mut out),
             }
-            while out.take().is_some() {}
+            while out.pop_front().is_some() {}
         }
         ring.leave();
         let _ = ring.has_left();
@@ -82,7 +82,7 @@ proptest! {
             if let Some(ball) = player.ball(now) {
                 prop_assert!((0.0..=9.75).contains(&ball.position[0]) && (0.0..=6.4).contains(&ball.position[1]));
             }
-            while out.take().is_some() {}
+            while out.pop_front().is_some() {}
         }
     }
 }

@@ -97,9 +97,9 @@ impl ClientPeer {
         }
         while let Some(notice) = client.take_notice() {
             match notice {
-                Notice::Published { version } => user.has_published(version, now),
-                Notice::Expired | Notice::TooLate { .. } => user.is_interrupted(),
-                Notice::Granted | Notice::Changed { .. } => {}
+                Notice::Published(version) => user.has_published(version, now),
+                Notice::Expired | Notice::TooLate(_) => user.is_interrupted(),
+                Notice::Granted | Notice::Changed(_) => {}
             }
         }
         match (user.wish(now), client.phase()) {

@@ -83,7 +83,7 @@ impl Member {
     fn is_told(&mut self, now: u64) {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
-                Notice::Published { version } => self.user.has_published(version, now),
+                Notice::Published(version) => self.user.has_published(version, now),
                 Notice::Overdue | Notice::Lost => {
                     self.user.forgets();
                     self.user.is_interrupted();

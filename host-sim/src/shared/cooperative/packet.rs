@@ -5,6 +5,7 @@
 
 use haptic_core::contact::bounder::Bound;
 use haptic_core::num::Motion;
+use haptic_protocol::roles::Carried as _;
 use haptic_protocol::roles::cooperative::{Body, Message};
 use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 

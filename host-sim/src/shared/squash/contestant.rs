@@ -37,7 +37,7 @@ impl Contestant {
     pub fn hears(&mut self, now: u64, mut each: impl FnMut(&Player, Notice)) {
         while let Some(notice) = self.player.take_notice() {
             self.was_active &= match notice {
-                Notice::Begins { .. } => false,
+                Notice::Begins(_) => false,
                 Notice::Hit { turn, .. } => self.player.game().active(turn.stroke) != Some(self.number),
                 Notice::Ends { .. } => true,
             };

@@ -142,7 +142,7 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
     }
     for (notice, next) in notices {
         match notice {
-            Notice::Begins { .. } => {}
+            Notice::Begins(_) => {}
             Notice::Hit { turn, corrected_m: [x, y] } => {
                 let corrected_m = &mut referee.report.largest_correction_m;
                 *corrected_m = corrected_m.max(f64::from(x).hypot(f64::from(y)));

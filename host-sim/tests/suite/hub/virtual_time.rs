@@ -111,7 +111,7 @@ impl Meeting {
 
     fn lives_on(&self, index: usize) -> usize {
         let (line, _) = self.hub().lines().nth(index).expect("a line");
-        line.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer { .. })).count()
+        line.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Lease: a right that runs out by itself when it is not renewed, at its holder before at its giver.
+//! Who wants to edit, and for how long one may: a right that runs out by itself, at its holder before at its giver.
 
 use crate::notices::Notices;
 
@@ -72,25 +72,41 @@ impl Requests {
         self.sent.iter().find(|(sent, _)| *sent == number).map(|(_, at_us)| *at_us)
     }
 
-    /// Number of the newest request.
     pub(super) fn newest(&self) -> u32 {
         self.newest
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// What a user at some distance wants: one who comes near an object wants to edit it, one who moves away has finished (Buttolo et
+/// al. 1997, §3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// To edit: ask.
+    Edit,
+    /// Whatever it was before.
+    AsBefore,
+    /// Nothing: give back what is held.
+    Leave,
+}
 
-    #[test]
-    fn the_holder_stops_first_on_the_worst_pair_of_clocks() {
-        let drift = f64::from(Lease::MAX_DRIFT_PPM) * 1e-6;
-        for us in [Lease::SHORTEST_US, 300_000, Lease::LONGEST_US] {
-            let lease = Lease::new(us).unwrap();
-            // A slow clock counts more true time.
-            let (held, given) = (lease.holder_us() as f64 / (1.0 - drift), lease.giver_us() as f64 / (1.0 + drift));
-            assert!(held < given, "{held} {given}");
+/// Two distances, so that a hand that trembles at one of them does not ask and give back all the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Closer than this, the user wants to edit, m.
+    pub near_m: f32,
+    /// Farther than this, the user has finished, m; not less than `near_m`.
+    pub far_m: f32,
+}
+
+impl Approach {
+    /// What the user wants at this distance from the object, m. Not a number: whatever it was before.
+    pub fn wish(&self, distance_m: f32) -> Wish {
+        if distance_m < self.near_m {
+            Wish::Edit
+        } else if distance_m > self.far_m {
+            Wish::Leave
+        } else {
+            Wish::AsBefore
         }
-        assert!(Lease::new(Lease::SHORTEST_US - 1).is_err() && Lease::new(Lease::LONGEST_US + 1).is_err());
     }
 }

@@ -19,13 +19,11 @@
 //!
 //! A *lost update* is one that its author was told is published and that a later state does not build on.
 
-mod approach;
 mod lease;
 pub mod lock;
 pub mod ring;
 
-pub use approach::{Approach, Wish};
-pub use lease::{Lease, OutOfRange};
+pub use lease::{Approach, Lease, OutOfRange, Wish};
 
 /// What an object is, as its owner left it: 24 bytes for the application to fill (position and velocity, three `f32` each).
 /// A shape that needs more travels as a scene, and this names its version.

@@ -1,12 +1,9 @@
 //! A client's part: it has the engine while a lease from the server runs.
 
 use super::message::{Body, Message};
-use crate::notices::Notices;
-use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
-use crate::wire::PeerId;
+use crate::{notices::Notices, roles::collaborative::Lease, wire::PeerId};
 
-/// Where the engine is, for this client.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Away,
@@ -83,8 +80,7 @@ impl Client {
 }
 
 impl Role for Client {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Notice;
 
     fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, _: &mut dyn Out<Message>) {

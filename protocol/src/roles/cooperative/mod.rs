@@ -16,7 +16,7 @@
 //! was told. A lease must be longer than the round trip, or nobody can hold it. **Limit**: a server keeps no record of what it has
 //! lent; one that starts anew may do so only [`Lease::giver_us`] after the one before it ended.
 //!
-//! Hand-over messages are events ([`crate::roles::code::COOPERATIVE`]), pushes and motions are kinds of their own; all of them
+//! Hand-over messages are events ([`Message`]), pushes and motions are kinds of their own; all of them
 //! may be lost, doubled, late and out of order: what must arrive is said again until it is answered. Of the carrier is asked
 //! what a sealed session gives: who it is from, and nothing from an earlier incarnation of either end. Time is µs on the own
 //! clock, which never goes backwards.

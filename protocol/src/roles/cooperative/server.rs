@@ -1,11 +1,9 @@
 //! The server's part: it has the engine, or has lent it to one client.
 
 use super::message::{Body, Message};
-use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
-use crate::wire::PeerId;
+use crate::{roles::collaborative::Lease, wire::PeerId};
 
-/// Where the engine is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Here,
@@ -90,8 +88,7 @@ impl Server {
 
 /// The notice is that the engine has come back, and from where the object goes on.
 impl Role for Server {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Body;
 
     fn receive(&mut self, now_us: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

@@ -30,21 +30,15 @@
 //! ball's way is not hit. A game has up to [`RALLIES`] rallies, a rally up to 65,535 strokes; points stop at 255. The server's
 //! word is the game's: it ends with it.
 
-mod bounder;
-mod court;
-mod message;
+mod ball;
 mod player;
 mod rules;
 mod server;
-mod stroke;
 
-pub use bounder::{BallBounds, MotionBounder, RoundTrips};
-pub use court::{Ball, Court};
-pub use message::Message;
+pub use ball::{Ball, BallBounds, Court, Impact, MotionBounder, Racket, RoundTrips};
 pub use player::{Notice, Player, PlayerConfig, Strike};
 pub use rules::{
-    Ending, Game, HEARTBEAT_LIMIT_US, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SAY_AGAIN_US, SERVER,
-    Turn, Verdict,
+    Ending, Game, HEARTBEAT_LIMIT_US, Message, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SAY_AGAIN_US,
+    SERVER, Turn, Verdict,
 };
 pub use server::{Server, ServerConfig};
-pub use stroke::{Impact, Racket};

@@ -1,16 +1,11 @@
 //! A player: hits when it is active, knows where the ball is when it is not.
 
-use super::bounder::{BallBounds, RoundTrips};
-use super::court::{Ball, Court};
-use super::message::Message;
+use super::ball::{Ball, BallBounds, Court, Impact, Racket, RoundTrips};
 use super::rules::{
-    Ending, Game, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
+    Ending, Game, Message, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
 };
-use super::stroke::{Impact, Racket};
-use crate::clock::Clock;
-use crate::notices::Notices;
 use crate::roles::{Out, Role};
-use crate::wire::PeerId;
+use crate::{clock::Clock, notices::Notices, wire::PeerId};
 
 /// What a player is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +23,8 @@ pub struct PlayerConfig {
 /// What a player has to tell its user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Notice {
-    /// A rally begins.
-    Begins {
-        /// Which.
-        rally: u16,
-    },
+    /// This rally begins.
+    Begins(u16),
     /// Somebody has hit the ball.
     Hit {
         /// Which hit.
@@ -72,7 +64,6 @@ struct Flight {
     unseen: bool,
 }
 
-/// What is known of another peer.
 #[derive(Clone, Copy, Debug, Default)]
 struct Other {
     /// The newest hit that it knows.
@@ -147,7 +138,7 @@ impl Player {
     }
 
     /// The time on the server's clock, once that is known, µs.
-    pub fn game_us(&self, now: u64) -> Option<u64> {
+    fn game_us(&self, now: u64) -> Option<u64> {
         now.checked_add_signed(self.clock.offset_us(now)?)
     }
 
@@ -249,7 +240,7 @@ impl Player {
                     self.flight = Flight { turn, ..Flight::default() };
                 }
                 self.lost = None;
-                self.notices.put(Notice::Begins { rally: game.rally });
+                self.notices.put(Notice::Begins(game.rally));
             }
         }
         if newer || game.revision == self.game.revision {
@@ -331,8 +322,7 @@ impl Player {
 }
 
 impl Role for Player {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Notice;
 
     fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

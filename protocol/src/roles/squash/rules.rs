@@ -1,6 +1,7 @@
-//! Rules of the game: how many play, what is said how often, and the state of the game that the server has.
+//! Rules of the game: how many play, the state of the game that the server has, and what is said how often.
 
-use crate::bytes::{byte_enum, layout};
+use super::ball::Ball;
+use crate::bytes::{byte_enum, layout, messages};
 use crate::wire::PeerId;
 
 /// Players that a game can have.
@@ -21,45 +22,32 @@ pub const SERVER: PeerId = PeerId(0);
 
 layout! {
     /// Which hit of which rally. Stroke 0 is before the serve, 1 is the serve.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    #[derive(Eq, PartialOrd, Ord)]
     pub struct Turn(4 bytes) {
-        /// 1, 2, 3 …
-        0 => rally: u16,
-        /// How often the ball has been hit.
-        2 => stroke: u16,
+        0 => rally: u16, "1, 2, 3 …";
+        2 => stroke: u16, "How often the ball has been hit.";
     }
 }
 
 byte_enum! {
     /// What the server is doing.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Phase("phase") {
-        /// Players come; or all are told how the last rally ended.
-        #[default]
-        Waiting = 0,
-        /// A rally.
-        Rally = 1,
-        /// The game is over.
-        Over = 2,
+        0 => Waiting, "Players come; or all are told how the last rally ended.";
+        1 => Rally, "A rally.";
+        2 => Over, "The game is over.";
     }
 }
 
 byte_enum! {
     /// How a rally ended.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Ending("ending") {
-        /// Nothing has ended yet.
-        #[default]
-        None = 0,
-        /// The active player did not hit the ball before it left the court: a point for who hit it last.
-        Missed = 1,
-        /// The active player did not send the ball to the front: a point for who hit it before.
-        Fault = 2,
-        /// The ball had left the court before the active player knew that it was hit: played again. A bounder is there to
-        /// make this impossible.
-        Unseen = 3,
-        /// A player has left or was no longer heard: played again.
-        Broken = 4,
+        0 => None, "Nothing has ended yet.";
+        1 => Missed, "The active player did not hit the ball before it left the court: a point for who hit it last.";
+        2 => Fault, "The active player did not send the ball to the front: a point for who hit it before.";
+        3 => Unseen,
+            "The ball had left the court before the active player knew that it was hit: played again. A bounder is \
+             there to make this impossible.";
+        4 => Broken, "A player has left or was no longer heard: played again.";
     }
 }
 
@@ -72,37 +60,25 @@ impl Ending {
 
 layout! {
     /// What a rally came to.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Verdict(6 bytes) {
-        /// Which rally; 0 while there was none.
-        0 => rally: u16,
-        /// Hits.
-        2 => strokes: u16,
-        /// How it ended.
-        4 => ending: Ending,
-        /// Who was active then.
-        5 => loser: PeerId,
+        0 => rally: u16, "Which rally; 0 while there was none.";
+        2 => strokes: u16, "Hits.";
+        4 => ending: Ending, "How it ended.";
+        5 => loser: PeerId, "Who was active then.";
     }
 }
 
 layout! {
     /// The game as the server has it; a higher revision is newer.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Game(31 bytes) {
-        /// What the server is doing.
-        0 => phase: Phase,
-        /// The rally that is on, or the last one.
-        1 => rally: u16,
-        /// 1, 2, 3 … with every change but that of the round trip.
-        3 => revision: u16,
-        /// The players in the order in which they hit; the first one serves. 0 is nobody.
+        0 => phase: Phase, "What the server is doing.";
+        1 => rally: u16, "The rally that is on, or the last one.";
+        3 => revision: u16, "1, 2, 3 … with every change but that of the round trip.";
         5 => players: [PeerId; PLAYERS],
-        /// The longest round trip between any two, µs; 0 is no bound.
-        13 => round_trip_us: u32,
-        /// What the last rally came to.
-        17 => last: Verdict,
-        /// Points of player 1, 2, 3 …
-        23 => score: [u8; PLAYERS],
+            "The players in the order in which they hit; the first one serves. 0 is nobody.";
+        13 => round_trip_us: u32, "The longest round trip between any two, µs; 0 is no bound.";
+        17 => last: Verdict, "What the last rally came to.";
+        23 => score: [u8; PLAYERS], "Points of player 1, 2, 3 …";
     }
 }
 
@@ -122,4 +98,44 @@ impl Game {
 /// Where in a table a player is.
 pub(super) fn place_of(player: PeerId) -> usize {
     usize::from(player.0).wrapping_sub(1)
+}
+
+messages! {
+    /// What players and server say to each other. Times are µs on the clock of who wrote them first, in a hit on the server's.
+    pub enum Message("squash", code 0x0103, about 0, flow Game Place Ping Pong) {
+        /// Player: I would like to play.
+        Join = 1, 4 bytes
+        /// Player: I stop.
+        Leave = 2, 4 bytes
+        /// Server: the game as it stands.
+        Game = 3, 32 bytes:
+            1 => game: Game, "All of it.";
+        /// Player, every 50 ms: where I am, and what I know. Newest wins.
+        Place = 4, 34 bytes:
+            2 => turn: Turn, "The newest hit that is known.";
+            6 => revision: u16, "The newest state of the game that is known.";
+            8 => life: u16, "Which life of the player.";
+            10 => number: u32, "1, 2, 3 … in the order of sending.";
+            14 => round_trip_us: u32, "The longest round trip that was measured to anybody, µs.";
+            18 => racket: Ball, "The racket: position and velocity.";
+        /// Active player: I have hit the ball.
+        Hit = 5, 32 bytes:
+            2 => turn: Turn, "Which hit.";
+            8 => at_us: u64, "When, µs on the server's clock.";
+            16 => ball: Ball, "The ball just after.";
+        /// Active player: the ball is lost.
+        Miss = 6, 8 bytes:
+            1 => ending: Ending, "Why.";
+            2 => turn: Turn, "The hit that was not returned.";
+        /// Anybody: how far away are you, and what time is it there?
+        Ping = 7, 16 bytes:
+            4 => number: u32, "1, 2, 3 …";
+            8 => sent_us: u64, "When it was sent first, µs.";
+        /// The answer.
+        Pong = 8, 32 bytes:
+            4 => number: u32, "Of the ping.";
+            8 => sent_us: u64, "Of the ping.";
+            16 => received_us: u64, "When it came, µs.";
+            24 => answered_us: u64, "When it was answered, µs.";
+    }
 }

@@ -2,16 +2,15 @@
 
 use core::convert::Infallible;
 
-use super::bounder::RoundTrips;
-use super::message::Message;
+use super::ball::RoundTrips;
 use super::rules::{
-    Ending, Game, HEARTBEAT_LIMIT_US, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SERVER, Turn, Verdict, place_of,
+    Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SERVER, Turn, Verdict, place_of,
 };
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// What a server is told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ServerConfig {
     /// Players that the game begins with; later ones come in between two rallies. 2 to [`PLAYERS`].
     pub players: u8,
@@ -21,7 +20,6 @@ pub struct ServerConfig {
     pub bounder: bool,
 }
 
-/// What is known of a player.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seat {
     wants: bool,
@@ -34,7 +32,7 @@ struct Seat {
 }
 
 /// The server.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Server {
     config: ServerConfig,
     game: Game,
@@ -48,14 +46,7 @@ pub struct Server {
 impl Server {
     /// A server that waits for players.
     pub fn new(config: ServerConfig) -> Self {
-        Self {
-            config,
-            game: Game::default(),
-            seats: [Seat::default(); PLAYERS],
-            turn: Turn::default(),
-            trips: RoundTrips::default(),
-            next_us: 0,
-        }
+        Self { config, ..Self::default() }
     }
 
     /// The game.
@@ -77,7 +68,6 @@ impl Server {
         }
     }
 
-    /// The rally is over.
     fn end(&mut self, ending: Ending, active: PeerId) {
         let strokes = self.turn.stroke;
         self.game.last = Verdict { rally: self.game.rally, strokes, ending, loser: active };
@@ -130,8 +120,7 @@ impl Server {
 }
 
 impl Role for Server {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Infallible;
 
     fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

@@ -73,13 +73,6 @@ impl PageSet {
     }
 }
 
-/// The first of these that fit into one question, which spans 256 numbers.
-fn batch_of(numbers: impl Iterator<Item = usize>) -> Vec<usize, BURST> {
-    let mut numbers = numbers.peekable();
-    let first = numbers.peek().copied().unwrap_or(0);
-    numbers.filter(|number| (first..first + Bits::COUNT).contains(number)).take(BURST).collect()
-}
-
 /// What a client knows of one server's world.
 #[derive(Clone, Debug, Default)]
 pub struct Download<const N: usize> {
@@ -164,7 +157,7 @@ impl<const N: usize> Download<N> {
     pub fn poll(&mut self, now: u64, timeout_us: u64) -> Option<Ask> {
         if now >= self.manifest_us || core::mem::take(&mut self.doubt) {
             self.manifest_us = now.saturating_add(if self.told.is_some() { REFRESH_US } else { timeout_us.max(1) });
-            return Some(self.ask(Topic::Manifest, 0..1));
+            return self.ask(Topic::Manifest, 0..1);
         }
         self.told?;
         // Once more when a round is over: what has not come in it is due again.
@@ -183,36 +176,35 @@ impl<const N: usize> Download<N> {
         None
     }
 
-    fn ask(&self, topic: Topic, numbers: impl IntoIterator<Item = usize>) -> Ask {
-        let mut ask = Ask { topic, scope: self.scope, tag: self.tag, ..Ask::default() };
-        let mut first = None;
-        for number in numbers {
-            let first = *first.get_or_insert(number);
-            ask.first = u16::try_from(first).unwrap_or(0);
-            ask.wanted.set(number.saturating_sub(first));
-        }
-        ask
+    /// A question for these numbers, or as many of them as fit into one: [`BURST`], of the 256 from the first.
+    fn ask(&self, topic: Topic, numbers: impl Iterator<Item = usize>) -> Option<Ask> {
+        let mut numbers = numbers.peekable();
+        let first = *numbers.peek()?;
+        let number = u16::try_from(first).ok()?;
+        let mut ask = Ask { topic, first: number, scope: self.scope, tag: self.tag, ..Ask::default() };
+        let fitting = numbers.filter(|number| (first..first + Bits::COUNT).contains(number)).take(BURST);
+        fitting.for_each(|number| ask.wanted.set(number.saturating_sub(first)));
+        Some(ask)
     }
 
     /// A question for things that are missing and were not asked for in this round.
     fn missing(&mut self) -> Option<Ask> {
-        let asked = |number: &usize| self.asked_regions >> number & 1 == 1;
-        let regions = self.regions.iter().enumerate().filter(|(_, known)| known.is_none()).map(|(number, _)| number);
-        let batch = batch_of(regions.filter(|number| !asked(number)));
-        if !batch.is_empty() {
-            batch.iter().for_each(|number| self.asked_regions |= 1 << number);
-            return Some(self.ask(Topic::Region, batch));
+        let regions = (0..).zip(&self.regions).filter(|(_, known)| known.is_none()).map(|(number, _)| number);
+        if let Some(ask) = self.ask(Topic::Region, regions.filter(|number| self.asked_regions >> number & 1 == 0)) {
+            ask.numbers().for_each(|number| self.asked_regions |= 1 << number);
+            return Some(ask);
         }
-        let batch = batch_of((0..self.page_count()).filter(|at| !self.pages.has(*at) && !self.asked_pages.has(*at)));
-        if !batch.is_empty() {
-            batch.iter().for_each(|number| self.asked_pages.set(*number));
-            return Some(self.ask(Topic::Page, batch));
+        let pages = (0..self.page_count()).filter(|at| !self.pages.has(*at) && !self.asked_pages.has(*at));
+        if let Some(ask) = self.ask(Topic::Page, pages) {
+            ask.numbers().for_each(|number| self.asked_pages.set(number));
+            return Some(ask);
         }
         let missing = self.entries.iter().filter(|entry| !entry.held && !entry.asked);
-        let batch = batch_of(missing.map(|entry| usize::from(entry.number)));
-        let asked = self.entries.iter_mut().filter(|entry| batch.contains(&usize::from(entry.number)));
-        asked.for_each(|entry| entry.asked = true);
-        (!batch.is_empty()).then(|| self.ask(Topic::Object, batch))
+        let ask = self.ask(Topic::Object, missing.map(|entry| usize::from(entry.number)))?;
+        for entry in &mut self.entries {
+            entry.asked |= entry.number.checked_sub(ask.first).is_some_and(|bit| ask.wanted.has(bit.into()));
+        }
+        Some(ask)
     }
 
     fn page_count(&self) -> usize {

@@ -1,11 +1,9 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
 use super::message::{Copy, Message};
-use crate::notices::Notices;
-use crate::roles::collaborative::lease::Requests;
 use crate::roles::collaborative::{Lease, NotOwner, Value};
 use crate::roles::{Out, Role};
-use crate::wire::PeerId;
+use crate::{notices::Notices, roles::collaborative::lease::Requests, wire::PeerId};
 
 /// Where a client stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,20 +36,11 @@ pub enum Notice {
     /// It may no longer: the server was not heard in time. What was edited stays local.
     Expired,
     /// What it released is the official copy of this version.
-    Published {
-        /// The version.
-        version: u32,
-    },
-    /// What it released was too late: somebody else had been granted the object.
-    TooLate {
-        /// Number of the grant that had run out.
-        fence: u32,
-    },
-    /// There is a new official copy: the local one is to follow it.
-    Changed {
-        /// The version.
-        version: u32,
-    },
+    Published(u32),
+    /// What it released was too late: this grant had run out, and somebody else had been granted the object.
+    TooLate(u32),
+    /// There is a new official copy, this version: the local one is to follow it.
+    Changed(u32),
 }
 
 /// One user's claim to one object.
@@ -168,9 +157,9 @@ impl Client {
                 if fence > self.copy.version {
                     self.copy = Copy { version: fence, value };
                 }
-                self.notices.put(Notice::Published { version: fence });
+                self.notices.put(Notice::Published(fence));
             }
-            Some(_) => self.notices.put(Notice::TooLate { fence }),
+            Some(_) => self.notices.put(Notice::TooLate(fence)),
             None => {}
         }
     }
@@ -178,7 +167,7 @@ impl Client {
     fn learn(&mut self, copy: Copy) {
         if copy.version > self.copy.version {
             self.copy = copy;
-            self.notices.put(Notice::Changed { version: copy.version });
+            self.notices.put(Notice::Changed(copy.version));
         }
     }
 
@@ -194,8 +183,7 @@ impl Client {
 }
 
 impl Role for Client {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Notice;
 
     fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

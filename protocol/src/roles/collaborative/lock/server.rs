@@ -10,7 +10,7 @@ use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
 /// What a server must still know after a crash. Store it before sending what came with the change.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record<const CLIENTS: usize> {
     /// The official copy.
     pub copy: Copy,
@@ -174,8 +174,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
 }
 
 impl<const CLIENTS: usize> Role for Server<CLIENTS> {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Infallible;
 
     fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

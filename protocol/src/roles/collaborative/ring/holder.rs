@@ -1,12 +1,9 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
-use super::message::{Ballot, Message, State};
+use super::message::{Ballot, Message, Roster, SEATS, State};
 use super::part::{Held, Holding, Other, Part, Stage};
-use super::roster::{Roster, SEATS};
 use super::{Notice, Ring};
-use crate::roles::Out;
-use crate::roles::collaborative::Value;
-use crate::wire::PeerId;
+use crate::{roles::Out, roles::collaborative::Value, wire::PeerId};
 
 /// Turns and leases of silence after which a member is left out.
 const ABSENT_AFTER: u8 = 8;
@@ -119,7 +116,7 @@ impl Ring {
                 }
                 holding.stage = Stage::Done;
                 if publishes {
-                    self.notices.put(Notice::Published { version: self.record.state.version });
+                    self.notices.put(Notice::Published(self.record.state.version));
                 }
             }
             Stage::Editing { since_us } => {

@@ -1,33 +1,95 @@
-//! What the members of a ring say to each other; the event's code is [`code::RING`].
+//! Who the members of a ring are, and what they say to each other.
 
-use super::roster::Roster;
-use crate::bytes::{layout, messages};
+use crate::bytes::{layout, messages, newtype};
 use crate::roles::collaborative::Value;
-use crate::roles::{carried_by_events, code};
+
+/// Seats there can be: the peers numbered 0 to 15.
+pub const SEATS: u8 = 16;
+
+/// A set of seats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Roster(pub(super) u16);
+
+newtype!(Roster);
+
+impl Roster {
+    /// Nobody.
+    pub const EMPTY: Self = Self(0);
+
+    /// These seats; a number from [`SEATS`] up is none.
+    pub fn of(seats: impl IntoIterator<Item = u8>) -> Self {
+        seats.into_iter().fold(Self::EMPTY, Self::with)
+    }
+
+    /// The set with this seat.
+    #[must_use]
+    pub fn with(self, seat: u8) -> Self {
+        Self(self.0 | Self::bit(seat))
+    }
+
+    /// The set without this seat.
+    #[must_use]
+    pub fn without(self, seat: u8) -> Self {
+        Self(self.0 & !Self::bit(seat))
+    }
+
+    /// Both sets together.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether the seat is one of them.
+    pub fn contains(self, seat: u8) -> bool {
+        self.0 & Self::bit(seat) != 0
+    }
+
+    /// How many they are.
+    pub fn len(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    /// Nobody at all.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// How many of them are more than half: at least 1, so that nobody is no majority of nothing.
+    pub fn majority(self) -> u32 {
+        self.len() / 2 + 1
+    }
+
+    /// The seats, ascending.
+    pub fn seats(self) -> impl Iterator<Item = u8> {
+        (0..SEATS).filter(move |seat| self.contains(*seat))
+    }
+
+    /// The seats in the order of the ring, beginning after `seat` and ending with it.
+    pub fn after(self, seat: u8) -> impl Iterator<Item = u8> {
+        (1..=SEATS).map(move |step| seat.wrapping_add(step) % SEATS).filter(move |seat| self.contains(*seat))
+    }
+
+    fn bit(seat: u8) -> u16 {
+        1_u16.checked_shl(u32::from(seat)).unwrap_or(0)
+    }
+}
 
 layout! {
     /// A right to propose: which token, and which of its turns.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+    #[derive(Eq, PartialOrd, Ord)]
     pub struct Ballot(8 bytes) {
-        /// Which token. The low 4 bits are the seat of who made it.
-        0 => epoch: u32,
-        /// How often it has been passed.
-        4 => turn: u32,
+        0 => epoch: u32, "Which token. The low 4 bits are the seat of who made it.";
+        4 => turn: u32, "How often it has been passed.";
     }
 }
 
 layout! {
     /// What is passed around: the object, and who the members are.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct State(32 bytes) {
-        /// How often it has been changed.
-        0 => version: u32,
-        /// The members.
-        4 => roster: Roster,
-        /// The members before this version.
-        6 => before: Roster,
-        /// What the object is.
-        8 => value: Value,
+        0 => version: u32, "How often it has been changed.";
+        4 => roster: Roster, "The members.";
+        6 => before: Roster, "The members before this version.";
+        8 => value: Value, "What the object is.";
     }
 }
 
@@ -46,62 +108,38 @@ impl State {
 
 messages! {
     /// A message about one object.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Message("ring", code::RING, about 1) {
+    pub enum Message("ring", code 0x0102, about 1) {
         /// Holder: I have the token; keep this state, and vote for nobody else for a lease.
-        Hold = 1, 48 bytes {
-            /// The holder's.
-            4 => ballot: Ballot,
-            /// The object and its members.
-            12 => state: State,
-            /// 1, 2, 3 … in the order of sending.
-            44 => number: u32,
-        }
+        Hold = 1, 48 bytes:
+            4 => ballot: Ballot, "The holder's.";
+            12 => state: State, "The object and its members.";
+            44 => number: u32, "1, 2, 3 … in the order of sending.";
         /// Member: so be it.
-        Held = 2, 20 bytes {
-            /// Of the hold.
-            4 => ballot: Ballot,
-            /// Of the state that is kept.
-            12 => version: u32,
-            /// Of the hold.
-            16 => number: u32,
-        }, flags {
-            /// It would like to edit.
-            wants: bool,
-            /// It would like to leave the ring.
-            leaves: bool,
-        }
+        Held = 2, 20 bytes:
+            4 => ballot: Ballot, "Of the hold.";
+            12 => version: u32, "Of the state that is kept.";
+            16 => number: u32, "Of the hold.";
+            flags
+                wants: bool, "It would like to edit.";
+                leaves: bool, "It would like to leave the ring.";
         /// Holder: the token is yours.
-        Pass = 3, 44 bytes {
-            /// The next holder's.
-            4 => ballot: Ballot,
-            /// The object and its members.
-            12 => state: State,
-        }
+        Pass = 3, 44 bytes:
+            4 => ballot: Ballot, "The next holder's.";
+            12 => state: State, "The object and its members.";
         /// Candidate: the token seems to be lost; may I make a new one?
-        Elect = 4, 8 bytes {
-            /// Of the new token; no two candidates have the same.
-            4 => epoch: u32,
-        }
+        Elect = 4, 8 bytes:
+            4 => epoch: u32, "Of the new token; no two candidates have the same.";
         /// Member: you may, and this is the newest that I know. I hear no lower epoch from now on.
-        Vote = 5, 48 bytes {
-            /// Of the new token.
-            4 => epoch: u32,
-            /// Under which the state was kept.
-            8 => ballot: Ballot,
-            /// The object and its members.
-            16 => state: State,
-        }
+        Vote = 5, 48 bytes:
+            4 => epoch: u32, "Of the new token.";
+            8 => ballot: Ballot, "Under which the state was kept.";
+            16 => state: State, "The object and its members.";
         /// Member: I have promised to hear no epoch below this.
-        Newer = 6, 8 bytes {
-            /// The promise.
-            4 => epoch: u32,
-        }
+        Newer = 6, 8 bytes:
+            4 => epoch: u32, "The promise.";
         /// Somebody who would like to be a member.
         Join = 7, 4 bytes
         /// A member who would like to leave, and to be told when it has.
         Leave = 8, 4 bytes
     }
 }
-
-carried_by_events!(Message);

@@ -26,23 +26,19 @@
 
 use super::lease::Requests;
 use super::{Lease, NotOwner, Value};
-use crate::notices::Notices;
 use crate::roles::{Out, Role};
-use crate::wire::PeerId;
+use crate::{notices::Notices, wire::PeerId};
 
-mod candidate;
 mod holder;
 mod member;
 mod message;
 mod part;
-mod roster;
 
-pub use message::{Ballot, Message, State};
+pub use message::{Ballot, Message, Roster, SEATS, State};
 use part::{Other, Part};
-pub use roster::{Roster, SEATS};
 
 /// What a member must still know after a crash. Store it before sending what came with the change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// No lower epoch is heard.
     pub promised: u32,
@@ -85,11 +81,8 @@ pub struct Config {
 pub enum Notice {
     /// It may edit.
     Granted,
-    /// What it published is kept by a majority.
-    Published {
-        /// The version.
-        version: u32,
-    },
+    /// What it published is kept by a majority, as this version.
+    Published(u32),
     /// Its turn was over before it had published: what it edited stays local.
     Overdue,
     /// The token was made anew elsewhere. What it edited stays local; what it was publishing may have been taken or not.
@@ -240,8 +233,7 @@ impl Ring {
 }
 
 impl Role for Ring {
-    type Hears = Message;
-    type Says = Message;
+    type Message = Message;
     type Notice = Notice;
 
     fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {

@@ -1,9 +1,7 @@
 //! Part: what a member of a ring is just now, and what it keeps of it.
 
-use super::message::{Ballot, State};
-use super::roster::{Roster, SEATS};
+use super::message::{Ballot, Roster, SEATS, State};
 
-/// What a member is just now.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
 pub(super) enum Part {
@@ -17,7 +15,6 @@ pub(super) enum Part {
     },
 }
 
-/// What a candidate has heard.
 #[derive(Clone, Debug)]
 pub(super) struct Candidacy {
     pub(super) votes: Roster,
@@ -27,7 +24,6 @@ pub(super) struct Candidacy {
 }
 
 impl Candidacy {
-    /// Whose votes count.
     pub(super) fn electorate(&self) -> Roster {
         self.state.everybody()
     }
@@ -55,7 +51,6 @@ pub(super) enum Stage {
     Done,
 }
 
-/// A turn of the token.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Holding {
     pub(super) held: [Option<Held>; SEATS as usize],
@@ -75,7 +70,6 @@ impl Holding {
     }
 }
 
-/// What is known of another seat.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Other {
     pub(super) heard_us: Option<u64>,

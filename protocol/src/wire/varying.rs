@@ -1,9 +1,8 @@
-//! Event and sample: numbers, and bytes whose meaning is the application's. An event must arrive, in order (a hit, a lock, a change
-//! of settings); a sample is what an instrument saw, once, and lost if it is lost.
+//! Messages of varying length: events and samples (numbers, and bytes whose meaning is the application's), and where clients are.
 
 use core::fmt;
 
-use crate::bytes::{Field, Reader, Writer};
+use crate::bytes::{Field, Reader, Writer, layout};
 use crate::error::Error;
 
 /// Up to `N` bytes.
@@ -103,7 +102,7 @@ macro_rules! with_payload {
 }
 
 with_payload! {
-    /// Something that happens once.
+    /// Something that happens once (a hit, a lock, a change of settings), and must arrive, in order.
     Event("event", kind 3, up to 48 bytes) {
         /// What the payload means, for the application to choose.
         code: u16,
@@ -113,7 +112,7 @@ with_payload! {
 }
 
 with_payload! {
-    /// What an instrument saw.
+    /// What an instrument saw, once, and lost if it is lost.
     Sample("sample", kind 9, up to 88 bytes) {
         /// What the payload means, for the application to choose.
         code: u16,
@@ -124,5 +123,74 @@ impl Event {
     /// The same event at another place in the sender's order.
     pub fn numbered(self, number: u32) -> Self {
         Self { number, ..self }
+    }
+}
+
+layout! {
+    /// One client seen somewhere.
+    pub struct Sighting(20 bytes) {
+        0 => who: u32, "Which client: its line.";
+        4 => position: [f32; 2], "Position, m.";
+        12 => velocity: [f32; 2], "Velocity, m/s.";
+    }
+}
+
+/// Where clients are, so that they are aware of each other. A client tells its own place once each packet period, to its server
+/// or straight to another client; a server answers with places of others. Newest wins.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Presence {
+    /// The client's tick; in an answer, the newest that the server has from it.
+    pub tick: u32,
+    seen: [Sighting; Presence::MOST],
+    count: u8,
+}
+
+impl Presence {
+    /// First byte.
+    pub const KIND: u8 = 18;
+    /// Most clients in one message.
+    pub const MOST: usize = 4;
+    /// Longest message, bytes.
+    pub const MAX_LEN: usize = Self::HEAD + Sighting::LEN * Self::MOST;
+
+    const HEAD: usize = 8;
+    /// The first [`Presence::MOST`] of `seen`.
+    pub fn new(tick: u32, seen: impl IntoIterator<Item = Sighting>) -> Self {
+        let mut presence = Self { tick, ..Self::default() };
+        for (to, from) in presence.seen.iter_mut().zip(seen) {
+            *to = from;
+            presence.count = presence.count.saturating_add(1);
+        }
+        presence
+    }
+
+    /// Who was seen where.
+    pub fn seen(&self) -> &[Sighting] {
+        self.seen.get(..usize::from(self.count)).unwrap_or(&[])
+    }
+
+    /// Reads a message, which must fill `bytes` exactly.
+    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
+        let count = bytes.get(1).copied().map_or(0, usize::from);
+        let mut presence = Self::default();
+        let seen = presence.seen.get_mut(..count).ok_or(Error::OutOfRange { message: "presence", field: "count" })?;
+        let mut reader = Reader::exact(bytes, "presence", Self::HEAD + Sighting::LEN * count)?;
+        reader.kind(Self::KIND)?;
+        presence.count = reader.get()?;
+        reader.zeros_to(4)?;
+        presence.tick = reader.get()?;
+        for sighting in seen {
+            *sighting = reader.get()?;
+        }
+        Ok(presence)
+    }
+
+    /// Writes the message to the front of `out` and gives its length.
+    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
+        let mut writer = Writer::new(out, "presence");
+        writer.bytes(&[Self::KIND, self.count, 0, 0]);
+        writer.put(&self.tick);
+        self.seen().iter().for_each(|sighting| writer.put(sighting));
+        writer.end()
     }
 }

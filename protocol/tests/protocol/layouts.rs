@@ -1,7 +1,10 @@
 //! Every message as bytes that were written down by hand, and what version 1 refuses.
 
-use super::*;
-use crate::world::{Manifest, Object, Scope};
+use haptic_protocol::wire::{
+    Ack, Ask, Bits, Error, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE, Message, Moved, Page,
+    Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES, Telemetry, Topic,
+};
+use haptic_protocol::world::{Manifest, Object, Scope};
 
 /// The message is these bytes, and they are the message.
 fn is(message: impl Into<Message>, bytes: &[u8]) {
@@ -50,10 +53,10 @@ fn flow() {
         energy_sent: 125.0,
     };
     is(flow, &bytes);
-    refused(&bytes, 1, &[4], Error::Reserved { message: "flow" });
-    refused(&bytes, 3, &[1], Error::Reserved { message: "flow" });
-    refused(&bytes, 8, &f32::NAN.to_le_bytes(), Error::NotFinite { message: "flow" });
-    refused(&bytes, 28, &f64::INFINITY.to_le_bytes(), Error::NotFinite { message: "flow" });
+    refused(&bytes, 1, &[4], Error::Reserved("flow"));
+    refused(&bytes, 3, &[1], Error::Reserved("flow"));
+    refused(&bytes, 8, &f32::NAN.to_le_bytes(), Error::NotFinite("flow"));
+    refused(&bytes, 28, &f64::INFINITY.to_le_bytes(), Error::NotFinite("flow"));
     // Too little room is an error.
     let wanted = Err(Error::Length { message: "flow", wanted: 36, got: 35 });
     assert_eq!(Flow::default().emit(&mut [0; 35]), wanted);
@@ -102,14 +105,14 @@ fn push_and_moved() {
     let numbers = [0, 0, 0x80, 0x3f, 0, 0, 0, 0xbf, 0, 0, 0x20, 0x40, 0, 0, 0, 0];
     let bytes = [&[19, 0, 0, 0, 4, 3, 2, 1, 5, 0, 0, 0, 0, 0, 0, 0][..], &numbers].concat();
     is(push, &bytes);
-    refused(&bytes, 2, &[1], Error::Reserved { message: "push" });
-    refused(&bytes, 16, &f32::NAN.to_le_bytes(), Error::NotFinite { message: "push" });
+    refused(&bytes, 2, &[1], Error::Reserved("push"));
+    refused(&bytes, 16, &f32::NAN.to_le_bytes(), Error::NotFinite("push"));
 
     let moved = Moved { version: 9, axes: [[1.0, -0.5], [2.5, 0.0]], echo_us: 5, came_us: 6, sent_us: 0x0708 };
     let times = [5, 0, 0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 0, 0, 0, 0, 8, 7, 0, 0, 0, 0, 0, 0];
     let bytes = [&[20, 0, 0, 0, 9, 0, 0, 0][..], &numbers, &times].concat();
     is(moved, &bytes);
-    refused(&bytes, 1, &[1], Error::Reserved { message: "moved" });
+    refused(&bytes, 1, &[1], Error::Reserved("moved"));
 }
 
 #[test]
@@ -183,7 +186,7 @@ fn part() {
     bytes[36..38].copy_from_slice(&[3, 2]);
     is(Part { number: 5, tag: 0, world: 0, payload: Payload::Page(page) }, &bytes);
     // A checksum of an object that is not in scope.
-    refused(&bytes, 28, &[1], Error::Reserved { message: "part" });
+    refused(&bytes, 28, &[1], Error::Reserved("part"));
 
     let mut bytes = [0; Part::HEAD + Object::LEN];
     bytes[..2].copy_from_slice(&[Part::KIND, 3]);
@@ -203,9 +206,9 @@ fn header() {
     datagram[..16].copy_from_slice(&bytes);
     assert_eq!(Header::parse(&mut datagram), Ok((header, &bytes, &mut [0x55; 17][..])));
     datagram[0] = 2;
-    assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion { version: 2 }));
+    assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion(2)));
     datagram[..2].copy_from_slice(&[1, 4]);
-    assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind { kind: 4 }));
+    assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind(4)));
     let error = Error::Length { message: "sealed", wanted: 32, got: 31 };
     assert_eq!(Header::parse(&mut datagram[..31]), Err(error));
 }
@@ -242,5 +245,5 @@ fn greeting() {
     bytes[48] = 17;
     assert_eq!(Greeting::parse(&bytes), Err(Error::OutOfRange { message: "greeting", field: "count" }));
     bytes[48] = 1;
-    assert_eq!(Greeting::parse(&bytes), Err(Error::Reserved { message: "greeting" }));
+    assert_eq!(Greeting::parse(&bytes), Err(Error::Reserved("greeting")));
 }

@@ -1,0 +1,97 @@
+//! What can be read of a datagram: a greeting (hello or welcome), authenticated by the shared key, or the header of a sealed one.
+
+use crate::bytes::{Reader, byte_enum, emit, layout, newtype};
+use crate::error::{Error, VERSION};
+use crate::key::TAG_LEN;
+
+/// Which peer of the installation; the two ends of a link have different numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PeerId(pub u8);
+
+newtype!(PeerId);
+
+layout! {
+    /// The readable part of a sealed datagram. It is authenticated together with what it heads: 16 bytes, then the sealed message,
+    /// then a tag of 16 bytes. Kinds 1 and 2 are greetings.
+    pub struct Header(16 bytes, version VERSION, kind 3) {
+        2 => from: PeerId, "Who sent it.";
+        3 => to: PeerId, "For whom it is.";
+        4 => session: u32, "Which session's keys seal it.";
+        8 => sequence: u64, "Place in the sender's order, and the nonce.";
+    }
+}
+
+impl Header {
+    /// Takes a sealed datagram apart: header as bytes and as fields, and the sealed rest with its tag.
+    pub fn parse(datagram: &mut [u8]) -> Result<(Self, &[u8; Self::LEN], &mut [u8]), Error> {
+        let least = Error::Length { message: "sealed", wanted: Self::LEN + TAG_LEN, got: datagram.len() };
+        if datagram.len() < Self::LEN + TAG_LEN {
+            return Err(least);
+        }
+        let (head, sealed) = datagram.split_first_chunk_mut::<{ Self::LEN }>().ok_or(least)?;
+        let header = Reader::exact(head, "header", Self::LEN)?.get()?;
+        Ok((header, head, sealed))
+    }
+
+    /// The header as bytes.
+    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
+        emit(self, "header", out)
+    }
+}
+
+/// Most tables of parameters that a greeting can name.
+pub const TABLES: usize = 16;
+
+/// 16 bytes that nobody could foresee.
+pub type Challenge = [u8; 16];
+
+byte_enum! {
+    /// Hello or welcome.
+    pub enum GreetingKind("kind") {
+        1 => Hello, "Wants a session; asks for a welcome.";
+        2 => Welcome, "Answers a hello.";
+    }
+}
+
+layout! {
+    /// One step of the handshake: what is declared here, then a tag over it of 16 bytes, 200 in all. [`crate::handshake`] makes and
+    /// checks the tag and says what the two challenges do.
+    pub struct Greeting(184 bytes, version VERSION) {
+        1 => kind: GreetingKind, "Hello or welcome.";
+        2 => from: PeerId, "Who sent it.";
+        3 => to: PeerId, "For whom it is.";
+        4 => line: u32, "Which of a server's clients this is about ([`crate::key::Key::line`]); 0 between two peers.";
+        8 => challenge: Challenge, "The sender's challenge.";
+        24 => echo: Challenge, "The receiver's challenge as the sender knows it; 0 if it does not.";
+        40 => incarnation: u64,
+            "Drawn when the sender started: a different one means that it has forgotten everything.";
+        48 => count: u8 where |count| usize::from(*count) <= TABLES, "How many of `tables` are in use.";
+        56 => tables: [u64; TABLES], "Hash of each table of parameters; 0 where unused.";
+    }
+}
+
+impl Greeting {
+    /// Bytes with the tag.
+    pub const TAGGED: usize = Self::LEN + TAG_LEN;
+
+    /// Whether the second byte of a datagram names a greeting.
+    pub fn is_kind(kind: u8) -> bool {
+        kind == GreetingKind::Hello as u8 || kind == GreetingKind::Welcome as u8
+    }
+
+    /// Takes a greeting apart: fields, the bytes the tag covers, and the tag, which is **not** checked here.
+    pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &[u8; TAG_LEN]), Error> {
+        let mut reader = Reader::exact(datagram, "greeting", Self::TAGGED)?;
+        let greeting: Self = reader.get()?;
+        if greeting.tables.iter().skip(usize::from(greeting.count)).any(|unused| *unused != 0) {
+            return Err(reader.reserved());
+        }
+        let (body, tag) = datagram.split_last_chunk().ok_or(reader.length())?;
+        Ok((greeting, body, tag))
+    }
+
+    /// Writes everything but the tag to the front of `out` and gives its length, [`Greeting::LEN`].
+    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
+        emit(self, "greeting", out)
+    }
+}

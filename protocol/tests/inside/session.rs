@@ -1,0 +1,15 @@
+//! What a session counts.
+
+use super::*;
+use crate::wire::PeerId;
+
+#[test]
+fn what_is_missing_is_known_after_years() {
+    let ends = Ends { local: PeerId(1), remote: PeerId(2) };
+    let offer = Offer { challenge: [3; 16], incarnation: 4 };
+    let mut session = Session::new(&Key::new([7; Key::LEN]), ends, offer, offer, &(0, [0; TABLES]));
+    // 198 days at 250 a second.
+    session.window.take((1 << 32) + 9).unwrap();
+    session.taken = (1 << 32) + 7;
+    assert_eq!((session.taken(), session.missing()), (u32::MAX, 3));
+}
