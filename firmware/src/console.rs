@@ -10,51 +10,35 @@ use core::fmt::{self, Write};
 
 use embassy_time::{Duration, Timer};
 use firmware_parts::exchange::{Reader, Writer};
-use firmware_parts::kept::Kept;
 use firmware_parts::operator::{self, Misread, Request};
 use firmware_parts::signals::{Saving, Signals};
-use firmware_parts::status;
+use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{End, Outcome, Probe};
-use haptic_core::device::velocity::VelocityName;
-use haptic_core::num::Motion;
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Refused, SetError, Settings};
+use haptic_core::settings::{Allowed, Choice, Refused, SetError, Settings};
+use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, pace};
-use crate::fault::Cause;
-use crate::flow;
 use crate::storage::{self, Origin};
-use crate::telemetry::Telemetry;
 use crate::tick::{Peer, Plan};
+use crate::{fault::Cause, flow, telemetry::Telemetry};
 
-/// An answer.
-type Answer = Line;
-
-/// What the operator works on.
 pub(crate) struct Console {
-    /// Which of the pair.
     pub(crate) number: Number,
     /// Why the board started; stands against arming until cleared if it was no ordinary start.
     pub(crate) cause: Cause,
-    /// Nobody has acknowledged it yet.
     pub(crate) unacknowledged: bool,
-    /// Where the settings of this start came from.
     pub(crate) origin: Origin,
-    /// What the tick runs.
     pub(crate) applied: Kept,
-    /// What `set` changes.
     pub(crate) draft: Kept,
     /// [`Plan::device`] of what the tick runs.
     pub(crate) device: u32,
-    /// Scenes for the tick.
     pub(crate) plans: Writer<'static, Plan>,
     /// What it asks the tick, and what the others say.
     pub(crate) signals: &'static Signals,
-    /// Probes for the tick.
     pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
-    /// What came of them.
     pub(crate) probed: Reader<'static, Outcome>,
 }
 
@@ -63,9 +47,6 @@ const MAX_TICKS_PER_PACKET: u32 = 40;
 const _: () = assert!(pace::PERIOD_S == 0.001 && MAX_TICKS_PER_PACKET == 40, "as refusals in `plan` say");
 
 /// The settings as this board runs them, turned into what the tick takes.
-///
-/// # Errors
-/// Why this board does not run them, although a scene may have them.
 pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<'static>> {
     let mut settings = *settings;
     settings.contact.side = match number {
@@ -102,17 +83,12 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
 
 /// Why the answer is `error`.
 enum No<'a> {
-    /// It is no line.
     Misread(Misread),
-    /// A key that does not exist.
     Key(&'a str),
     /// A value that is not allowed, or that this board does not run.
     Refused(Refused<'a>),
-    /// Not in this mode.
     Mode(Mode),
-    /// `clear` has to come first.
     Clear(&'static str),
-    /// One sentence.
     Because(&'static str),
     /// The answer is longer than a line: it is cut.
     Full,
@@ -140,7 +116,7 @@ impl From<fmt::Error> for No<'_> {
 
 impl Console {
     /// Does what a line says, and answers. An answer that does not fit is cut: the first words say what matters.
-    pub(crate) async fn hear(&mut self, line: &str, telemetry: &mut Telemetry, to: &mut Answer) {
+    pub(crate) async fn hear(&mut self, line: &str, telemetry: &mut Telemetry, to: &mut Line) {
         let done = match operator::parse(line) {
             Ok(request) => self.answer(request, telemetry, to).await,
             Err(misread) => Err(No::Misread(misread)),
@@ -155,7 +131,7 @@ impl Console {
         &mut self,
         request: Request<'a>,
         telemetry: &mut Telemetry,
-        to: &mut Answer,
+        to: &mut Line,
     ) -> Result<(), No<'a>> {
         match request {
             Request::Status => self.status(to)?,
@@ -193,7 +169,7 @@ impl Console {
         Ok(())
     }
 
-    fn status(&self, to: &mut Answer) -> fmt::Result {
+    fn status(&self, to: &mut Line) -> fmt::Result {
         let signals = self.signals;
         let mode = signals.mode.get();
         write!(to, "ok board {} {} fault {} ", self.number as u8 + 1, status::name(mode), status::fault(mode))?;
@@ -267,7 +243,7 @@ impl Console {
     }
 
     /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
-    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Answer) -> Result<(), No<'static>> {
+    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
         let signals = self.signals;
@@ -280,7 +256,7 @@ impl Console {
         Ok(write!(to, "ok probing joint {} for {} ticks", probe.joint(), probe.ticks())?)
     }
 
-    fn probed(&mut self, to: &mut Answer) -> fmt::Result {
+    fn probed(&mut self, to: &mut Line) -> fmt::Result {
         self.probed.fetch();
         let outcome = *self.probed.get();
         let Outcome { joint, end, most_counts, least_counts, verdict_counts, check } = outcome;

@@ -7,15 +7,13 @@
 //! HardFault trusts nothing: its first instructions turn the bridges off with constants in registers, no stack needed, so
 //! that a stack overflow ends there too. Then it takes the stack from the top, which nothing needs any more.
 
-use core::mem::MaybeUninit;
-use core::panic::PanicInfo;
+use core::{mem::MaybeUninit, panic::PanicInfo};
 
 use cortex_m::peripheral::SCB;
 use firmware_parts::status::Stop;
 
 use crate::board::{bridges, reset};
 
-/// What is known about a stop.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 struct Trace {
@@ -24,7 +22,6 @@ struct Trace {
     stop: u32,
     /// Panic: address and length of the file's name, line. HardFault: program counter, CFSR, HFSR, fault address.
     detail: [u32; 4],
-    /// All of the above, added up.
     sum: u32,
 }
 
@@ -36,16 +33,12 @@ static mut TRACE: MaybeUninit<Trace> = MaybeUninit::uninit();
 /// Why the board started, with what is known about it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cause {
-    /// The cause.
     pub(crate) stop: Stop,
-    /// Where it happened.
     pub(crate) place: Place,
 }
 
-/// Where a stop happened.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
-    /// Not known.
     Unknown,
     /// A line of the source.
     Line(&'static str, u32),

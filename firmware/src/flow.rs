@@ -7,17 +7,15 @@
 
 use embassy_futures::select::{Either3, select3};
 use embassy_net::{IpEndpoint, Stack};
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::signal::Signal;
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::peer::{flow_of, packet_of, parameters_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
+use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, pace, random};
 use crate::sockets::{self, send_now};
@@ -47,7 +45,6 @@ pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<
     .ok()
 }
 
-/// The flow to and from the other peer.
 pub(crate) struct Flow {
     pub(crate) key: Key,
     pub(crate) number: Number,
@@ -63,7 +60,6 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    /// Takes a datagram.
     fn receive(&mut self, datagram: &mut [u8]) {
         let taken = self.link.receive(now(), datagram);
         // Before the flow is handed on: it may be the first of another life of the other peer.
@@ -95,7 +91,7 @@ impl Flow {
         while let Some(notice) = self.link.take_notice() {
             match notice {
                 Notice::Joined => defmt::info!("peer: joined"),
-                Notice::NewPeer { .. } => defmt::info!("peer: has started anew"),
+                Notice::NewPeer(_) => defmt::info!("peer: has started anew"),
                 Notice::Engaged => defmt::info!("peer: engaged, flow comes"),
                 Notice::Fading => defmt::warn!("peer: fading, no flow for 3 packets"),
                 Notice::Resumed => defmt::info!("peer: resumed, flow again"),
@@ -104,7 +100,7 @@ impl Flow {
                     self.signals.life.count();
                 }
                 Notice::Lost => defmt::warn!("peer: lost, silent for 12 packets or another session"),
-                Notice::Refused { table } => {
+                Notice::Refused(table) => {
                     defmt::error!("peer: refused, it was told other settings: table {=str}", table);
                 }
             }

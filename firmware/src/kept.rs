@@ -3,8 +3,7 @@
 //! Keys are those of [`Settings`], as scene files spell them, and `network.*`: docs/hardware.md says what each means.
 //! Addresses are taken at the next start. They are no secret and prove nothing: who the other peer is says the key.
 
-use core::fmt;
-use core::net::Ipv4Addr;
+use core::{fmt, net::Ipv4Addr};
 
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
@@ -113,9 +112,6 @@ impl Kept {
     }
 
     /// Sets the key, if it accepts the value; otherwise nothing changes.
-    ///
-    /// # Errors
-    /// There is no such key, or it does not accept the value.
     pub fn set<'a>(&mut self, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         match self.settings.set(key, value) {
             Err(SetError::Unknown) => self.addresses.set(key, value),

@@ -38,9 +38,7 @@ mod image {
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
     use firmware_parts::exchange::{Latest, Queue};
-    use firmware_parts::kept::Kept;
-    use firmware_parts::record::Record;
-    use firmware_parts::signals::Signals;
+    use firmware_parts::{kept::Kept, record::Record, signals::Signals};
     use haptic_core::device::probe::{Outcome, Probe};
     use static_cell::StaticCell;
 

@@ -11,11 +11,9 @@ use haptic_protocol::link::Link;
 use static_cell::StaticCell;
 
 use crate::board::{Number, ethernet, flash, random};
-use crate::console::Console;
 use crate::flow::{self, Flow};
-use crate::port;
-use crate::telemetry::Telemetry;
 use crate::tick::{Outgoing, Received};
+use crate::{console::Console, port, telemetry::Telemetry};
 
 fn address(number: Number) -> Ipv4Address {
     Ipv4Address::new(192, 168, 77, number as u8 + 1)

@@ -77,9 +77,6 @@ pub fn value(text: &str) -> Value<'_> {
 }
 
 /// What the line asks for.
-///
-/// # Errors
-/// It is none.
 pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
     let request = match words.next().ok_or(Misread::Empty)? {

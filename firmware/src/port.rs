@@ -9,21 +9,15 @@
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
 use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
+use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::board::Number;
-use crate::console::Console;
-use crate::sockets;
-use crate::telemetry::Telemetry;
+use crate::{board::Number, console::Console, sockets, telemetry::Telemetry};
 
-/// Port of the operator.
 const PORT: u16 = 7702;
-/// The operator's number.
 const OPERATOR: PeerId = PeerId(0);
 /// The link's period, as the operator's end has it.
 const PERIOD_US: u32 = 20_000;
@@ -40,7 +34,6 @@ pub(crate) fn link(key: &Key, number: Number, entropy: [u8; Key::LEN]) -> Option
     Link::new(Config { key: key.clone(), ends, packet_period_us: PERIOD_US, parameters, entropy }).ok()
 }
 
-/// Who is on the link.
 struct Port {
     link: &'static mut Link,
     lines: Lines,
@@ -65,7 +58,7 @@ impl Port {
         }
         while let Some(notice) = self.link.take_notice() {
             match notice {
-                Notice::NewPeer { .. } => {
+                Notice::NewPeer(_) => {
                     defmt::info!("operator: here");
                     self.lines.forget();
                     self.telemetry.stream(0);
@@ -81,7 +74,6 @@ impl Port {
     }
 }
 
-/// Listens and answers.
 #[embassy_executor::task]
 pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static mut Link, telemetry: Telemetry) -> ! {
     let (socket, mut answers) = sockets::pair(stack, PORT);

@@ -21,13 +21,10 @@
 //! | 64 | 8 | energy from and to the network (J) |
 //! | 72 | 16 | the counters of the packet that came in: energy (J), wave integral (√W·s), 2 × f64; 0 without one |
 
-use haptic_core::device::AXES;
-use haptic_core::device::encoder::Counts;
-use haptic_core::device::motor::Duty;
 use haptic_core::law::{Law, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer};
-use haptic_core::safety::Mode;
+use haptic_core::{device::AXES, device::encoder::Counts, device::motor::Duty, safety::Mode};
 
 use crate::signals::Coded;
 

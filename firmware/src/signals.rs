@@ -160,12 +160,12 @@ impl Word<u32> {
 
 /// Declares the words; all begin at 0.
 macro_rules! signals {
-    ($($(#[$doc:meta])* $name:ident: $type:ty,)*) => {
+    ($($name:ident: $type:ty, $meaning:literal;)*) => {
         /// All of them.
         #[derive(Debug)]
         #[repr(C)]
         pub struct Signals {
-            $($(#[$doc])* pub $name: Word<$type>,)*
+            $(#[doc = $meaning] pub $name: Word<$type>,)*
         }
 
         impl Signals {
@@ -178,40 +178,26 @@ macro_rules! signals {
 }
 
 signals! {
-    /// How often settings were saved; 0: nothing is there. By storage; the first word, where debuggers and tests/board look.
     saves: u32,
-    /// By console and storage.
-    saving: Saving,
-    /// Motors off at the next tick, whatever else is going on. Set by tasks, cleared by the tick.
-    disarm: bool,
-    /// For the next packet boundary. By the console.
-    order: Order,
-    /// The last order carried out or withdrawn. By the tick.
-    done: Order,
-    /// Number of the last probe begun. By the tick.
-    begun: u32,
-    /// The signs of every joint in use were checked and agree. By the tick.
-    checked: bool,
-    /// The bridges went off by the emergency stop. Set by the tick, cleared by tasks.
-    emergency: bool,
-    /// How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By the network.
+        "How often settings were saved; 0: nothing is there. By storage; the first word, where debuggers and \
+         tests/board look.";
+    saving: Saving, "By console and storage.";
+    disarm: bool, "Motors off at the next tick, whatever else is going on. Set by tasks, cleared by the tick.";
+    order: Order, "For the next packet boundary. By the console.";
+    done: Order, "The last order carried out or withdrawn. By the tick.";
+    begun: u32, "Number of the last probe begun. By the tick.";
+    checked: bool, "The signs of every joint in use were checked and agree. By the tick.";
+    emergency: bool, "The bridges went off by the emergency stop. Set by the tick, cleared by tasks.";
     life: u32,
-    /// By the tick.
-    mode: Mode,
-    /// Ticks since boot. By the tick.
-    ticks: u32,
-    /// Ticks that were due before the one before them had ended. By the tick.
-    overruns: u32,
-    /// Every how-many-th tick leaves a record; 0: none. By telemetry.
-    record_every: u32,
-    /// How far the link to the other peer is. By the network.
-    stage: Stage,
-    /// Datagrams handed to the driver. By the network.
-    sent: u32,
-    /// Datagrams dropped because the driver could not take them. By the network.
-    dropped: u32,
-    /// Datagrams taken in. By the network.
-    received: u32,
-    /// Datagrams refused: not authentic, or of no use; on the operator's port too. By the network.
-    refused: u32,
+        "How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By \
+         the network.";
+    mode: Mode, "By the tick.";
+    ticks: u32, "Ticks since boot. By the tick.";
+    overruns: u32, "Ticks that were due before the one before them had ended. By the tick.";
+    record_every: u32, "Every how-many-th tick leaves a record; 0: none. By telemetry.";
+    stage: Stage, "How far the link to the other peer is. By the network.";
+    sent: u32, "Datagrams handed to the driver. By the network.";
+    dropped: u32, "Datagrams dropped because the driver could not take them. By the network.";
+    received: u32, "Datagrams taken in. By the network.";
+    refused: u32, "Datagrams refused: not authentic, or of no use; on the operator's port too. By the network.";
 }

@@ -1,7 +1,6 @@
 //! UDP sockets that never wait for somebody who is not there.
 
-use core::future::poll_fn;
-use core::task::Poll;
+use core::{future::poll_fn, task::Poll};
 
 use embassy_futures::poll_once;
 use embassy_net::udp::{PacketMetadata, UdpSocket};

@@ -6,47 +6,23 @@
 use haptic_core::safety::Mode;
 use haptic_protocol::link::Stage;
 
-/// Why the board started anew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Stop {
-    /// Power came on, or the reset button was pressed.
-    PowerOn = 32,
-    /// The program found itself in a state that it excludes.
-    Panic = 33,
-    /// The processor refused an instruction or an access; a stack overflow ends here too.
-    HardFault = 34,
-    /// The tick or the supervisor made no progress, and the watchdog ended it.
-    Watchdog = 35,
-    /// The supply fell below the brown-out threshold.
-    BrownOut = 36,
-    /// A debugger or the operator asked for a reset.
-    Request = 37,
+haptic_core::numbered! {
+    /// Why the board started anew.
+    pub enum Stop {
+        32 PowerOn: "power came on",
+        33 Panic: "the program found itself in a state that it excludes",
+        // A stack overflow ends here too.
+        34 HardFault: "the processor refused an instruction or an access",
+        35 Watchdog: "the tick or the supervisor made no progress",
+        36 BrownOut: "the supply was too low",
+        37 Request: "a reset was asked for",
+    }
 }
 
 impl Stop {
-    /// The cause called by `number`.
-    pub fn from_number(number: u8) -> Option<Self> {
-        [Self::PowerOn, Self::Panic, Self::HardFault, Self::Watchdog, Self::BrownOut, Self::Request]
-            .into_iter()
-            .find(|stop| *stop as u8 == number)
-    }
-
     /// Whether a person has to acknowledge it before the board may be armed.
     pub fn latches(self) -> bool {
         matches!(self, Self::Panic | Self::HardFault | Self::Watchdog | Self::BrownOut)
-    }
-
-    /// One sentence for a person.
-    pub fn explain(self) -> &'static str {
-        match self {
-            Self::PowerOn => "power came on",
-            Self::Panic => "the program found itself in a state that it excludes",
-            Self::HardFault => "the processor refused an instruction or an access",
-            Self::Watchdog => "the tick or the supervisor made no progress",
-            Self::BrownOut => "the supply was too low",
-            Self::Request => "a reset was asked for",
-        }
     }
 }
 

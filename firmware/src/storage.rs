@@ -2,17 +2,14 @@
 //!
 //! While it is at work the motors stay off ([`Saving::Busy`] refuses arming), and saving is asked for only while they are.
 
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::signal::Signal;
-use firmware_parts::kept::Kept;
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use firmware_parts::signals::{Saving, Signals};
-use firmware_parts::store::Store;
+use firmware_parts::{kept::Kept, store::Store};
 
 use crate::board::flash;
 
 static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
 
-/// Where the settings of this start came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
     /// Flash.
@@ -24,7 +21,6 @@ pub(crate) enum Origin {
 }
 
 impl Origin {
-    /// For a person.
     pub(crate) fn explain(self) -> &'static str {
         match self {
             Self::Stored => "stored",
@@ -67,7 +63,6 @@ pub(crate) fn save(signals: &Signals, kept: &Kept) -> bool {
     true
 }
 
-/// Saves when asked.
 #[embassy_executor::task]
 pub(crate) async fn run(mut flash: flash::Settings, mut store: Store, signals: &'static Signals) -> ! {
     loop {

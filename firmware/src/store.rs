@@ -21,8 +21,7 @@ use core::fmt::{self, Write};
 
 use heapless::String;
 
-use crate::kept::Kept;
-use crate::operator;
+use crate::{kept::Kept, operator};
 
 /// What is programmed at once.
 pub type Word = [u8; 32];
@@ -35,7 +34,6 @@ const SLOTS: u32 = 16;
 pub const SECTOR: u32 = SLOT * SLOTS;
 const MAGIC: u32 = 0x5370_6148;
 const FORMAT: u32 = 1;
-/// Longest line.
 const LINE: usize = 96;
 
 /// The two sectors, as words from 0 to 2·[`SECTOR`].
@@ -44,14 +42,8 @@ pub trait Medium {
     /// A word; `None` if its bits are lost.
     fn read(&self, at: u32) -> Option<Word>;
     /// Programs a word that is blank.
-    ///
-    /// # Errors
-    /// The controller says that it failed.
     fn program(&mut self, at: u32, word: &Word) -> Result<(), Broken>;
     /// Makes sector 0 or 1 blank; takes seconds.
-    ///
-    /// # Errors
-    /// The controller says that it failed.
     async fn erase(&mut self, sector: u32) -> Result<(), Broken>;
 }
 
@@ -222,9 +214,7 @@ impl Store {
     }
 
     /// What was saved last, `None` if nothing was.
-    ///
-    /// # Errors
-    /// The first line that means nothing to this image.
+    /// An error is the first line that means nothing to this image.
     pub fn load(&self, medium: &impl Medium) -> Option<Result<Kept, Unreadable>> {
         let (slot, _) = self.newest?;
         let length = Header::parse(&medium.read(slot * SLOT)?)?.length;
@@ -246,9 +236,7 @@ impl Store {
     }
 
     /// Saves, and gives the generation. Tries a second slot where the first does not take.
-    ///
-    /// # Errors
-    /// Neither does. What was saved before stands.
+    /// Where neither does, what was saved before stands.
     pub async fn save(&mut self, medium: &mut impl Medium, kept: &Kept) -> Result<u32, Broken> {
         let generation = self.generation() + 1;
         for _ in 0..2 {

@@ -4,11 +4,9 @@
 //! a tick that stands still, and a supervisor that does, both end in a reset within [`crate::board::WATCHDOG_MS`].
 
 use embassy_stm32::gpio::{Level, Output};
-use embassy_stm32::peripherals::IWDG1;
-use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{peripherals::IWDG1, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Ticker};
-use firmware_parts::signals::Signals;
-use firmware_parts::status;
+use firmware_parts::{signals::Signals, status};
 use haptic_core::safety::Mode;
 
 /// Between two looks, ms; and so the ticks expected in between.
@@ -16,7 +14,6 @@ const EVERY_MS: u32 = 5;
 /// What the phases of two timers may make of it.
 const SLACK: u32 = 2;
 
-/// Runs for ever.
 #[embassy_executor::task]
 pub(crate) async fn run(
     mut watchdog: IndependentWatchdog<'static, IWDG1>,

@@ -3,9 +3,8 @@
 //! A record ([`firmware_parts::record`]) is a sample on the operator's link ([`crate::port`]), oldest first. One that finds no
 //! room is lost; whoever misses it sees it by the ticks' numbers. Events go to defmt, from tasks only.
 
-use firmware_parts::exchange::Consumer;
 use firmware_parts::record::{self, Record};
-use firmware_parts::signals::Signals;
+use firmware_parts::{exchange::Consumer, signals::Signals};
 use haptic_protocol::wire::Sample;
 
 use crate::tick::RECORDS;
@@ -15,7 +14,6 @@ const _: () = assert!(record::BYTES <= Sample::MAX_PAYLOAD);
 /// Records to go when there is no end to them.
 const ENDLESS: u32 = u32::MAX;
 
-/// The records that wait to be sent.
 pub(crate) struct Telemetry {
     records: Consumer<'static, Record, RECORDS>,
     signals: &'static Signals,

@@ -29,7 +29,6 @@ pub(crate) type Peer = peer::Peer<f32, AnyLaw<f32>>;
 /// What to run: built and checked by a task, swapped in by the tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
-    /// The peer as it begins.
     pub(crate) peer: Peer,
     /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
     pub(crate) device: u32,
@@ -38,11 +37,8 @@ pub(crate) struct Plan {
 /// What the tick has for the network.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outgoing {
-    /// The tick that made it.
     pub(crate) tick: u32,
-    /// The motors are on.
     pub(crate) armed: bool,
-    /// For the other peer.
     pub(crate) packet: Packet<f32>,
 }
 
@@ -51,7 +47,6 @@ pub(crate) struct Outgoing {
 pub(crate) struct Received {
     /// Which life of the link it came by ([`Signals::life`]).
     pub(crate) life: u32,
-    /// From the other peer.
     pub(crate) packet: Packet<f32>,
 }
 
@@ -62,21 +57,15 @@ pub(crate) const RECORDS: usize = 64;
 pub(crate) struct Side {
     /// New scenes, taken while disarmed.
     pub(crate) plans: Reader<'static, Plan>,
-    /// Packets from the other peer.
     pub(crate) incoming: Reader<'static, Received>,
-    /// Packets for the other peer.
     pub(crate) outgoing: Writer<'static, Outgoing>,
-    /// What the ticks did.
     pub(crate) records: Producer<'static, Record, RECORDS>,
     /// Numbered probes, begun while disarmed.
     pub(crate) probes: Reader<'static, (u32, Probe<f32>)>,
-    /// What came of them.
     pub(crate) probed: Writer<'static, Outcome>,
-    /// Single words.
     pub(crate) signals: &'static Signals,
 }
 
-/// What the tick owns.
 struct Loop {
     side: Side,
     /// The check before arming: passed by these joints, of this device.
@@ -116,7 +105,6 @@ pub(crate) fn prepare(side: Side) {
     };
 }
 
-/// The interrupt.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".itcm.tick")]
 extern "C" fn TIM6_DAC() {
@@ -129,7 +117,6 @@ extern "C" fn TIM6_DAC() {
 }
 
 impl Loop {
-    /// One control period.
     #[inline(always)]
     fn period(&mut self) {
         pace::acknowledge();

@@ -13,17 +13,14 @@
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use embassy_stm32::Peri;
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
-use embassy_stm32::pac;
-use embassy_stm32::pac::timer::regs::BdtrAdv;
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
 use embassy_stm32::peripherals::{PE8, PE9, PE10, PE11, PE15, PF3, TIM1};
-use embassy_stm32::timer::complementary_pwm::ComplementaryPwmPin;
-use embassy_stm32::timer::low_level::Timer;
-use embassy_stm32::timer::simple_pwm::PwmPin;
-use haptic_core::device::AXES;
-use haptic_core::device::motor::Duty;
+use embassy_stm32::{
+    Peri, pac, pac::timer::regs::BdtrAdv, timer::complementary_pwm::ComplementaryPwmPin, timer::low_level::Timer,
+    timer::simple_pwm::PwmPin,
+};
+use haptic_core::{device::AXES, device::motor::Duty};
 
 use super::clocks::TIMERS_HZ;
 
@@ -46,7 +43,6 @@ const ENABLE_RESET: u32 = ENABLE_SET << 16;
 /// Addresses and values that turn everything off: the enable line, then the timer's outputs.
 pub(crate) const OFF: [(u32, u32); 2] = [(0x5802_1418, ENABLE_RESET), (0x4001_0044, BDTR_OFF)];
 
-/// Which pins.
 pub(crate) struct Pins {
     pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE8>),
     pub(crate) bridge_2: (Peri<'static, PE11>, Peri<'static, PE10>),

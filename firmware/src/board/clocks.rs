@@ -7,17 +7,15 @@
 //! scales 1 to 3 only and tells of clocks above scale 1's limits; that ODEN is set, and SYSCFG clocked when it was,
 //! tests/board checks.
 
-use embassy_stm32::Config;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, HSIPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
     VoltageScale,
 };
-use embassy_stm32::time::Hertz;
+use embassy_stm32::{Config, time::Hertz};
 
 /// Clock of every timer, Hz.
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
 
-/// The clock tree.
 pub(crate) fn config() -> Config {
     let mut config = Config::default();
     let rcc = &mut config.rcc;

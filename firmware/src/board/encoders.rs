@@ -3,14 +3,10 @@
 //! The input filter takes an edge only when 8 samples at the timer's clock agree (33 ns at 240 MHz): a glitch of the wiring
 //! is shorter, and no encoder that a hand moves is faster than a few MHz.
 
-use embassy_stm32::Peri;
-use embassy_stm32::gpio::Pull;
-use embassy_stm32::pac;
-use embassy_stm32::pac::timer::vals::FilterValue;
 use embassy_stm32::peripherals::{PC6, PC7, PD12, PD13, TIM3, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
-use haptic_core::device::AXES;
-use haptic_core::device::encoder::Counts;
+use embassy_stm32::{Peri, gpio::Pull, pac, pac::timer::vals::FilterValue};
+use haptic_core::{device::AXES, device::encoder::Counts};
 
 /// Starts both counters, at 0.
 pub(crate) fn init(
@@ -32,7 +28,6 @@ pub(crate) fn init(
     }
 }
 
-/// Both counters, now.
 #[inline(always)]
 pub(crate) fn read() -> [Counts; AXES] {
     [Counts(pac::TIM3.cnt().read().cnt()), Counts(pac::TIM4.cnt().read().cnt())]

@@ -14,10 +14,8 @@
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use embassy_stm32::Peri;
-use embassy_stm32::pac;
 use embassy_stm32::pac::flash::regs::{Ccr, Sr};
-use embassy_stm32::peripherals::FLASH;
+use embassy_stm32::{Peri, pac, peripherals::FLASH};
 use embassy_time::{Duration, Timer};
 use firmware_parts::store::{Broken, Medium, SECTOR, Word};
 use haptic_protocol::key::Key;
@@ -117,7 +115,6 @@ fn outcome(sr: Sr) -> Option<Result<(), Broken>> {
 }
 
 impl Settings {
-    /// Takes charge of the flash.
     pub(crate) fn new(flash: Peri<'static, FLASH>) -> Self {
         Self { _flash: flash }
     }

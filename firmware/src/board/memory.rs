@@ -16,7 +16,6 @@ unsafe extern "C" {
     static _stack_guard: u32;
 }
 
-/// Copies the tick into ITCM.
 pub(crate) fn load_itcm() {
     // SAFETY: the symbols are the linker's; source and destination are different memories, both there at reset, and
     // nothing in ITCM is called before this.

@@ -16,11 +16,9 @@ pub(crate) mod random;
 pub(crate) mod reset;
 mod sections;
 
-use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::peripherals::TIM6;
-use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Peri, peripherals::TIM6, wdg::IndependentWatchdog};
 use haptic_protocol::wire::PeerId;
 
 /// Which of the pair this board is, by its strap.
@@ -33,12 +31,10 @@ pub(crate) enum Number {
 }
 
 impl Number {
-    /// Its number on the wire.
     pub(crate) fn peer(self) -> PeerId {
         PeerId(self as u8 + 1)
     }
 
-    /// The other peer's number.
     pub(crate) fn other(self) -> Self {
         match self {
             Self::One => Self::Two,
@@ -47,17 +43,13 @@ impl Number {
     }
 }
 
-/// What the tasks get to own.
 pub(crate) struct Board {
-    /// Which of the pair.
     pub(crate) number: Number,
     /// The 1 kHz timer, not yet running.
     pub(crate) pace: Peri<'static, TIM6>,
     /// Not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
-    /// For the settings store.
     pub(crate) flash: flash::Settings,
-    /// What [`ethernet::start`] takes.
     pub(crate) ethernet: ethernet::Pins,
     /// Blinks while the supervisor runs.
     pub(crate) alive: Output<'static>,

@@ -4,13 +4,9 @@
 //! unused interrupt of lower priority instead, one store, and that one signals.
 
 use cortex_m::peripheral::NVIC;
-use embassy_stm32::Peri;
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::pac;
-use embassy_stm32::peripherals::TIM6;
-use embassy_stm32::timer::low_level::Timer;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::signal::Signal;
+use embassy_stm32::{Peri, pac, peripherals::TIM6, timer::low_level::Timer};
+use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 
 use super::clocks::TIMERS_HZ;
 
@@ -61,7 +57,6 @@ pub(crate) fn ring() {
     NVIC::pend(pac::Interrupt::UART8);
 }
 
-/// Waits for the bell.
 pub(crate) async fn rung() {
     BELL.wait().await;
 }

@@ -4,14 +4,12 @@
 //! used. After a failure it is started anew, three times at the most. A source that does not recover gives `None`, and a
 //! board without randomness talks to nobody: nothing here waits for ever.
 
-use embassy_stm32::pac;
-use embassy_stm32::peripherals::RNG;
 use embassy_stm32::{Peri, rcc};
+use embassy_stm32::{pac, peripherals::RNG};
 
 /// Looks at the generator until a word must be there: 1 µs for a word, 10 µs for the first.
 const LOOKS: u32 = 20_000;
 
-/// Starts the generator.
 pub(crate) fn start(_: Peri<'static, RNG>) {
     rcc::enable_and_reset::<RNG>();
     restart();

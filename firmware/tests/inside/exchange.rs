@@ -1,0 +1,56 @@
+//! Cells and queues under every interleaving: `RUSTFLAGS="--cfg loom" cargo test -p firmware --lib`.
+
+extern crate std;
+use super::*;
+use loom::thread;
+
+/// Every interleaving of three values through a queue of two: none torn, none twice, in order, none lost but told.
+#[test]
+fn a_queue_loses_only_what_it_refused() {
+    loom::model(|| {
+        let queue = std::boxed::Box::leak(std::boxed::Box::new(Queue::<(u32, u32), 2>::default()));
+        let (mut producer, mut consumer) = queue.split();
+        let putting = thread::spawn(move || {
+            (1..=3).filter(|&value| producer.put((value, 10 * value))).collect::<std::vec::Vec<_>>()
+        });
+        let mut taken: std::vec::Vec<u32> = std::vec::Vec::new();
+        let mut take = |consumer: &mut Consumer<'_, (u32, u32), 2>| {
+            if let Some((value, tenfold)) = consumer.take() {
+                assert_eq!(tenfold, 10 * value);
+                taken.push(value);
+            }
+        };
+        take(&mut consumer);
+        take(&mut consumer);
+        let put = putting.join().unwrap();
+        for _ in 0..3 {
+            take(&mut consumer);
+        }
+        assert_eq!(taken, put);
+    });
+}
+
+/// Every interleaving of two writes with two looks: whole values only, never an older one, never the same one twice.
+#[test]
+fn no_interleaving_tears_or_goes_back() {
+    loom::model(|| {
+        let cell = std::boxed::Box::leak(std::boxed::Box::new(Latest::new((0_u32, 0_u32))));
+        let (mut writer, mut reader) = cell.split();
+        let writing = thread::spawn(move || {
+            for value in 1..=2 {
+                writer.write((value, 10 * value));
+            }
+        });
+        let mut last = 0;
+        for _ in 0..2 {
+            let fresh = reader.fetch();
+            let (value, tenfold) = reader.copy();
+            assert_eq!(tenfold, 10 * value);
+            assert_eq!(fresh, value > last, "{value} after {last}");
+            last = value;
+        }
+        writing.join().unwrap();
+        reader.fetch();
+        assert_eq!(reader.copy(), (2, 20), "what was written last is what is there in the end");
+    });
+}
