@@ -9,16 +9,16 @@ use std::collections::HashMap;
 use haptic_protocol::roles::collaborative::Value;
 
 /// Edits and promises of one run.
-#[derive(Clone, Debug)]
-pub struct History {
+#[derive(Clone)]
+pub(super) struct History {
     /// What each value was made from, and how many edits it is away from the beginning.
     made: HashMap<Value, (Value, u64)>,
-    published: Vec<Value>,
+    pub(super) published: Vec<Value>,
     /// The published value that has the most edits in it.
     tip: Value,
     official: Value,
     /// The first thing that was wrong.
-    pub wrong: Option<String>,
+    pub(super) wrong: Option<String>,
 }
 
 impl Default for History {
@@ -36,7 +36,7 @@ impl Default for History {
 
 impl History {
     /// Somebody edits: a value that never was before, made from `base`. Wrong if nobody has ever made `base`.
-    pub fn edit(&mut self, base: &Value) -> Value {
+    pub(super) fn edit(&mut self, base: &Value) -> Value {
         let depth = self.depth(base) + 1;
         let mut value = Value::default();
         value[..8].copy_from_slice(&(self.made.len() as u64).to_le_bytes());
@@ -47,7 +47,7 @@ impl History {
 
     /// An author is told that its value is published. Wrong if it and something that was published before do not build on
     /// each other.
-    pub fn publish(&mut self, value: &Value) {
+    pub(super) fn publish(&mut self, value: &Value) {
         let inside = self.depth(value) < self.depth(&self.tip.clone());
         let (inner, outer) = if inside { (*value, self.tip) } else { (self.tip, *value) };
         if !self.holds(&outer, &inner) {
@@ -59,7 +59,7 @@ impl History {
     }
 
     /// The official copy, where there is one. Wrong if it does not build on what was official before.
-    pub fn official(&mut self, value: &Value) {
+    pub(super) fn official(&mut self, value: &Value) {
         if !self.holds(value, &self.official.clone()) {
             let (new, old) = (name(value), name(&self.official));
             self.complain(format!("edit {new} became official and does not build on edit {old}"));
@@ -68,7 +68,7 @@ impl History {
     }
 
     /// What peer `who` has in the end. Wrong if something that was published is not in it.
-    pub fn last(&mut self, who: usize, value: &Value) {
+    pub(super) fn last(&mut self, who: usize, value: &Value) {
         let missing = self.published.clone().into_iter().find(|published| !self.holds(value, published));
         if let Some(missing) = missing {
             let (missing, value) = (name(&missing), name(value));
@@ -78,14 +78,8 @@ impl History {
         }
     }
 
-    /// Keeps the first complaint.
-    pub fn complain(&mut self, what: String) {
+    pub(super) fn complain(&mut self, what: String) {
         self.wrong.get_or_insert(what);
-    }
-
-    /// How many updates their authors were told are published.
-    pub fn published(&self) -> u64 {
-        self.published.len() as u64
     }
 
     /// How many edits a value is away from the beginning. Wrong if nobody has made it.

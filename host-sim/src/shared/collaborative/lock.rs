@@ -1,48 +1,34 @@
-//! Server and clients of a lock as the world sees them. Peer 0 is the server.
+//! Server and clients of a lock. Peer 0 is the server.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::{cell::RefCell, rc::Rc};
 
-use haptic_protocol::roles::collaborative::lock::{self, Client, Message, Notice, Phase, Record, Server};
+use haptic_protocol::roles::collaborative::lock::{self, Message, Notice, Phase, Record};
 use haptic_protocol::roles::collaborative::{Lease, Value, Wish};
-use haptic_protocol::roles::{self, Carried as _, Role as _};
-use haptic_protocol::wire::{self, PeerId};
-use haptic_sim::engine::{Actor, Out};
+use haptic_protocol::roles::{Out, Role as _};
+use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
-use super::history::History;
-use super::trial::{MOST_USERS, Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
-use super::world::{Cast, Peer};
-use crate::shared::said;
+use super::{MOST_USERS, Mistake, Trial};
+use super::{history::History, world::Peer};
 
-/// The object.
-const OBJECT: u16 = 7;
 /// Lease of a lock, µs.
 const LEASE_US: u32 = 300_000;
 
 const CLIENTS: usize = MOST_USERS as usize;
 
-/// Server or client.
-pub enum LockPeer {
-    /// The server.
-    Server(Box<ServerPeer>),
-    /// A client and its user.
-    Client(Box<ClientPeer>),
-}
-
 /// The server and what it has stored.
-pub struct ServerPeer {
-    server: Server<CLIENTS>,
+pub(super) struct Server {
+    pub(super) role: lock::Server<CLIENTS>,
     stored: Record<CLIENTS>,
     no_fence: bool,
     history: Rc<RefCell<History>>,
 }
 
 /// A client and its user.
-pub struct ClientPeer {
-    client: Client,
-    user: User,
+pub(super) struct Client {
+    pub(super) role: lock::Client,
+    pub(super) user: User,
 }
 
 fn lease() -> Lease {
@@ -51,142 +37,81 @@ fn lease() -> Lease {
 }
 
 /// A server and the trial's users.
-pub fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Cast<LockPeer> {
+pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Peer> {
     let mut rng = Rng::new(!trial.seed);
-    let server = Server::new(lease(), Value::default());
-    let (stored, no_fence) = (server.record().clone(), trial.mistake == Some(Mistake::NoFence));
-    let server = ServerPeer { server, stored, no_fence, history: Rc::clone(history) };
-    let mut peers = vec![LockPeer::Server(Box::new(server))];
+    let role = lock::Server::new(lease(), Value::default());
+    let (stored, no_fence) = (role.record().clone(), trial.mistake == Some(Mistake::NoFence));
+    let mut peers = vec![Peer::Server(Server { role, stored, no_fence, history: Rc::clone(history) })];
     peers.extend((0..trial.users).map(|_| {
         let mut user = User::new(Rng::new(rng.below(u64::MAX)), history);
-        LockPeer::Client(Box::new(ClientPeer { client: client(&mut user.rng), user }))
+        Peer::Client(Client { role: client(&mut user.rng), user })
     }));
-    let users = u64::from(trial.users);
-    Cast {
-        peers,
-        wait_bound_us: Box::new(move |delay_us| lock::wait_bound_us(lease(), users, LONGEST_EDIT_US, delay_us)),
-    }
+    peers
 }
 
-fn client(rng: &mut Rng) -> Client {
-    Client::new(PeerId(0), lease(), rng.below(1 << 32) as u32, Value::default())
+/// How long a user may have to wait once all is well, with this one-way delay, µs.
+pub(super) fn wait_bound_us(users: u8, delay_us: u64) -> u64 {
+    lock::wait_bound_us(lease(), users.into(), LONGEST_EDIT_US, delay_us)
 }
 
-impl ServerPeer {
-    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn roles::Out<Message>) {
+fn client(rng: &mut Rng) -> lock::Client {
+    lock::Client::new(PeerId(0), lease(), rng.below(1 << 32) as u32, Value::default())
+}
+
+impl Server {
+    pub(super) fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn Out<Message>) {
         match message {
             Some((from, Message::Release { fence, value })) if self.no_fence && fence != 0 => {
                 // As if the server did not look who it is from, and under which grant.
-                let (holder, fence) = (self.server.holder().unwrap_or(from), self.server.record().fence);
-                self.server.receive(now, holder, &Message::Release { fence, value }, out);
+                let (holder, fence) = (self.role.holder().unwrap_or(from), self.role.record().fence);
+                self.role.receive(now, holder, &Message::Release { fence, value }, out);
             }
-            Some((from, message)) => self.server.receive(now, from, &message, out),
-            None => self.server.poll(now, out),
+            Some((from, message)) => self.role.receive(now, from, &message, out),
+            None => self.role.poll(now, out),
         }
-        self.stored.clone_from(self.server.record());
-        self.history.borrow_mut().official(&self.server.copy().value);
+        self.stored.clone_from(self.role.record());
+        self.history.borrow_mut().official(&self.role.copy().value);
+    }
+
+    pub(super) fn restart(&mut self, now: u64, forgets: bool) {
+        let blank = || lock::Server::<CLIENTS>::new(lease(), Value::default()).record().clone();
+        self.role = lock::Server::restore(lease(), now, if forgets { blank() } else { self.stored.clone() });
     }
 }
 
-impl ClientPeer {
-    fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn roles::Out<Message>) {
-        let Self { client, user } = self;
+impl Client {
+    pub(super) fn step(&mut self, now: u64, message: Option<(PeerId, Message)>, out: &mut dyn Out<Message>) {
+        let Self { role, user } = self;
         match message {
-            Some((from, message)) => client.receive(now, from, &message, out),
-            None => client.poll(now, out),
+            Some((from, message)) => role.receive(now, from, &message, out),
+            None => role.poll(now, out),
         }
-        while let Some(notice) = client.take_notice() {
+        while let Some(notice) = role.take_notice() {
             match notice {
                 Notice::Published(version) => user.has_published(version, now),
                 Notice::Expired | Notice::TooLate(_) => user.is_interrupted(),
                 Notice::Granted | Notice::Changed(_) => {}
             }
         }
-        match (user.wish(now), client.phase()) {
-            (Wish::Edit, Phase::Idle) => client.ask(now),
+        match (user.wish(now), role.phase()) {
+            (Wish::Edit, Phase::Idle) => role.ask(now),
             (Wish::Leave, Phase::Asking) => {
-                client.withdraw(out);
+                role.withdraw(out);
                 user.plan(now);
             }
-            (_, Phase::Owner { .. }) if client.owns(now) => {
-                if let Some(value) = user.edits(now, &client.copy().value) {
-                    user.must(client.release(now, Some(value), out));
+            (_, Phase::Owner { .. }) if role.owns(now) => {
+                if let Some(value) = user.edits(now, &role.copy().value) {
+                    user.must(role.release(now, Some(value), out));
                 }
             }
             (Wish::Leave, Phase::Idle) if user.is_gone(now) => user.plan(now),
             _ => {}
         }
     }
-}
 
-impl LockPeer {
-    fn step(&mut self, now_ns: u64, message: Option<(PeerId, Message)>, out: &mut Out<'_, usize, wire::Message>) {
-        let (now, out) = (now_ns / 1_000, &mut said(OBJECT, out));
-        match self {
-            Self::Server(peer) => peer.step(now, message, out),
-            Self::Client(peer) => peer.step(now, message, out),
-        }
-    }
-}
-
-impl Actor<usize> for LockPeer {
-    type Packet = wire::Message;
-
-    fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
-        if let Some((OBJECT, message)) = Message::read(message) {
-            self.step(now_ns, Some((PeerId(from as u8), message)), out);
-        }
-    }
-
-    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
-        self.step(now_ns, None, out);
-    }
-}
-
-impl Peer for LockPeer {
-    fn owns(&self, now: u64) -> bool {
-        matches!(self, Self::Client(peer) if peer.client.owns(now))
-    }
-
-    fn restart(&mut self, now: u64, forgets: bool) {
-        match self {
-            Self::Server(peer) => {
-                let record = if forgets {
-                    Server::<CLIENTS>::new(lease(), Value::default()).record().clone()
-                } else {
-                    peer.stored.clone()
-                };
-                peer.server = Server::restore(lease(), now, record);
-            }
-            Self::Client(peer) => {
-                peer.client = client(&mut peer.user.rng);
-                peer.user.forgets();
-                peer.user.plan(now);
-            }
-        }
-    }
-
-    fn insist(&mut self, now: u64) -> bool {
-        let Self::Client(peer) = self else { return false };
-        peer.user.insist(now);
-        true
-    }
-
-    fn counts(&self) -> (u64, u64) {
-        match self {
-            Self::Server(_) => (0, 0),
-            Self::Client(peer) => peer.user.counts(),
-        }
-    }
-
-    fn is_settled(&self) -> bool {
-        true
-    }
-
-    fn value(&self) -> Option<Value> {
-        Some(match self {
-            Self::Server(peer) => peer.server.copy().value,
-            Self::Client(peer) => peer.client.copy().value,
-        })
+    pub(super) fn restart(&mut self, now: u64) {
+        self.role = client(&mut self.user.rng);
+        self.user.edited = None;
+        self.user.plan(now);
     }
 }

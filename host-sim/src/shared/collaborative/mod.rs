@@ -1,30 +1,73 @@
 //! Collaborative environments on trial: many seeded runs of lock and token ring, with a checker that knows what is true.
 //!
-//! | module | holds |
-//! |---|---|
-//! | [`history`] | the checker: who built on what, what was promised to whom |
-//! | [`world`] | one run: peers with clocks of their own, a bad network, crashes, partitions |
-//! | [`user`] | a user who comes, edits and goes |
-//! | [`lock`], [`ring`] | the peers of either scheme as the world sees them |
-//!
 //! In the first part of a run everything goes wrong: messages are lost, doubled, overtaken, held back for several leases, peers
 //! crash and come back from their records, the network falls apart. Then it heals, and the clock of progress starts: every
 //! user who wants to must have published within the bound that the protocol states.
 
-use std::rc::Rc;
+mod history;
+mod lock;
+mod ring;
+mod user;
+mod world;
 
+use haptic_core::names::Choice;
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub mod history;
-pub mod lock;
-pub mod ring;
-mod trial;
-pub mod user;
-pub mod world;
+/// Who says whose turn it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// A central server.
+    Lock,
+    /// A token that goes round.
+    Ring,
+}
 
-pub use trial::{MOST_USERS, Mistake, Scheme, Trial};
-use world::{Run, Trouble};
+/// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mistake {
+    /// One peer's clock counts a quarter of the time: beyond what a lease allows.
+    SlowClock,
+    /// Records are not there after a crash.
+    Amnesia,
+    /// A release counts whatever its fence says, as if there were no fences (lock only).
+    NoFence,
+    /// One vote for a new token counts for everybody's (ring only).
+    NoMajority,
+}
+
+impl Choice for Mistake {
+    const NAMES: &'static [&'static str] = &["slow-clock", "amnesia", "no-fence", "no-majority"];
+    const ALL: &'static [Self] = &[Self::SlowClock, Self::Amnesia, Self::NoFence, Self::NoMajority];
+}
+
+impl Mistake {
+    /// Whether the scheme can make it.
+    pub(crate) fn fits(self, scheme: Scheme) -> bool {
+        match self {
+            Self::SlowClock | Self::Amnesia => true,
+            Self::NoFence => scheme == Scheme::Lock,
+            Self::NoMajority => scheme == Scheme::Ring,
+        }
+    }
+}
+
+/// What to try.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    /// Which scheme.
+    pub scheme: Scheme,
+    /// Users: 2 to 8.
+    pub users: u8,
+    /// Seed of the first run; the others follow.
+    pub seed: u64,
+    /// Put in on purpose.
+    pub mistake: Option<Mistake>,
+}
+
+/// Users that a trial can have.
+pub(crate) const MOST_USERS: u8 = 8;
 
 /// What many runs came to.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -33,7 +76,7 @@ pub struct Verdict {
     pub runs: u64,
     /// Runs with two owners at one instant.
     pub two_owners: u64,
-    /// Runs with a lost update.
+    /// Runs with a lost update: the history is not one branch.
     pub lost_update: u64,
     /// Runs in which a user who wanted to did not publish in time.
     pub no_progress: u64,
@@ -43,7 +86,7 @@ pub struct Verdict {
     pub published: u64,
     /// Rights to edit that ended before their owner had finished.
     pub interrupted: u64,
-    /// Crashes.
+    /// Peers that went down for a while.
     pub crashes: u64,
     /// Messages sent.
     pub messages: u64,
@@ -56,24 +99,6 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    fn of(seed: u64, run: Run) -> Self {
-        let is = |trouble| u64::from(run.trouble.as_ref().is_some_and(|(kind, _)| *kind == trouble));
-        Self {
-            runs: 1,
-            two_owners: is(Trouble::TwoOwners),
-            lost_update: is(Trouble::LostUpdate),
-            no_progress: is(Trouble::NoProgress),
-            published: run.published,
-            interrupted: run.interrupted,
-            crashes: run.crashes,
-            messages: run.messages,
-            lost: run.lost,
-            longest_wait_ms: run.longest_wait_us as f64 * 1e-3,
-            wait_bound_ms: run.wait_bound_us as f64 * 1e-3,
-            first_failure: run.trouble.map(|(_, what)| (seed, what)),
-        }
-    }
-
     fn and(self, other: Self) -> Self {
         let first_failure = match (self.first_failure, other.first_failure) {
             (Some(one), Some(two)) => Some(if one.0 <= two.0 { one } else { two }),
@@ -94,31 +119,14 @@ impl Verdict {
             wait_bound_ms: self.wait_bound_ms.max(other.wait_bound_ms),
         }
     }
-
-    /// Nothing went wrong.
-    pub fn is_clean(&self) -> bool {
-        self.first_failure.is_none()
-    }
 }
 
 /// Many runs, in parallel; the same on any number of threads.
 pub fn campaign(trial: &Trial, runs: u64, done: &(impl Fn() + Sync)) -> Verdict {
-    (0..runs)
-        .into_par_iter()
-        .map(|run| {
-            let seed = trial.seed.wrapping_add(run);
-            let verdict = Verdict::of(seed, one(&Trial { seed, ..*trial }));
-            done();
-            verdict
-        })
-        .reduce(Verdict::default, Verdict::and)
-}
-
-/// One run.
-pub fn one(trial: &Trial) -> Run {
-    let history = Rc::default();
-    match trial.scheme {
-        Scheme::Lock => world::run(trial, &history, lock::peers(trial, &history)),
-        Scheme::Ring => world::run(trial, &history, ring::peers(trial, &history)),
-    }
+    let one = |run| {
+        let verdict = world::run(&Trial { seed: trial.seed.wrapping_add(run), ..*trial });
+        done();
+        verdict
+    };
+    (0..runs).into_par_iter().map(one).reduce(Verdict::default, Verdict::and)
 }

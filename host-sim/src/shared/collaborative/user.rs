@@ -1,7 +1,6 @@
 //! A user at an object: comes near, edits as soon as it may, moves away; sometimes loses patience before.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::{cell::RefCell, rc::Rc};
 
 use haptic_protocol::roles::collaborative::{Approach, Value, Wish};
 use haptic_sim::rng::Rng;
@@ -14,14 +13,12 @@ const SPEED_M_PER_S: f64 = 0.5;
 const AWAY_M: f64 = 0.05;
 /// Where it asks, and where it gives back.
 const APPROACH: Approach = Approach { near_m: 0.02, far_m: 0.03 };
-/// Longest edit, µs; of an impatient user, one in 8 takes six times as long.
-pub const LONGEST_EDIT_US: u64 = 120_000;
-/// Longer than a lease or a turn.
+/// Longest edit, µs; of an impatient user, one in 8 takes six times as long: longer than a lease or a turn.
+pub(super) const LONGEST_EDIT_US: u64 = 120_000;
 const STUBBORN: u64 = 6;
 
 /// One user: this visit, and what the earlier ones came to.
-#[derive(Clone, Debug)]
-pub struct User {
+pub(super) struct User {
     /// Turns toward the object at this time, µs.
     comes_us: u64,
     /// Turns away, done or not.
@@ -31,19 +28,20 @@ pub struct User {
     /// Since when it has been editing.
     editing_us: Option<u64>,
     /// Stays until it has edited.
-    patient: bool,
-    /// What it has made of the object and wants to publish.
-    edited: Option<Value>,
-    published: u64,
-    interrupted: u64,
+    pub(super) patient: bool,
+    /// What it has made of the object and waits to be told is published.
+    pub(super) edited: Option<Value>,
+    pub(super) published: u64,
+    /// Rights to edit that ended before it had finished.
+    pub(super) interrupted: u64,
     /// Everything random about this peer.
-    pub rng: Rng,
+    pub(super) rng: Rng,
     history: Rc<RefCell<History>>,
 }
 
 impl User {
     /// A user who comes for the first time soon after the beginning.
-    pub fn new(rng: Rng, history: &Rc<RefCell<History>>) -> Self {
+    pub(super) fn new(rng: Rng, history: &Rc<RefCell<History>>) -> Self {
         let mut user = Self {
             comes_us: 0,
             goes_us: 0,
@@ -61,7 +59,7 @@ impl User {
     }
 
     /// The next visit.
-    pub fn plan(&mut self, now: u64) {
+    pub(super) fn plan(&mut self, now: u64) {
         self.comes_us = now + self.rng.below(300_000);
         self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + self.rng.below(1_500_000) };
         self.edit_us = 10_000 + self.rng.below(LONGEST_EDIT_US - 10_000);
@@ -72,32 +70,27 @@ impl User {
     }
 
     /// From now on this user comes, stays until it has edited once, and then stays away.
-    pub fn insist(&mut self, now: u64) {
+    pub(super) fn insist(&mut self, now: u64) {
         self.patient = true;
         self.comes_us = self.comes_us.min(now);
         self.goes_us = u64::MAX;
         self.edit_us = self.edit_us.min(LONGEST_EDIT_US);
     }
 
-    /// Whether it stays until it has edited.
-    pub fn is_patient(&self) -> bool {
-        self.patient
-    }
-
     /// What the user wants, by how far the hand is from the object.
-    pub fn wish(&self, now: u64) -> Wish {
+    pub(super) fn wish(&self, now: u64) -> Wish {
         let moved = |since_us: u64| SPEED_M_PER_S * now.saturating_sub(since_us) as f64 * 1e-6;
         let nearest = (AWAY_M - moved(self.comes_us)).max(0.0);
         APPROACH.wish((nearest + moved(self.goes_us)).min(AWAY_M) as f32)
     }
 
     /// It has turned away, and is as far as it goes.
-    pub fn is_gone(&self, now: u64) -> bool {
+    pub(super) fn is_gone(&self, now: u64) -> bool {
         now > self.goes_us && now - self.goes_us > 100_000
     }
 
     /// The user may edit `base`; what it has made of it, once it has finished.
-    pub fn edits(&mut self, now: u64, base: &Value) -> Option<Value> {
+    pub(super) fn edits(&mut self, now: u64, base: &Value) -> Option<Value> {
         let since_us = now.saturating_sub(*self.editing_us.get_or_insert(now));
         if since_us < self.edit_us && self.wish(now) != Wish::Leave {
             return None;
@@ -106,13 +99,8 @@ impl User {
         self.edited
     }
 
-    /// Whether it waits to be told that what it made is published.
-    pub fn waits(&self) -> bool {
-        self.edited.is_some()
-    }
-
     /// What it made is published, as this version. Wrong if it has made nothing.
-    pub fn has_published(&mut self, version: u32, now: u64) {
+    pub(super) fn has_published(&mut self, version: u32, now: u64) {
         let mut history = self.history.borrow_mut();
         match self.edited.take() {
             Some(value) => history.publish(&value),
@@ -127,25 +115,15 @@ impl User {
     }
 
     /// What its role must not refuse it.
-    pub fn must<E: std::fmt::Display>(&self, done: Result<(), E>) {
+    pub(super) fn must<E: std::fmt::Display>(&self, done: Result<(), E>) {
         if let Err(error) = done {
             self.history.borrow_mut().complain(error.to_string());
         }
     }
 
     /// It may no longer, and had not finished.
-    pub fn is_interrupted(&mut self) {
+    pub(super) fn is_interrupted(&mut self) {
         self.interrupted += 1;
         self.editing_us = None;
-    }
-
-    /// Nobody will ever tell it what became of what it made.
-    pub fn forgets(&mut self) {
-        self.edited = None;
-    }
-
-    /// Publications so far, and rights to edit that ended before.
-    pub fn counts(&self) -> (u64, u64) {
-        (self.published, self.interrupted)
     }
 }

@@ -4,20 +4,20 @@
 //! is stored in every turn, before what it said leaves: a crash comes between turns, and what it had said may be lost with it.
 //! Messages cross as the wire has them.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::{cell::RefCell, rc::Rc};
 
-use haptic_protocol::roles::collaborative::Value;
-use haptic_protocol::wire::Message;
-use haptic_sim::engine::{Actor, Clock, Engine, Seat, Seen};
-use haptic_sim::network::link::Route;
+use haptic_protocol::wire::{Message, PeerId};
+use haptic_protocol::{roles::Carried, roles::collaborative::Value};
+use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
 use haptic_sim::network::rule::{Direction, Jitter, SeededRule};
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Network;
+use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
-use super::history::History;
-use super::trial::{Mistake, Trial};
+use super::{Mistake, Scheme, Trial, Verdict, lock, ring};
+use super::{history::History, user::User};
+use crate::shared::said;
 
+/// The object.
+const OBJECT: u16 = 7;
 /// End of the time in which things go wrong, µs.
 const TROUBLE_US: u64 = 4_000_000;
 /// How often a peer looks at the time, µs.
@@ -29,65 +29,119 @@ const HELD_BACK_US: u64 = 1_200_000;
 /// Longest time a peer is down, µs.
 const DOWN_US: u64 = 1_500_000;
 
-/// A peer of either scheme as the world sees it; times are of its own clock, µs.
-pub trait Peer: Actor<usize, Packet = Message> {
+/// A peer of either scheme; times are of its own clock, µs.
+#[expect(clippy::large_enum_variant, reason = "at most nine of them")]
+pub(super) enum Peer {
+    Server(lock::Server),
+    Client(lock::Client),
+    Member(ring::Member),
+}
+
+impl Actor<usize> for Peer {
+    type Packet = Message;
+
+    fn hear(&mut self, now_ns: u64, from: usize, message: &mut Message, out: &mut Out<'_, usize, Message>) {
+        self.step(now_ns / 1_000, Some((PeerId(from as u8), message)), out);
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, Message>) {
+        self.step(now_ns / 1_000, None, out);
+    }
+}
+
+/// What came, as a role reads it; outside: whether it can.
+fn read<M: Carried>(came: Option<(PeerId, &mut Message)>) -> Option<Option<(PeerId, M)>> {
+    let Some((from, message)) = came else { return Some(None) };
+    let (object, message) = M::read(message)?;
+    (object == OBJECT).then_some(Some((from, message)))
+}
+
+impl Peer {
+    fn step(&mut self, now: u64, came: Option<(PeerId, &mut Message)>, out: &mut Out<'_, usize, Message>) {
+        match self {
+            Self::Member(member) => _ = read(came).map(|came| member.step(now, came, &mut said(OBJECT, out))),
+            Self::Server(server) => _ = read(came).map(|came| server.step(now, came, &mut said(OBJECT, out))),
+            Self::Client(client) => _ = read(came).map(|came| client.step(now, came, &mut said(OBJECT, out))),
+        }
+    }
+
     /// Whether it may edit.
-    fn owns(&self, now: u64) -> bool;
+    fn owns(&self, now: u64) -> bool {
+        match self {
+            Self::Server(_) => false,
+            Self::Client(client) => client.role.owns(now),
+            Self::Member(member) => member.ring.owns(now),
+        }
+    }
+
     /// Starts anew, from its record unless that is lost, too.
-    fn restart(&mut self, now: u64, forgets: bool);
+    fn restart(&mut self, now: u64, forgets: bool) {
+        match self {
+            Self::Server(server) => server.restart(now, forgets),
+            Self::Client(client) => client.restart(now),
+            Self::Member(member) => member.restart(now, forgets),
+        }
+    }
+
+    fn user(&self) -> Option<&User> {
+        match self {
+            Self::Server(_) => None,
+            Self::Client(client) => Some(&client.user),
+            Self::Member(member) => Some(&member.user),
+        }
+    }
+
+    fn published(&self) -> u64 {
+        self.user().map_or(0, |user| user.published)
+    }
+
     /// Everything is well from now on; whether this peer has a user who must get to publish.
-    fn insist(&mut self, now: u64) -> bool;
-    /// Publications so far, and rights to edit that ended before.
-    fn counts(&self) -> (u64, u64);
-    /// Whether it is where it wanted to be, in the end.
-    fn is_settled(&self) -> bool;
-    /// What the object is to this peer, if it follows it.
-    fn value(&self) -> Option<Value>;
+    fn insist(&mut self, now: u64) -> bool {
+        match self {
+            Self::Server(_) => return false,
+            Self::Client(client) => client.user.insist(now),
+            Self::Member(member) => {
+                member.user.insist(now);
+                member.stay(now);
+            }
+        }
+        !self.leaves()
+    }
+
+    /// Whether it leaves for good.
+    fn leaves(&self) -> bool {
+        matches!(self, Self::Member(member) if member.for_good)
+    }
+
+    /// What the object is to this peer.
+    fn value(&self) -> Value {
+        match self {
+            Self::Server(server) => server.role.copy().value,
+            Self::Client(client) => client.role.copy().value,
+            Self::Member(member) => member.ring.state().value,
+        }
+    }
 }
 
 /// What went wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trouble {
-    /// Two peers may edit at one instant.
+#[derive(Clone, Copy)]
+enum Trouble {
     TwoOwners,
-    /// The history is not one branch.
     LostUpdate,
-    /// Somebody waited longer than the protocol's bound.
     NoProgress,
 }
 
-/// What a run came to.
-#[derive(Clone, Debug, Default)]
-pub struct Run {
-    /// The first thing that went wrong.
-    pub trouble: Option<(Trouble, String)>,
-    /// Updates that their authors were told are published.
-    pub published: u64,
-    /// Rights that ended before their owner had finished.
-    pub interrupted: u64,
-    /// Crashes.
-    pub crashes: u64,
-    /// Messages sent.
-    pub messages: u64,
-    /// Messages that never arrived.
-    pub lost: u64,
-    /// Longest wait for a publication after the trouble, µs.
-    pub longest_wait_us: u64,
-    /// The protocol's bound, µs.
-    pub wait_bound_us: u64,
-}
-
-/// Peers, and how long a user may have to wait once all is well: a function of the one-way delay, µs.
-pub struct Cast<P> {
-    /// The peers, numbered from 0.
-    pub peers: Vec<P>,
-    /// The bound.
-    pub wait_bound_us: Box<dyn Fn(u64) -> u64>,
-}
-
-impl Run {
-    fn wrong(&mut self, trouble: Trouble, now_us: u64, what: &str) {
-        self.trouble.get_or_insert_with(|| (trouble, format!("{what}, {} ms into the run", now_us / 1000)));
+impl Verdict {
+    /// Keeps the first thing that went wrong.
+    fn wrong(&mut self, seed: u64, trouble: Trouble, now_us: u64, what: &str) {
+        if self.first_failure.is_none() {
+            self.first_failure = Some((seed, format!("{what}, {} ms into the run", now_us / 1000)));
+            *match trouble {
+                Trouble::TwoOwners => &mut self.two_owners,
+                Trouble::LostUpdate => &mut self.lost_update,
+                Trouble::NoProgress => &mut self.no_progress,
+            } += 1;
+        }
     }
 }
 
@@ -98,7 +152,7 @@ fn rule(network: Network, rng: &mut Rng) -> SeededRule {
 }
 
 /// The network comes together, falls into two, or loses single ways between two peers, one direction each.
-fn fall_apart<P: Peer>(engine: &mut Engine<P>, rng: &mut Rng) {
+fn fall_apart(engine: &mut Engine<Peer>, rng: &mut Rng) {
     let (count, kind) = (engine.seats.len(), rng.below(4));
     let sides = rng.below(1 << count);
     for way in 0..count * count {
@@ -112,18 +166,22 @@ fn fall_apart<P: Peer>(engine: &mut Engine<P>, rng: &mut Rng) {
 }
 
 /// Whether a peer that is there may edit.
-fn owns<P: Peer>(seat: &Seat<P>, now_ns: u64) -> bool {
+fn owns(seat: &Seat<Peer>, now_ns: u64) -> bool {
     !seat.off && seat.actor.owns(seat.clock.at(now_ns) / 1_000)
 }
 
 /// One run to its end.
-pub fn run<P: Peer>(trial: &Trial, history: &Rc<RefCell<History>>, cast: Cast<P>) -> Run {
-    let mut rng = Rng::new(trial.seed);
-    let count = cast.peers.len();
+pub(super) fn run(trial: &Trial) -> Verdict {
+    let (mut rng, seed, history) = (Rng::new(trial.seed), trial.seed, Rc::<RefCell<History>>::default());
+    let (peers, wait_bound_us) = match trial.scheme {
+        Scheme::Lock => (lock::peers(trial, &history), lock::wait_bound_us(trial.users, 2 * DELAY_US)),
+        Scheme::Ring => (ring::peers(trial, &history), ring::wait_bound_us(trial.users, 2 * DELAY_US)),
+    };
+    let count = peers.len();
     // Within what a lease allows; one of them beyond, if that is the mistake.
     let slow = 1 + rng.below(count as u64 - 1) as usize;
     let slow = (trial.mistake == Some(Mistake::SlowClock)).then_some(slow);
-    let seats = cast.peers.into_iter().enumerate().map(|(at, actor)| {
+    let seats = peers.into_iter().enumerate().map(|(at, actor)| {
         let rate = if slow == Some(at) { 0.25 } else { 0.94 + rng.below(120_000) as f64 * 1e-6 };
         Seat { clock: Clock { start_ns: 1_000 * rng.below(1 << 40), rate }, ..Seat::new(actor) }
     });
@@ -142,10 +200,11 @@ pub fn run<P: Peer>(trial: &Trial, history: &Rc<RefCell<History>>, cast: Cast<P>
     let mut engine = Engine::new(1_000 * POLL_US, seats, way);
     let forgets = trial.mistake == Some(Mistake::Amnesia);
     let (crashes, partitions) = (rng.below(100) as f64 * 3e-5, rng.below(100) as f64 * 1e-4);
-    let mut run = Run { wait_bound_us: (cast.wait_bound_us)(2 * DELAY_US), ..Run::default() };
+    let mut verdict = Verdict { runs: 1, wait_bound_ms: wait_bound_us as f64 * 1e-3, ..Verdict::default() };
     // Until when each peer is down; how long it waited for a publication; how many it had before.
     let (mut down_until, mut waits, mut before) = (vec![0; count], vec![None; count], vec![0; count]);
-    while run.trouble.is_none() {
+    let mut longest_wait_us = 0;
+    while verdict.first_failure.is_none() {
         let now_us = engine.now_ns() / 1_000;
         if now_us < TROUBLE_US && rng.chance(partitions) {
             fall_apart(&mut engine, &mut rng);
@@ -155,7 +214,7 @@ pub fn run<P: Peer>(trial: &Trial, history: &Rc<RefCell<History>>, cast: Cast<P>
                 seat.off = false;
                 seat.actor.restart(seat.clock.at(1_000 * now_us) / 1_000, forgets);
             } else if !seat.off && now_us < TROUBLE_US && rng.chance(crashes) {
-                run.crashes += 1;
+                verdict.crashes += 1;
                 seat.off = true;
                 *until = (now_us + 20_000 + rng.below(DOWN_US)).min(TROUBLE_US);
             }
@@ -164,11 +223,12 @@ pub fn run<P: Peer>(trial: &Trial, history: &Rc<RefCell<History>>, cast: Cast<P>
             if owns(&seats[seat], now_ns)
                 && let Some(other) = (0..count).find(|other| *other != seat && owns(&seats[*other], now_ns))
             {
-                run.wrong(Trouble::TwoOwners, now_ns / 1_000, &format!("peers {seat} and {other} both own the object"));
+                let what = format!("peers {seat} and {other} both own the object");
+                verdict.wrong(seed, Trouble::TwoOwners, now_ns / 1_000, &what);
             }
         });
         if let Some(what) = &history.borrow().wrong {
-            run.wrong(Trouble::LostUpdate, now_us, what);
+            verdict.wrong(seed, Trouble::LostUpdate, now_us, what);
         }
         if now_us == TROUBLE_US {
             for way in 0..count * count {
@@ -177,42 +237,47 @@ pub fn run<P: Peer>(trial: &Trial, history: &Rc<RefCell<History>>, cast: Cast<P>
                 route.rule = Some(Box::new(rule(good, &mut rng)));
             }
             for (seat, (wait, before)) in engine.seats.iter_mut().zip(waits.iter_mut().zip(&mut before)) {
-                *before = seat.actor.counts().0;
+                *before = seat.actor.published();
                 *wait = seat.actor.insist(seat.clock.at(1_000 * now_us) / 1_000).then_some(0);
             }
         }
         if now_us > TROUBLE_US {
             let since_us = now_us - TROUBLE_US;
             for (seat, (wait, before)) in engine.seats.iter().zip(waits.iter_mut().zip(&before)) {
-                if *wait == Some(0) && seat.actor.counts().0 > *before {
+                if *wait == Some(0) && seat.actor.published() > *before {
                     *wait = Some(since_us);
-                    run.longest_wait_us = run.longest_wait_us.max(since_us);
+                    longest_wait_us = longest_wait_us.max(since_us);
                 }
             }
             // What was held back before the end of trouble still arrives after it.
             match waits.iter().position(|wait| *wait == Some(0)) {
-                Some(at) if since_us > run.wait_bound_us + HELD_BACK_US => {
-                    run.wrong(Trouble::NoProgress, now_us, &format!("peer {at} has not published"));
+                Some(at) if since_us > wait_bound_us + HELD_BACK_US => {
+                    verdict.wrong(seed, Trouble::NoProgress, now_us, &format!("peer {at} has not published"));
                 }
                 // One more second for everybody to hear of the last one.
-                None if since_us > run.longest_wait_us.max(HELD_BACK_US) + 1_000_000 => break,
+                None if since_us > longest_wait_us.max(HELD_BACK_US) + 1_000_000 => break,
                 _ => {}
             }
         }
     }
     let (now_us, mut history) = (engine.now_ns() / 1_000, history.borrow_mut());
     for (at, peer) in engine.seats.iter().map(|seat| &seat.actor).enumerate() {
-        if let Some(value) = peer.value() {
-            history.last(at, &value);
+        match peer {
+            Peer::Member(member) if member.for_good && !member.ring.has_left() => {
+                let what = format!("peer {at} wanted to leave and has not left");
+                verdict.wrong(seed, Trouble::NoProgress, now_us, &what);
+            }
+            // Who has left does not follow any more.
+            _ if peer.leaves() => {}
+            _ => history.last(at, &peer.value()),
         }
-        if !peer.is_settled() {
-            run.wrong(Trouble::NoProgress, now_us, &format!("peer {at} wanted to leave and has not left"));
-        }
-        run.interrupted += peer.counts().1;
+        verdict.interrupted += peer.user().map_or(0, |user| user.interrupted);
     }
     if let Some(what) = &history.wrong {
-        run.wrong(Trouble::LostUpdate, now_us, what);
+        verdict.wrong(seed, Trouble::LostUpdate, now_us, what);
     }
-    (run.messages, run.lost, run.published) = (engine.counts().taken, engine.counts().lost, history.published());
-    run
+    verdict.longest_wait_ms = longest_wait_us as f64 * 1e-3;
+    verdict.published = history.published.len() as u64;
+    (verdict.messages, verdict.lost) = (engine.counts().taken, engine.counts().lost);
+    verdict
 }
