@@ -2,10 +2,10 @@
 //! shared environments, and what tries them. The peers themselves are `haptic_core`, the same lines that fly on the board.
 #![forbid(unsafe_code)]
 
-pub mod cli;
+mod cli;
 pub mod live;
 pub mod shared;
 pub mod studies;
 pub mod trials;
 
-pub use cli::Cli;
+pub use cli::{Cli, made};

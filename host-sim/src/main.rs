@@ -1,4 +1,4 @@
-//! The `host-sim` command: see [`host_sim::cli`].
+//! The `host-sim` command: see `host_sim::Cli`.
 
 fn main() -> std::process::ExitCode {
     host_sim::Cli::default().main()

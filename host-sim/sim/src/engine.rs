@@ -8,7 +8,7 @@
 //!
 //! Time and randomness are arguments, so a run is a function of what it was given. Time is nanoseconds.
 
-use std::borrow::{Borrow, BorrowMut};
+use std::borrow::BorrowMut;
 
 use crate::network::link::{Counts, InFlight, Payload, Route};
 
@@ -107,37 +107,19 @@ pub struct Seen<'a, A> {
     pub seats: &'a mut [Seat<A>],
 }
 
-/// What is said on its way to whom it is for.
-struct Network<P: Payload + ?Sized> {
-    count: usize,
-    /// From each to each other.
-    routes: Vec<Route>,
-    in_flight: InFlight<Envelope<P>>,
-}
-
 struct Envelope<P: Payload + ?Sized> {
     from: usize,
     to: usize,
     packet: P::Owned,
 }
 
-impl<P: Payload + ?Sized> Network<P> {
-    #[inline]
-    fn send(&mut self, now_ns: u64, from: usize, to: usize, packet: &P) {
-        // What is for nobody is lost.
-        if to < self.count {
-            self.routes[from * self.count + to].send(now_ns, packet, |due_ns, packet| {
-                self.in_flight.put(due_ns, Envelope { from, to, packet });
-            });
-        }
-    }
-}
-
 /// Actors and the network between them.
 pub struct Engine<A: Actor<usize>> {
     /// Who takes part.
     pub seats: Vec<Seat<A>>,
-    network: Network<A::Packet>,
+    /// From each to each other.
+    routes: Vec<Route>,
+    in_flight: InFlight<Envelope<A::Packet>>,
     period_ns: u64,
     tick: u64,
     missed: u64,
@@ -148,8 +130,7 @@ impl<A: Actor<usize>> Engine<A> {
     pub fn new(period_ns: u64, seats: Vec<Seat<A>>, mut route: impl FnMut(usize, usize) -> Route) -> Self {
         let count = seats.len();
         let routes = (0..count * count).map(|way| route(way / count, way % count)).collect();
-        let network = Network { count, routes, in_flight: InFlight::default() };
-        Self { seats, network, period_ns, tick: 0, missed: 0 }
+        Self { seats, routes, in_flight: InFlight::default(), period_ns, tick: 0, missed: 0 }
     }
 
     /// Ticks done so far.
@@ -166,13 +147,13 @@ impl<A: Actor<usize>> Engine<A> {
 
     /// The way from one seat to another: to be cut, or to be put under another rule.
     pub fn route(&mut self, from: usize, to: usize) -> &mut Route {
-        &mut self.network.routes[from * self.network.count + to]
+        &mut self.routes[from * self.seats.len() + to]
     }
 
     /// What became of all that was said; what came to a seat that was off is lost, too.
     pub fn counts(&self) -> Counts {
         let none = Counts { lost: self.missed, ..Counts::default() };
-        self.network.routes.iter().map(Route::counts).fold(none, |sum, way| Counts {
+        self.routes.iter().map(Route::counts).fold(none, |sum, way| Counts {
             taken: sum.taken + way.taken,
             sent: sum.sent + way.sent,
             lost: sum.lost + way.lost,
@@ -215,7 +196,7 @@ impl<A: Actor<usize>> Engine<A> {
     /// What has arrived by `now_ns` is heard, in the order of arrival.
     #[inline]
     fn deliver(&mut self, now_ns: u64, watch: &mut impl FnMut(Seen<'_, A>)) {
-        while let Some((due_ns, Envelope { from, to, mut packet })) = self.network.in_flight.take(now_ns) {
+        while let Some((due_ns, Envelope { from, to, mut packet })) = self.in_flight.take(now_ns) {
             if self.seats[to].off {
                 self.missed += 1;
                 continue;
@@ -235,88 +216,16 @@ impl<A: Actor<usize>> Engine<A> {
         watch: &mut impl FnMut(Seen<'_, A>),
         take: impl FnOnce(&mut A, u64, &mut Out<'_, usize, A::Packet>),
     ) {
-        let (seat, network) = (&mut self.seats[at], &mut self.network);
-        take(&mut seat.actor, seat.clock.at(now_ns), &mut |to, packet| network.send(now_ns, at, to, packet.borrow()));
-        watch(Seen { now_ns, seat: at, turn, seats: &mut self.seats });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::network::rule::Fate;
-
-    /// Sends its tick to the next, and keeps what it hears: when, from whom.
-    #[derive(Default)]
-    struct Caller {
-        next: usize,
-        heard: Vec<(u64, usize, Vec<u8>)>,
-        acted: u64,
-    }
-
-    impl Actor<usize> for Caller {
-        type Packet = [u8];
-
-        fn hear(&mut self, now_ns: u64, from: usize, packet: &mut [u8], _: &mut Out<'_, usize, [u8]>) {
-            self.heard.push((now_ns, from, packet.to_vec()));
-        }
-
-        fn speak(&mut self, _: u64, out: &mut Out<'_, usize, [u8]>) {
-            out(self.next, &[self.acted as u8]);
-        }
-
-        fn act(&mut self, _: u64, _: &mut Out<'_, usize, [u8]>) {
-            self.acted += 1;
-        }
-    }
-
-    fn engine(route: impl FnMut(usize, usize) -> Route) -> Engine<Caller> {
-        let seats = [1, 0].map(|next| Seat::new(Caller { next, ..Caller::default() }));
-        Engine::new(1_000, seats.into(), route)
-    }
-
-    #[test]
-    fn without_delay_what_is_said_is_heard_before_anybody_acts() {
-        let mut engine = engine(|_, _| Route::default());
-        let mut order = Vec::new();
-        engine.step(&mut |seen: Seen<'_, Caller>| order.push((seen.seat, seen.turn)));
-        let wanted = [
-            (0, Turn::Spoke),
-            (1, Turn::Spoke),
-            (1, Turn::Heard),
-            (0, Turn::Heard),
-            (0, Turn::Acted),
-            (1, Turn::Acted),
-        ];
-        assert_eq!(order, wanted);
-        assert_eq!(engine.seats[0].actor.heard, [(0, 1, vec![0])]);
-    }
-
-    #[test]
-    fn packets_arrive_when_they_are_due_by_the_receivers_clock_and_closures_lose_them() {
-        let mut engine = engine(|from, _| match from {
-            0 => Route::new(2_500)
-                .with_rule(|number: u64, _| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass }),
-            _ => Route::new(0).with_rule(|number, sent_ns| Fate::late(if number == 0 { 1_900 } else { sent_ns })),
+        let (count, routes, in_flight) = (self.seats.len(), &mut self.routes, &mut self.in_flight);
+        let seat = &mut self.seats[at];
+        take(&mut seat.actor, seat.clock.at(now_ns), &mut |to, packet| {
+            // What is for nobody is lost.
+            if to < count {
+                routes[at * count + to].send(now_ns, packet, |due_ns, packet| {
+                    in_flight.put(due_ns, Envelope { from: at, to, packet });
+                });
+            }
         });
-        engine.seats[1].clock = Clock { start_ns: 500, rate: 2.0 };
-        (0..6).for_each(|_| engine.step(&mut |_| ()));
-        let [first, second] = [0, 1].map(|at| std::mem::take(&mut engine.seats[at].actor.heard));
-        assert_eq!(second, [(7_500, 0, vec![1]), (9_500, 0, vec![2])]);
-        assert_eq!(first, [(1_900, 1, vec![0]), (2_000, 1, vec![1]), (4_000, 1, vec![2])]);
-        assert_eq!(engine.counts(), Counts { taken: 12, sent: 10, lost: 2, corrupt: 0 });
-    }
-
-    #[test]
-    fn who_is_off_hears_nothing_and_a_slow_clock_misses_turns() {
-        let mut engine = engine(|_, _| Route::new(500));
-        engine.seats[1].period = 1.25;
-        (0..10).for_each(|_| engine.step(&mut |_| ()));
-        assert_eq!((engine.seats[0].actor.acted, engine.seats[1].actor.acted), (10, 8));
-        engine.seats[0].off = true;
-        engine.route(1, 0).cut = true;
-        (0..10).for_each(|_| engine.step(&mut |_| ()));
-        assert_eq!((engine.seats[0].actor.acted, engine.seats[1].actor.acted), (10, 16));
-        assert_eq!(engine.counts().lost, 1 + 8);
+        watch(Seen { now_ns, seat: at, turn, seats: &mut self.seats });
     }
 }

@@ -1,8 +1,6 @@
 //! The key that two peers share: 32 random bytes as 64 hexadecimal digits in a file that only its owner may read.
 
-use std::fs::OpenOptions;
-use std::io::Write;
-use std::path::Path;
+use std::{fs::OpenOptions, io::Write, path::Path};
 
 use haptic_protocol::key::Key;
 

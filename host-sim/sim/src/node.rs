@@ -1,8 +1,8 @@
 //! One peer on a wire, whoever brings the time and the datagrams: the tick and exchange that fly, a simulated device in a
 //! simulated hand, a sealed link.
 //!
-//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time , a
-//! flood  and restarts in virtual time  drive the same lines.
+//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time, a flood and restarts in
+//! virtual time drive the same lines.
 //!
 //! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
 //! end lets go at once. The peer's own ladder (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
@@ -14,49 +14,111 @@
 
 use haptic_core::peer::{Actuators, Observed};
 use haptic_core::safety::{Command, Mode};
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
 use haptic_protocol::peer::{Inbox, flow_of, packet_of, parameters_of};
-use haptic_protocol::wire::{Flow, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::wire::{Flow, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::peers::DynPeer;
-use crate::plant::Plant;
-use crate::scene::Scene;
+use crate::{peers::DynPeer, plant::Plant, scene::Scene};
+
+/// A link that hands each datagram to whoever sends it.
+pub trait Says {
+    /// Says a message; whether there was a session to say it in.
+    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool;
+
+    /// Says what the link itself has to: calls, answers, events, probes.
+    fn say_due(&mut self, now_us: u64, send: impl FnMut(&[u8]));
+}
+
+impl Says for Link {
+    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool {
+        let mut out = [0; MAX_DATAGRAM];
+        self.send(now_us, message, &mut out).map(|len| &out[..len]).map(send).is_some()
+    }
+
+    fn say_due(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) {
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(len) = self.poll(now_us, &mut out) {
+            send(&out[..len]);
+        }
+    }
+}
 
 /// One peer, its device and its link.
 #[derive(Debug)]
 pub struct Node {
     peer: Box<dyn DynPeer<f32>>,
     plant: Plant,
-    link: Link,
-    inbox: Inbox,
+    line: Line,
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
     armed_ticks: u64,
     /// Control periods until the other one is told how this one is doing.
     until_telemetry: u32,
-    /// What the other one last said about itself.
-    heard: Option<Telemetry>,
-    notices: Vec<(u64, Notice)>,
 }
 
 /// Time from telemetry to telemetry, s.
 pub const TELEMETRY_S: f64 = 0.5;
 
-/// The sealed line from one end of a scene to the other, calling.
-pub fn open_link(scene: &Scene, ends: Ends, key: Key, entropy: [u8; Key::LEN]) -> Result<Link, String> {
-    let settings = &scene.peers()[usize::from(ends.local == PeerId(2))];
-    let timing = &settings.timing;
-    Link::new(Config {
-        key,
-        ends,
-        packet_period_us: (timing.packet_period_ns() / 1_000) as u32,
-        parameters: parameters_of(settings),
-        entropy,
-    })
-    .map_err(|error| error.to_string())
+/// One end of the sealed line between the two peers of a scene, and what has come over it.
+#[derive(Debug)]
+pub struct Line {
+    /// The link.
+    pub link: Link,
+    /// The flow that has come and waits for its exchange.
+    pub inbox: Inbox,
+    /// What the other one last said about itself, every half second.
+    pub heard: Option<Telemetry>,
+    /// What the link has reported so far, in order, with the time of each in µs.
+    pub notices: Vec<(u64, Notice)>,
+}
+
+impl Line {
+    /// The end of peer `number` (1 or 2), calling. `entropy` must never be the same at two starts.
+    pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+        let settings = &scene.peers()[usize::from(number == 2)];
+        let timing = &settings.timing;
+        let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
+        let packet_period_us = (timing.packet_period_ns() / 1_000) as u32;
+        let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
+        let link = Link::new(config).map_err(|error| error.to_string())?;
+        let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
+        Ok(Self { link, inbox, heard: None, notices: Vec::new() })
+    }
+
+    /// Takes a datagram at a tick, opened in place; gives the flow, if it was that. `part` lets go of the other peer.
+    pub fn receive(
+        &mut self,
+        now_us: u64,
+        tick: u32,
+        datagram: &mut [u8],
+        part: impl FnMut(),
+    ) -> Result<Option<Flow>, Error> {
+        let taken = self.link.receive(now_us, datagram);
+        // Before the flow is kept: it may be the first of another life of the other peer.
+        self.heed(now_us, part);
+        match taken? {
+            Some(Message::Flow(flow)) => {
+                self.inbox.put(tick, flow);
+                return Ok(Some(flow));
+            }
+            Some(Message::Telemetry(telemetry)) => self.heard = Some(telemetry),
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Takes in what the link has noticed.
+    pub fn heed(&mut self, now_us: u64, mut part: impl FnMut()) {
+        while let Some(notice) = self.link.take_notice() {
+            if notice == Notice::Disengaged {
+                part();
+                self.inbox.clear();
+            }
+            self.notices.push((now_us, notice));
+        }
+    }
 }
 
 impl Node {
@@ -74,81 +136,40 @@ impl Node {
         plant: Plant,
     ) -> Result<Self, String> {
         let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
-        let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
-        let link = open_link(scene, ends, key, entropy)?;
-        Ok(Self {
-            peer,
-            plant,
-            link,
-            inbox: Inbox::new(scene.world.network.playout_packets, scene.peer.timing.ticks_per_packet),
-            period_s: scene.peer.timing.control_period_s,
-            ticks: 0,
-            armed_ticks: 0,
-            until_telemetry: 0,
-            heard: None,
-            notices: Vec::new(),
-        })
+        let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
+        Ok(Self { peer, plant, line, period_s, ticks: 0, armed_ticks: 0, until_telemetry: 0 })
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flow>, Error> {
-        let taken = self.link.receive(now_us, datagram);
-        // Before the flow is kept: it may be the first of another life of the other peer.
-        self.heed(now_us);
-        let flow = match taken? {
-            Some(Message::Flow(flow)) => flow,
-            Some(Message::Telemetry(telemetry)) => {
-                self.heard = Some(telemetry);
-                return Ok(None);
-            }
-            _ => return Ok(None),
-        };
-        self.inbox.put(self.ticks, flow);
-        Ok(Some(flow))
-    }
-
-    /// What the link has noticed.
-    fn heed(&mut self, now_us: u64) {
-        while let Some(notice) = self.link.take_notice() {
-            if notice == Notice::Disengaged {
-                self.peer.part();
-                self.inbox.clear();
-            }
-            self.notices.push((now_us, notice));
-        }
+        self.line.receive(now_us, self.ticks, datagram, || self.peer.part())
     }
 
     /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
     pub fn beat(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
-        let mut out = [0; MAX_DATAGRAM];
-        while let Some(len) = self.link.poll(now_us, &mut out) {
-            send(&out[..len]);
-        }
-        self.heed(now_us);
+        self.line.link.say_due(now_us, &mut send);
+        self.line.heed(now_us, || self.peer.part());
         let due = self.peer.packet_due();
         if due {
-            self.inbox.play(self.ticks);
+            self.line.inbox.play(self.ticks);
         }
-        if self.peer.mode() == Mode::Disarmed && self.inbox.newest().is_some() {
+        if self.peer.mode() == Mode::Disarmed && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
         }
         if due {
-            let (flow, anew) = self.inbox.take();
+            let (flow, anew) = self.line.inbox.take();
             if anew {
                 self.peer.part();
             }
             let packet = self.peer.exchange(flow.as_ref().map(packet_of));
             let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
-            if let Some(len) = self.link.send(now_us, flow, &mut out) {
-                send(&out[..len]);
-            }
+            self.line.link.say(now_us, flow, &mut send);
         }
         if self.until_telemetry == 0 {
             let telemetry = self.telemetry(now_us);
             // Without a session it is made up for as soon as there is one.
-            if let Some(len) = self.link.send(now_us, telemetry, &mut out) {
-                send(&out[..len]);
+            if self.line.link.say(now_us, telemetry, &mut send) {
                 self.until_telemetry = (TELEMETRY_S / self.period_s) as u32;
             }
         } else {
@@ -165,11 +186,8 @@ impl Node {
     }
 
     /// Tells the other one that this one ends.
-    pub fn goodbye(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) {
-        let mut out = [0; MAX_DATAGRAM];
-        if let Some(len) = self.link.goodbye(now_us, &mut out) {
-            send(&out[..len]);
-        }
+    pub fn goodbye(&mut self, now_us: u64, send: impl FnMut(&[u8])) {
+        self.line.link.say(now_us, Goodbye {}, send);
     }
 
     /// How this one is doing, for the other end's people and logs.
@@ -193,13 +211,8 @@ impl Node {
             energy_sent: ledger.sent_j().into(),
             ..Telemetry::default()
         };
-        self.link.describe(now_us, &mut telemetry);
+        self.line.link.describe(now_us, &mut telemetry);
         telemetry
-    }
-
-    /// What the other one last said about itself, every half second.
-    pub fn heard(&self) -> Option<&Telemetry> {
-        self.heard.as_ref()
     }
 
     /// What a reset leaves: the device, in a hand that holds it still.
@@ -229,29 +242,24 @@ impl Node {
         self.peer.is_engaged()
     }
 
-    /// The link.
-    pub fn link(&self) -> &Link {
-        &self.link
-    }
-
-    /// What the link has reported so far, in order, with the time of each in µs.
-    pub fn notices(&self) -> &[(u64, Notice)] {
-        &self.notices
+    /// Its end of the line to the other one.
+    pub fn line(&self) -> &Line {
+        &self.line
     }
 
     /// How the node stands with the other one: what a datagram that is not the other one's must never change.
     pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
-        let link = &self.link;
-        let tick = self.inbox.newest().map(|flow| flow.tick);
+        let link = &self.line.link;
+        let tick = self.line.inbox.newest().map(|flow| flow.tick);
         let level = link.engagement().to_bits();
         (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.is_engaged())
     }
 
     /// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.
     pub fn fingerprint(&self) -> String {
-        let link = format!("{:?}", self.link);
+        let link = format!("{:?}", self.line.link);
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
-        format!("{link} {:?} {:?} {:?}", self.inbox, self.heard, self.peer)
+        format!("{link} {:?} {:?} {:?}", self.line.inbox, self.line.heard, self.peer)
     }
 }

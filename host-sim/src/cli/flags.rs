@@ -22,7 +22,7 @@ const LONGEST_S: f64 = 86_400.0;
 #[derive(Clone, Debug, Args)]
 #[command(arg(listing("keys", "List every key of a scene: unit, default, range, meaning")))]
 #[command(arg(listing("scenes", "List the built-in scenes")))]
-pub struct SceneArgs {
+pub(in crate::cli) struct SceneArgs {
     /// Scene file (TOML) or the name of a built-in scene; without it, the cooperation paper's defaults.
     #[arg(long, value_name = "NAME|FILE")]
     scene: Option<PathBuf>,
@@ -113,7 +113,7 @@ impl SceneArgs {
     }
 
     /// Short name of the scene, for file names and headings.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         if let Ok(Some(name)) = self.name_of_built_in() {
             return name.to_owned();
         }

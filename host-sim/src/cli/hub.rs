@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::flags::{KeyFile, Patience, Time};
 use super::{Failure, SceneArgs, Ui, granted};
-use crate::live::endpoint::Stop;
+use crate::live::endpoint::{Span, Stop};
 use crate::live::hub;
 use crate::shared::cooperative::MOST_USERS;
 use haptic_sim::report::Columns;
@@ -36,14 +36,9 @@ impl Hub {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let key = self.key.read()?;
-        let options = hub::Options {
-            users: self.users.into(),
-            listen: self.listen,
-            duration_s: self.time.seconds,
-            patience_s: self.patience.patience_s,
-        };
+        let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
         ui.status(format_args!("hub for {} peers listens on {}", self.users, self.listen));
-        let report = hub::run(&scene, &key, &options, &Stop::on_signals()?)?;
+        let report = hub::run(&scene, &key, self.users.into(), self.listen, span, &Stop::on_signals()?)?;
         ui.document(&report)?;
         let lines = Columns::of(&report.lines)
             .value("line", |line| line.line)

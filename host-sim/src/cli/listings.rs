@@ -62,7 +62,7 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
 
 /// Every key of a world file.
 pub(super) fn world_keys(ui: &Ui) -> Result<(), Failure> {
-    let own = world::OWN_KEYS.iter().map(|(table, field)| (*table, field));
+    let own = world::own_keys();
     let shapes = Shape::ALL.iter().flat_map(|(name, _, fields)| fields.iter().map(move |field| (*name, field)));
     let row = |(table, field): (&str, &Field)| Row {
         key: if table.is_empty() { field.name.to_owned() } else { format!("{table}.{}", field.name) },

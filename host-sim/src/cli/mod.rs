@@ -30,11 +30,12 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use clap_complete::Shell;
 
-pub use flags::SceneArgs;
+use flags::SceneArgs;
 use flags::nearest;
 use haptic_sim::Laws;
+use ui::Failure;
 use ui::Ui;
-pub use ui::{Failure, made};
+pub use ui::made;
 
 /// Declares a command, or a group of them, and runs whichever was asked for.
 macro_rules! commands {

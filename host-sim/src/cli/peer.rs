@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::flags::{KeyFile, Patience, Time};
 use super::{Failure, SceneArgs, Ui, granted};
-use crate::live::endpoint::Stop;
+use crate::live::endpoint::{Span, Stop};
 use crate::live::peer;
 
 /// Arguments of `peer`.
@@ -36,14 +36,9 @@ impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let key = self.key.read()?;
-        let options = peer::Options {
-            number: self.number,
-            listen: self.listen,
-            connect: self.connect,
-            duration_s: self.time.seconds,
-            patience_s: self.patience.patience_s,
-        };
-        let report = peer::run(&scene, key, &options, &Stop::on_signals()?)?;
+        let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
+        let ends = [self.listen, self.connect];
+        let report = peer::run(&scene, key, self.number, ends, span, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(
             ui,

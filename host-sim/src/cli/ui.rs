@@ -16,7 +16,7 @@ use haptic_sim::Laws;
 use haptic_sim::report::{Files, Made, ReportError};
 
 /// What a command may fail with.
-pub type Failure = Box<dyn Error>;
+pub(super) type Failure = Box<dyn Error>;
 
 /// Where a command's output goes.
 #[derive(Clone, Debug)]

@@ -2,16 +2,15 @@
 //!
 //! At every tick the socket is emptied, then the actor acts. Emptying stops half a period after the tick began, so that no flood of
 //! datagrams, forged or not, can hold up what is due; what is left waits for the next tick or is dropped by the system, as on any
-//! full line. An endpoint that answers hears each datagram as it comes instead. The loop ends when the actor says so, when it misses
-//! somebody for longer than its patience, or when the process is asked to end; then the actor says goodbye.
+//! full line. An endpoint that answers hears each datagram as it comes instead. The loop ends when its time is over, when the actor
+//! says so, when it misses somebody for longer than its patience, or when the process is asked to end; then the actor says goodbye.
 //!
 //! Ticks have absolute deadlines, so that errors do not add up: one that begins more than a period late is a miss, none is skipped.
 
-use std::io::ErrorKind;
 use std::net::{SocketAddr, UdpSocket};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+use std::{io::ErrorKind, sync::Arc};
 
 use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
@@ -87,19 +86,30 @@ impl Punctuality {
 pub struct Ticker {
     start: Instant,
     period: Duration,
+    /// How long there are ticks, s.
+    seconds: f64,
     kept: Punctuality,
 }
 
 impl Ticker {
     /// The first tick is now.
     pub fn new(period: Duration) -> Self {
-        Self { start: Instant::now(), period, kept: Punctuality::default() }
+        Self { start: Instant::now(), period, seconds: f64::INFINITY, kept: Punctuality::default() }
     }
 
     /// The same, and the thread asks for a real-time priority.
     pub fn realtime(period: Duration) -> Self {
         let kept = Punctuality { realtime_priority: realtime(), ..Punctuality::default() };
         Self { kept, ..Self::new(period) }
+    }
+
+    /// The same, for so many seconds.
+    pub(crate) fn lasting(self, seconds: f64) -> Self {
+        Self { seconds, ..self }
+    }
+
+    fn is_over(&self) -> bool {
+        self.kept.ticks as f64 * self.period.as_secs_f64() >= self.seconds
     }
 
     fn deadline(&self) -> Instant {
@@ -135,10 +145,19 @@ pub fn realtime() -> bool {
     .is_ok()
 }
 
+/// How long a run is once everybody is there, and how long to wait for that, s.
+#[derive(Clone, Copy)]
+pub(crate) struct Span {
+    pub(crate) duration_s: f64,
+    pub(crate) patience_s: f64,
+}
+
 /// An actor of the engine's as an endpoint runs it. Times are ns since the endpoint was opened.
 pub trait Live: Actor<SocketAddr, Packet = [u8]> {
-    /// Whether it has ended, after a tick, and what is wrong if something is.
-    fn end(&self) -> Option<Result<(), String>>;
+    /// Whether it has ended, after a tick and before its time is over, and what is wrong if something is.
+    fn end(&self) -> Option<Result<(), String>> {
+        None
+    }
 
     /// Who or what is not there, if that is to end the run when patience does.
     fn missing(&self) -> Option<String> {
@@ -249,7 +268,8 @@ impl Endpoint {
             }
             actor.speak(self.now_ns(), &mut send);
             actor.act(self.now_ns(), &mut send);
-            let (end, late) = (actor.end(), ticker.start.elapsed().as_secs_f64() > patience_s);
+            let end = actor.end().or_else(|| ticker.is_over().then_some(Ok(())));
+            let late = ticker.start.elapsed().as_secs_f64() > patience_s;
             match (end, actor.missing()) {
                 (Some(Err(wrong)), _) => break Err(wrong),
                 (end, Some(missing)) if late || end.is_some() => break Err(missing),

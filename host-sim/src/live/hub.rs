@@ -1,40 +1,23 @@
 //! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
 //! of each line.
 
-use std::net::SocketAddr;
-use std::time::Duration;
+use std::{net::SocketAddr, time::Duration};
 
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
+use haptic_protocol::{key::Key, link::Notice};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::{key_file::entropy, scene::Scene};
 use serde::Serialize;
 
-use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use super::peer::{Other, differs, told};
-use crate::shared::cooperative::hub::{Hub, Line, number_on};
+use crate::shared::cooperative::hub::{End, Hub, number_on};
 use crate::shared::cooperative::junction::{Energy, Port};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
-use haptic_sim::scene::Scene;
-
-/// Where, for how many and how long.
-#[derive(Clone, Debug)]
-pub(crate) struct Options {
-    pub(crate) users: usize,
-    pub(crate) listen: SocketAddr,
-    /// Time from when all are there, s.
-    pub(crate) duration_s: f64,
-    /// How long to wait for all of them, s.
-    pub(crate) patience_s: f64,
-}
 
 /// What the hub saw of one line.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub(crate) struct LineReport {
-    /// 1, 2, …
     pub(crate) line: u32,
-    /// Which number of the scene its peer has.
     pub(crate) number: u8,
-    /// Where the peer last proved itself from.
     pub(crate) address: Option<String>,
     /// How many lives of the peer there were.
     pub(crate) lives: usize,
@@ -51,12 +34,12 @@ pub(crate) struct LineReport {
 }
 
 impl LineReport {
-    fn new((line, (end, port)): (u32, (&Line<SocketAddr>, &Port))) -> Self {
-        let counts = end.link.counts();
+    fn new((line, (end, port)): (u32, (&End<SocketAddr>, &Port))) -> Self {
+        let (End { line: end, address }, counts) = (end, end.line.link.counts());
         Self {
             line,
             number: number_on(line),
-            address: end.address.map(|address| address.to_string()),
+            address: address.map(|address| address.to_string()),
             lives: end.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count(),
             energy: port.energy,
             copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
@@ -70,7 +53,7 @@ impl LineReport {
 }
 
 /// What the hub saw.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub(crate) struct Report {
     /// Packet periods since all were there.
     pub(crate) packets: u64,
@@ -86,14 +69,15 @@ pub(crate) struct Report {
     pub(crate) punctuality: Punctuality,
 }
 
-struct Meeting<'a> {
+struct Meeting {
     hub: Hub<SocketAddr>,
-    options: &'a Options,
+    listen: SocketAddr,
+    patience_s: f64,
     /// Packet periods until it is over.
     packets: u64,
 }
 
-impl Actor<SocketAddr> for Meeting<'_> {
+impl Actor<SocketAddr> for Meeting {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -104,18 +88,18 @@ impl Actor<SocketAddr> for Meeting<'_> {
         let waited = self.hub.packets().is_none();
         self.hub.tick(now_ns / 1_000, out);
         if waited && self.hub.packets().is_some() {
-            eprintln!("all {} are there: arm the boards", self.options.users);
+            eprintln!("all {} are there: arm the boards", self.hub.lines().count());
         }
     }
 }
 
-impl Live for Meeting<'_> {
+impl Live for Meeting {
     fn end(&self) -> Option<Result<(), String>> {
         match self.hub.packets() {
             Some(packets) => (packets >= self.packets).then_some(Ok(())),
             None => (1..)
                 .zip(self.hub.lines())
-                .find_map(|(line, (end, _))| differs(&end.link, &format!("the peer on line {line}")).map(Err)),
+                .find_map(|(line, (end, _))| differs(&end.line.link, &format!("the peer on line {line}")).map(Err)),
         }
     }
 
@@ -123,10 +107,10 @@ impl Live for Meeting<'_> {
         if self.hub.packets().is_some() {
             return None;
         }
-        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.link.is_up());
+        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
         let absent: Vec<String> =
             absent.map(|(line, _): (u32, _)| format!("{line} (peer number {})", number_on(line))).collect();
-        let Options { users, listen, patience_s, .. } = self.options;
+        let (Self { listen, patience_s, .. }, users) = (self, self.hub.lines().count());
         Some(format!(
             "only {} of {users} peers came within {patience_s} s; nobody on line {} at {listen}, or nobody who holds its key",
             users - absent.len(),
@@ -140,13 +124,19 @@ impl Live for Meeting<'_> {
 }
 
 /// Runs the hub to the end, or until it is stopped.
-pub(crate) fn run(scene: &Scene, key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
+pub(crate) fn run(
+    scene: &Scene,
+    key: &Key,
+    users: usize,
+    listen: SocketAddr,
+    Span { duration_s, patience_s }: Span,
+    stop: &Stop,
+) -> Result<Report, String> {
     let timing = &scene.peer.timing;
-    let packet_s = timing.control_period_s * f64::from(timing.ticks_per_packet);
-    let packets = (options.duration_s / packet_s).round() as u64;
-    let mut meeting = Meeting { hub: Hub::new(scene, options.users, key, entropy)?, options, packets };
+    let packets = (duration_s / timing.packet_period_s()).round() as u64;
+    let mut meeting = Meeting { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets };
     let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
-    let punctuality = Endpoint::polled(options.listen)?.run(ticker, options.patience_s, stop, &mut meeting)?;
+    let punctuality = Endpoint::polled(listen)?.run(ticker, patience_s, stop, &mut meeting)?;
     let hub = meeting.hub;
     let energy = hub.junction().energy();
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
@@ -156,7 +146,7 @@ pub(crate) fn run(scene: &Scene, key: &Key, options: &Options, stop: &Stop) -> R
         energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
         object_mm: 1e3 * hub.junction().motion.position,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
-        datagrams_refused: hub.refused(),
+        datagrams_refused: hub.refused,
         lines,
         punctuality,
     })

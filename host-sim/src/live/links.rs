@@ -4,20 +4,16 @@
 //! the state of the game) as samples, which are lost if they are lost; a role drops what is old by itself. What a link has no
 //! room for is dropped, too: the role says it again.
 
-use std::fmt;
-use std::net::SocketAddr;
+use std::{fmt, net::SocketAddr};
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::roles::squash::{Court, Message, SERVER};
 use haptic_protocol::roles::{Carried, Outbox};
-use haptic_protocol::wire::{self, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{self, Goodbye, PeerId};
+use haptic_protocol::{ends::Ends, key::Key};
+use haptic_sim::{engine::Out, key_file::entropy, node::Says as _};
 use serde::Serialize;
-
-use haptic_sim::engine::Out;
-use haptic_sim::key_file::entropy;
 
 /// Packet period of the links, µs: a link ends after 12 of them in silence.
 const PACKET_US: u32 = 50_000;
@@ -117,29 +113,21 @@ impl Links {
         roles: &mut Outbox<Message, Q>,
         net: &mut Out<'_, SocketAddr, [u8]>,
     ) {
-        let mut out = [0; MAX_DATAGRAM];
         while let Some((to, message)) = roles.pop_front() {
             let Some((link, met)) = self.others.iter_mut().find(|(_, met)| met.number == to.0) else { continue };
-            if let Ok(message) = message.carry(0)
-                && let Some(len) = link.send(now, message, &mut out)
-            {
-                net(met.address, &out[..len]);
+            if let Ok(message) = message.carry(0) {
+                link.say(now, message, |bytes| net(met.address, bytes));
             }
         }
         for (link, met) in &mut self.others {
-            while let Some(len) = link.poll(now, &mut out) {
-                net(met.address, &out[..len]);
-            }
+            link.say_due(now, |bytes| net(met.address, bytes));
         }
     }
 
     /// Tells everybody that this is the end.
     pub(super) fn goodbye(&mut self, now: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
-        let mut out = [0; MAX_DATAGRAM];
         for (link, met) in &mut self.others {
-            if let Some(len) = link.goodbye(now, &mut out) {
-                net(met.address, &out[..len]);
-            }
+            link.say(now, Goodbye {}, |bytes| net(met.address, bytes));
         }
     }
 

@@ -1,15 +1,13 @@
 //! The operator's end of a board's command port on a socket: one line of text there, one answer back, and what the ticks saw.
 
-use std::net::SocketAddr;
-use std::path::Path;
 use std::time::{Duration, Instant};
+use std::{net::SocketAddr, path::Path};
 
 use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::board::calibrate::board::{Board, Tick};
-use haptic_sim::board::operator::Session;
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file;
+use haptic_sim::{board::operator::Session, key_file};
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 
@@ -22,7 +20,6 @@ const LOOK: Duration = Duration::from_millis(2);
 struct Waiting<'a, F> {
     sessions: &'a mut [Session],
     board: SocketAddr,
-    until: Instant,
     done: F,
     over: bool,
 }
@@ -50,7 +47,7 @@ impl<F: FnMut(&mut [Session]) -> bool> Actor<SocketAddr> for Waiting<'_, F> {
     }
 
     fn act(&mut self, _: u64, _: &mut Out<'_, SocketAddr, [u8]>) {
-        self.over = (self.done)(self.sessions) || Instant::now() >= self.until;
+        self.over = (self.done)(self.sessions);
     }
 }
 
@@ -68,8 +65,8 @@ fn wait(
     time: Duration,
     done: impl FnMut(&mut [Session]) -> bool,
 ) -> Result<(), String> {
-    let mut waiting = Waiting { sessions, board, until: Instant::now() + time, done, over: false };
-    endpoint.run(Ticker::new(LOOK), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
+    let mut waiting = Waiting { sessions, board, done, over: false };
+    endpoint.run(Ticker::new(LOOK).lasting(time.as_secs_f64()), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
 }
 
 /// A board that listens. It is told goodbye when this is dropped.

@@ -1,35 +1,16 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
 //! flow only.
 
-use std::net::SocketAddr;
-use std::time::Duration;
+use std::{net::SocketAddr, time::Duration};
 
 use haptic_core::safety::Mode;
-use haptic_protocol::key::Key;
 use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::wire::Telemetry;
+use haptic_protocol::{key::Key, wire::Telemetry};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::{key_file::entropy, measure::LastHalf, node::Node, scene::Scene};
 use serde::Serialize;
 
-use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
-use haptic_sim::measure::LastHalf;
-use haptic_sim::node::Node;
-use haptic_sim::scene::Scene;
-
-/// Where and how long.
-#[derive(Clone, Debug)]
-pub(crate) struct Options {
-    /// 1 (left) or 2 (right).
-    pub(crate) number: u8,
-    pub(crate) listen: SocketAddr,
-    /// Where the other one listens.
-    pub(crate) connect: SocketAddr,
-    /// Time of the experiment once both are there, s.
-    pub(crate) duration_s: f64,
-    /// How long to call before giving up, s.
-    pub(crate) patience_s: f64,
-}
+use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 
 /// What one peer saw.
 #[derive(Clone, Debug, Serialize)]
@@ -69,9 +50,8 @@ pub(crate) struct Other {
     pub(crate) coordination_force_n: f32,
     /// The round trip as it measures it, µs.
     round_trip_us: u32,
-    /// Energy that it took from the network, J.
+    /// From and to the network.
     energy_received_j: f64,
-    /// Energy that it gave to the network, J.
     energy_sent_j: f64,
 }
 
@@ -99,15 +79,16 @@ pub(super) fn differs(link: &Link, who: &str) -> Option<String> {
     link.refused().map(|table| format!("{who} was told other parameters: table [{table}] of the scene differs"))
 }
 
-struct Peer<'a> {
+struct Peer {
     node: Node,
-    options: &'a Options,
+    connect: SocketAddr,
+    patience_s: f64,
     /// Ticks of the experiment.
     ticks: u64,
     halves: LastHalf<2>,
 }
 
-impl Actor<SocketAddr> for Peer<'_> {
+impl Actor<SocketAddr> for Peer {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, _: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
@@ -117,7 +98,7 @@ impl Actor<SocketAddr> for Peer<'_> {
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let node = &mut self.node;
-        node.beat(now_ns / 1_000, |bytes| out(self.options.connect, bytes));
+        node.beat(now_ns / 1_000, |bytes| out(self.connect, bytes));
         if let Some(tick) = node.armed_ticks().checked_sub(1) {
             let seen = node.observed();
             let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
@@ -126,15 +107,15 @@ impl Actor<SocketAddr> for Peer<'_> {
     }
 }
 
-impl Live for Peer<'_> {
+impl Live for Peer {
     fn end(&self) -> Option<Result<(), String>> {
         let over = (self.node.armed_ticks() >= self.ticks).then_some(Ok(()));
-        differs(self.node.link(), "the other peer").map(Err).or(over)
+        differs(&self.node.line().link, "the other peer").map(Err).or(over)
     }
 
     fn missing(&self) -> Option<String> {
-        let Options { connect, patience_s, .. } = self.options;
-        (self.node.mode() == Mode::Disarmed).then(|| match self.node.link().is_up() {
+        let Self { connect, patience_s, .. } = self;
+        (self.node.mode() == Mode::Disarmed).then(|| match self.node.line().link.is_up() {
             true => format!(
                 "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
@@ -143,24 +124,33 @@ impl Live for Peer<'_> {
     }
 
     fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
-        self.node.goodbye(now_ns / 1_000, |bytes| out(self.options.connect, bytes));
+        self.node.goodbye(now_ns / 1_000, |bytes| out(self.connect, bytes));
     }
 }
 
-/// Runs one peer to the end of its experiment, or until it is stopped.
-pub(crate) fn run(scene: &Scene, key: Key, options: &Options, stop: &Stop) -> Result<Report, String> {
-    let node = Node::new(scene, options.number, key, entropy()?)?;
+/// Runs peer 1 (left) or 2 (right), which listens at the first address while the other listens at the second, to the end of its
+/// experiment, or until it is stopped.
+pub(crate) fn run(
+    scene: &Scene,
+    key: Key,
+    number: u8,
+    [listen, connect]: [SocketAddr; 2],
+    Span { duration_s, patience_s }: Span,
+    stop: &Stop,
+) -> Result<Report, String> {
+    let node = Node::new(scene, number, key, entropy()?)?;
     let period_s = scene.peer.timing.control_period_s;
-    let ticks = (options.duration_s / period_s).round() as u64;
-    let mut peer = Peer { node, options, ticks, halves: LastHalf::new(ticks) };
-    let endpoint = Endpoint::polled(options.listen)?;
+    let ticks = (duration_s / period_s).round() as u64;
+    let mut peer = Peer { node, connect, patience_s, ticks, halves: LastHalf::new(ticks) };
+    let endpoint = Endpoint::polled(listen)?;
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
-    let punctuality = endpoint.run(ticker, options.patience_s, stop, &mut peer)?;
+    let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
     let Peer { node, halves, .. } = peer;
     let [discrepancy_m, coordination_force_n] = halves.means();
-    let (link, counts) = (node.link(), node.link().counts());
+    let (line, link) = (node.line(), &node.line().link);
+    let counts = link.counts();
     Ok(Report {
-        peer: options.number,
+        peer: number,
         ticks: node.armed_ticks(),
         decoded_discrepancy_mm: 1e3 * discrepancy_m,
         coordination_force_n,
@@ -168,12 +158,12 @@ pub(crate) fn run(scene: &Scene, key: Key, options: &Options, stop: &Stop) -> Re
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,
         },
-        notices: told(node.notices()),
+        notices: told(&line.notices),
         round_trip_us: link.clock().round_trip_us(),
         jitter_us: link.clock().jitter_us(),
         clock_offset_us: link.clock().offset_us(endpoint.now_ns() / 1_000),
         clock_drift_ppm: link.clock().drift_ppm(),
-        other: node.heard().map(Other::new),
+        other: line.heard.as_ref().map(Other::new),
         datagrams_taken: counts.taken,
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,

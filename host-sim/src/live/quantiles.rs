@@ -26,7 +26,6 @@ pub(crate) struct Quantiles {
 }
 
 impl Times {
-    /// None yet.
     pub(crate) fn new() -> Self {
         Self {
             bins: Histogram::new_with_bounds(1, LONGEST_NS, FIGURES).expect("bounds that are allowed"),
@@ -34,7 +33,6 @@ impl Times {
         }
     }
 
-    /// Counts one time.
     pub(crate) fn add(&mut self, ns: u64) {
         self.bins.saturating_record(ns);
         self.largest_ns = self.largest_ns.max(ns);

@@ -57,8 +57,8 @@ impl Live for Relay {
 /// stopped.
 pub fn run(routes: [Route; 2], listen: [SocketAddr; 2], duration_s: f64, stop: &Stop) -> Result<[Counts; 2], String> {
     let (first, second) = (Endpoint::polled(listen[0])?, Endpoint::polled(listen[1])?);
-    let (peers, lines) = ([None; 2], routes.map(Link::new));
-    let mut relay = Relay { second, peers, lines, over_ns: 1e9 * duration_s, end: None };
+    let (lines, over_ns) = (routes.map(Link::new), 1e9 * duration_s);
+    let mut relay = Relay { second, peers: [None; 2], lines, over_ns, end: None };
     first.run(Ticker::new(PERIOD), f64::MAX, stop, &mut relay)?;
     Ok(relay.lines.map(|line| line.counts()))
 }

@@ -9,13 +9,13 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 use super::quantiles::{Quantiles, Times};
 use crate::shared::world::PACKET_US;
 use crate::shared::world::host::{Counts, Host};
-use haptic_sim::engine::{Actor, Out};
 
 /// A socket that takes longer than this had nothing, and the datagram came right then, ns.
 const WAITED_NS: u64 = 20_000;
@@ -85,7 +85,6 @@ struct Serving<'a, F> {
     asked_ns: u64,
     /// When the queue was last known to be empty, ns.
     empty_ns: u64,
-    over: bool,
 }
 
 impl<F: Fn(u32) -> Option<u64>> Actor<SocketAddr> for Serving<'_, F> {
@@ -112,16 +111,11 @@ impl<F: Fn(u32) -> Option<u64>> Actor<SocketAddr> for Serving<'_, F> {
         if self.computed.is_none() && now_s >= self.options.warm_up_s {
             self.computed = Some(Computed::now());
         }
-        self.over = now_s >= self.options.duration_s;
         self.asked_ns = self.endpoint.now_ns();
     }
 }
 
 impl<F: Fn(u32) -> Option<u64>> Live for Serving<'_, F> {
-    fn end(&self) -> Option<Result<(), String>> {
-        self.over.then_some(Ok(()))
-    }
-
     fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         self.host.goodbye(now_ns / 1_000, out);
     }
@@ -135,16 +129,15 @@ pub(crate) fn run(
     stop: &Stop,
 ) -> Result<Report, String> {
     let (answer, turnaround) = (Times::new(), Times::new());
-    let (clients, computed, asked_ns, empty_ns, over) = (0, None, 0, 0, false);
-    let mut serving =
-        Serving { endpoint, host, options, answer, turnaround, clients, computed, asked_ns, empty_ns, over };
-    let ticker = Ticker::realtime(Duration::from_micros(PACKET_US));
+    let (clients, computed, asked_ns, empty_ns) = (0, None, 0, 0);
+    let ticker = Ticker::realtime(Duration::from_micros(PACKET_US)).lasting(options.duration_s);
+    let mut serving = Serving { endpoint, host, options, answer, turnaround, clients, computed, asked_ns, empty_ns };
     let kept = endpoint.run(ticker, f64::MAX, stop, &mut serving)?;
     Ok(Report {
         served_s: 1e-9 * endpoint.now_ns() as f64,
-        world: format!("{:016x}", serving.host.server().world()),
+        world: format!("{:016x}", serving.host.server.world()),
         clients: serving.clients,
-        counts: serving.host.counts(),
+        counts: serving.host.counts,
         answer: serving.answer.quantiles(),
         turnaround: serving.turnaround.quantiles(),
         unsent: endpoint.unsent(),

@@ -1,22 +1,20 @@
 //! Squash in real time: one process for the server and one for each player, a sealed link between any two.
 //! The bots are those of the simulated game ([`crate::shared::squash`]).
 
-use std::net::SocketAddr;
-use std::time::Duration;
+use std::{net::SocketAddr, time::Duration};
 
-use haptic_protocol::key::Key;
 use haptic_protocol::roles::squash::{
-    Ending, Game, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict,
+    Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict,
 };
 use haptic_protocol::roles::{Outbox, Role};
-use haptic_protocol::wire::PeerId;
+use haptic_protocol::{key::Key, wire::PeerId};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use super::links::{Links, Met};
-use crate::shared::squash::contestant::{Contestant, TICK_S};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
+use crate::shared::squash::bot::{Contestant, Part, TICK_S};
 
 /// Who this is, and where the others are.
 #[derive(Clone, Debug)]
@@ -35,7 +33,6 @@ pub(crate) struct Options {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Rally {
     pub(crate) rally: u16,
-    /// Hits.
     pub(crate) strokes: u16,
     pub(crate) ending: String,
     pub(crate) loser: u8,
@@ -69,15 +66,8 @@ pub(crate) struct Report {
     pub(crate) punctuality: Punctuality,
 }
 
-/// What this process plays.
-enum Part {
-    Server(Box<Server>),
-    Player(Box<Contestant>),
-}
-
 struct Process<'a> {
     options: &'a Options,
-    /// Where it listens.
     own: SocketAddr,
     links: Links,
     part: Part,
@@ -90,19 +80,6 @@ struct Process<'a> {
     up: usize,
 }
 
-impl Process<'_> {
-    fn is_over(&self) -> bool {
-        self.ticks as f64 * TICK_S >= self.options.seconds
-    }
-
-    fn game(&self) -> &Game {
-        match &self.part {
-            Part::Server(server) => server.game(),
-            Part::Player(contestant) => contestant.player.game(),
-        }
-    }
-}
-
 impl Actor<SocketAddr> for Process<'_> {
     type Packet = [u8];
 
@@ -113,12 +90,7 @@ impl Actor<SocketAddr> for Process<'_> {
     fn act(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
         let now = now_ns / 1_000;
         let Self { options, links, part, out, rallies, .. } = self;
-        for (from, message) in links.take() {
-            match part {
-                Part::Server(server) => server.receive(now, from, &message, out),
-                Part::Player(contestant) => contestant.player.receive(now, from, &message, out),
-            }
-        }
+        links.take().into_iter().for_each(|(from, message)| part.receive(now, from, &message, out));
         match part {
             Part::Server(server) => {
                 server.poll(now, out);
@@ -145,10 +117,6 @@ impl Actor<SocketAddr> for Process<'_> {
 }
 
 impl Live for Process<'_> {
-    fn end(&self) -> Option<Result<(), String>> {
-        self.is_over().then_some(Ok(()))
-    }
-
     fn missing(&self) -> Option<String> {
         self.links.nobody(self.options.seconds, self.own)
     }
@@ -156,7 +124,7 @@ impl Live for Process<'_> {
     fn goodbye(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
         let now_us = now_ns / 1_000;
         self.up = self.links.up();
-        let early = !self.is_over();
+        let early = (self.ticks as f64 * TICK_S) < self.options.seconds;
         // In the middle of the game: the server need not wait for a heartbeat that stays away.
         if let (true, Part::Player(contestant)) = (early, &mut self.part) {
             contestant.player.leave();
@@ -190,9 +158,9 @@ pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, S
     let endpoint = Endpoint::polled(own)?;
     let (own, out, rallies) = (endpoint.address(), Outbox::new(), Vec::new());
     let mut process = Process { options, own, links, part, out, ticks: 0, rallies, strokes: 0, unseen: 0, up: 0 };
-    let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S));
+    let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S)).lasting(options.seconds);
     let punctuality = endpoint.run(ticker, f64::MAX, stop, &mut process)?;
-    let game = process.game();
+    let game = process.part.game();
     Ok(Report {
         number,
         score: game.score.into_iter().take(count - 1).collect(),

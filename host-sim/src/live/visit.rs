@@ -3,27 +3,19 @@
 //! The hand goes to and fro between two points (a sine in time), as a person who strokes along something; what it feels is
 //! what the visitor renders. Datagrams are taken by the address they come from and believed by their seal only.
 
-use std::f64::consts::TAU;
-use std::net::SocketAddr;
-use std::time::Duration;
+use std::{f64::consts::TAU, net::SocketAddr, time::Duration};
 
 use haptic_core::num::Motion;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::roles::static_scene::Download;
-use haptic_protocol::wire::PeerId;
+use haptic_protocol::{key::Key, roles::static_scene::Download};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use crate::shared::world::visitor::{Party, Setup, Visitor};
-use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS};
-use crate::shared::world::{PACKET_US, TICKS_PER_PACKET, parameters};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
+use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS, TICKS_PER_PACKET, open_link};
 
 /// Another client that is told straight where this one is.
-#[derive(Clone, Debug)]
 pub(crate) struct Friend {
     pub(crate) line: u32,
     pub(crate) address: SocketAddr,
@@ -32,18 +24,11 @@ pub(crate) struct Friend {
 }
 
 /// Where to, how, and how long.
-#[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// The key of this client's line.
-    pub(crate) key: Key,
-    pub(crate) line: u32,
+    pub(crate) setup: Setup,
     pub(crate) listen: SocketAddr,
     /// Servers by number.
     pub(crate) servers: Vec<(u8, SocketAddr)>,
-    /// The server to begin at.
-    pub(crate) home: u8,
-    /// How far around itself it wants to know, m; `None`: everything.
-    pub(crate) radius_m: Option<f32>,
     /// The hand goes from here …
     pub(crate) from_m: [f64; 2],
     /// … to here …
@@ -93,7 +78,6 @@ pub(crate) struct Seen {
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Report {
     pub(crate) line: u32,
-    /// Control periods.
     pub(crate) ticks: u64,
     /// When everything in scope was held for the first time, s.
     pub(crate) complete_after_s: Option<f64>,
@@ -105,7 +89,6 @@ pub(crate) struct Report {
     pub(crate) world: Option<String>,
     /// Parts that were not what their checksum said.
     pub(crate) corrupt: u32,
-    /// Where it is at home.
     pub(crate) home: u8,
     pub(crate) moves: u32,
     pub(crate) largest_force_n: f64,
@@ -169,10 +152,6 @@ impl Actor<SocketAddr> for Visit<'_> {
 }
 
 impl Live for Visit<'_> {
-    fn end(&self) -> Option<Result<(), String>> {
-        (self.seen.ticks as f64 * CONTROL_PERIOD_S >= self.options.duration_s).then_some(Ok(()))
-    }
-
     fn missing(&self) -> Option<String> {
         let home = self.visitor.link(self.visitor.home());
         let met = self.seen.complete_after_s.is_some()
@@ -193,23 +172,14 @@ impl Live for Visit<'_> {
 pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
     // Asked once before the clock starts; a generator that has worked once does not fail later.
     entropy()?;
-    let reachable = options.servers.iter().map(|(number, _)| *number).collect();
-    let Options { line, home, radius_m, .. } = *options;
-    let setup = Setup { key: options.key.clone(), line, home, reachable, radius_m };
-    let mut visitor = Visitor::new(setup, || entropy().unwrap_or_default());
+    let line = options.setup.line;
+    let mut visitor = Visitor::new(options.setup.clone(), || entropy().unwrap_or_default());
     if let Some(friend) = &options.friend {
-        let low = line < friend.line;
-        let link = Link::new(Config {
-            key: friend.key.clone(),
-            ends: Ends { local: PeerId(2 - u8::from(low)), remote: PeerId(1 + u8::from(low)) },
-            packet_period_us: PACKET_US as u32,
-            parameters: parameters(),
-            entropy: entropy()?,
-        });
-        visitor.befriend(friend.line, link.map_err(|error| error.to_string())?);
+        let low = u8::from(line < friend.line);
+        visitor.befriend(friend.line, open_link(friend.key.clone(), [2 - low, 1 + low], entropy()?)?);
     }
     let mut visit = Visit { visitor, options, last: None, seen: Report { line, ..Report::default() } };
-    let ticker = Ticker::realtime(Duration::from_secs_f64(CONTROL_PERIOD_S));
+    let ticker = Ticker::realtime(Duration::from_secs_f64(CONTROL_PERIOD_S)).lasting(options.duration_s);
     let punctuality = Endpoint::polled(options.listen)?.run(ticker, f64::MAX, stop, &mut visit)?;
     let objects_taken = visit.downloads().map(Download::objects_taken).sum();
     let visitor = &visit.visitor;
@@ -220,7 +190,7 @@ pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
         objects_taken,
         world_version: world.map(|(_, manifest)| manifest.version),
         world: world.map(|(sum, _)| format!("{sum:016x}")),
-        corrupt: visitor.corrupt(),
+        corrupt: visitor.corrupt,
         home: visitor.home(),
         moves: visitor.moves(),
         others: visitor.others().map(|other| Seen { line: other.who, position_m: other.position }).collect(),

@@ -5,29 +5,26 @@
 //! neighbourhood of the world, walks about in it, and says where it is 125 times a second; the clients' packets are spread
 //! evenly over the packet period. Each is answered at once with the places of others.
 //!
-//! **What is told**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the round trip from a client's packet to the answer that
-//! names it, and how many were answered. A load that is late by more than a quarter of a packet period does not catch up in a
-//! burst that no independent clients would make; it goes on from there, and the packets per second that it managed are told.
+//! **What is told**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the
+//! round trip from a client's packet to the answer that names it, and how many were answered. A load that is late by more than
+//! a quarter of a packet period does not catch up in a burst that no independent clients would make; it goes on from there, and
+//! the packets per second that it managed are told.
 
+use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
-use haptic_protocol::roles::static_scene::Download;
-use haptic_protocol::wire::{Greeting, Header, MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
-use haptic_protocol::world::Scope;
+use haptic_protocol::wire::{Message, Presence, Sighting};
+use haptic_protocol::{key::Key, link::Link, roles::static_scene::Download};
+use haptic_sim::{key_file::entropy, node::Says as _};
 use serde::Serialize;
 
 use crate::live::endpoint::{Endpoint, Stop, realtime};
 use crate::live::quantiles::{Quantiles, Times};
 use crate::live::serve::{self, Computed};
-use crate::shared::world::World;
 use crate::shared::world::host::Host;
-use crate::shared::world::{CLIENT, PACKET_US, parameters};
-use haptic_sim::key_file::entropy;
+use crate::shared::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
 
 /// The server's number.
 const SERVER: u8 = 1;
@@ -110,7 +107,7 @@ struct Load<'a> {
     /// When each client last sent, ns.
     sent: &'a [AtomicU64],
     clients: Vec<Client>,
-    sessions: std::collections::HashMap<u32, usize>,
+    sessions: HashMap<u32, u32>,
     measured: Option<Computed>,
     round_trip: Times,
     late: Times,
@@ -123,24 +120,11 @@ impl<'a> Load<'a> {
         let count = sent.len();
         let clients: Result<_, String> = (1..=count as u32)
             .map(|line| {
-                let link = Link::new(Config {
-                    key: key.line(line),
-                    ends: Ends { local: PeerId(CLIENT), remote: PeerId(SERVER) },
-                    packet_period_us: PACKET_US as u32,
-                    parameters: parameters(),
-                    entropy: entropy()?,
-                });
+                let link = open_link(key.line(line), [CLIENT, SERVER], entropy()?)?.on_line(line);
                 // Spread over the room, so that neighbourhoods differ.
                 let part = line as f32 / count as f32;
                 let centre = [0.8 * part - 0.4, 0.2 * (17.0 * part).fract() - 0.1];
-                Ok(Client {
-                    link: link.map_err(|error| error.to_string())?.on_line(line),
-                    download: Box::default(),
-                    tick: 0,
-                    sent_ns: [0; UNDER_WAY],
-                    centre,
-                    complete: false,
-                })
+                Ok(Client { link, download: Box::default(), tick: 0, sent_ns: [0; UNDER_WAY], centre, complete: false })
             })
             .collect();
         Ok(Self {
@@ -148,7 +132,7 @@ impl<'a> Load<'a> {
             server,
             sent,
             clients: clients?,
-            sessions: std::collections::HashMap::new(),
+            sessions: HashMap::new(),
             measured: None,
             round_trip: Times::new(),
             late: Times::new(),
@@ -223,7 +207,6 @@ impl<'a> Load<'a> {
         let now_ns = self.endpoint.now_ns();
         let now = now_ns / 1_000;
         let Some(client) = self.clients.get_mut(at) else { return };
-        let mut out = [0; MAX_DATAGRAM];
         let (endpoint, server) = (self.endpoint, self.server);
         let send = |bytes: &[u8]| _ = endpoint.send(server, bytes);
         self.sent[at].store(now_ns, Ordering::Relaxed);
@@ -231,45 +214,30 @@ impl<'a> Load<'a> {
         // Once around a circle of 5 cm in 10 s.
         let angle = std::f32::consts::TAU * client.tick as f32 / 1_250.0;
         let position = [client.centre[0] + 0.05 * angle.cos(), client.centre[1] + 0.05 * angle.sin()];
-        let looks = match client.download.scope() {
-            Scope::Around { x, y, .. } => (position[0] - x).hypot(position[1] - y) > 0.25 * RADIUS_M,
-            _ => true,
-        };
-        if looks {
-            client.download.look(Scope::Around { x: position[0], y: position[1], radius: RADIUS_M });
-        }
+        look_around(&mut client.download, position, RADIUS_M);
         if client.link.session_number().is_some() {
             let speed = 0.05 * std::f32::consts::TAU / 10.0;
             let velocity = [-speed * angle.sin(), speed * angle.cos()];
             let said = Presence::new(client.tick, [Sighting { who: 0, position, velocity }]);
-            if let Some(len) = client.link.send(now, said, &mut out) {
+            if client.link.say(now, said, send) {
                 client.sent_ns[client.tick as usize % UNDER_WAY] = now_ns;
                 self.seen.packets += u64::from(self.measured.is_some());
-                send(&out[..len]);
             }
-            if let Some(ask) = client.download.poll(now, 4 * PACKET_US)
-                && let Some(len) = client.link.send(now, ask, &mut out)
-            {
-                send(&out[..len]);
+            if let Some(ask) = client.download.poll(now, 4 * PACKET_US) {
+                client.link.say(now, ask, send);
             }
         } else {
             // It would have said something.
             self.seen.packets += u64::from(self.measured.is_some());
         }
-        while let Some(len) = client.link.poll(now, &mut out) {
-            send(&out[..len]);
-        }
+        client.link.say_due(now, send);
     }
 
     fn receive(&mut self, datagram: &mut [u8]) {
         let now_ns = self.endpoint.now_ns();
-        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-        let at = if greeting {
-            Greeting::parse(datagram).ok().and_then(|(greeting, ..)| (greeting.line as usize).checked_sub(1))
-        } else {
-            Header::parse(datagram).ok().and_then(|(header, ..)| self.sessions.get(&header.session).copied())
-        };
-        let Some((at, client)) = at.and_then(|at| Some((at, self.clients.get_mut(at)?))) else { return };
+        let line = line_of(datagram, |session| self.sessions.get(&session).copied());
+        let at = line.map_or(0, |line| line as usize).wrapping_sub(1);
+        let Some(client) = self.clients.get_mut(at) else { return };
         match client.link.receive(now_ns / 1_000, datagram) {
             Ok(Some(Message::Presence(told))) => {
                 let sent_ns = std::mem::take(&mut client.sent_ns[told.tick as usize % UNDER_WAY]);
@@ -286,13 +254,12 @@ impl<'a> Load<'a> {
             _ => {}
         }
         if let Some(session) = client.link.session_number() {
-            self.sessions.insert(session, at);
+            self.sessions.insert(session, at as u32 + 1);
         }
-        let mut out = [0; MAX_DATAGRAM];
-        while let Some(len) = client.link.poll(now_ns / 1_000, &mut out) {
+        client.link.say_due(now_ns / 1_000, |bytes| {
             self.sent[at].store(now_ns, Ordering::Relaxed);
-            self.endpoint.send(self.server, &out[..len]);
-        }
+            self.endpoint.send(self.server, bytes);
+        });
     }
 
     fn report(self, server: serve::Report) -> Report {

@@ -25,17 +25,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Barrier, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use haptic_protocol::key::Key;
-use haptic_protocol::link::Notice;
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use haptic_protocol::{key::Key, link::Notice, wire::Greeting};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
 use serde::Serialize;
 
 use crate::live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
-use haptic_sim::node::Node;
-use haptic_sim::scene::Scene;
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;
@@ -53,27 +48,18 @@ const BURST: Duration = Duration::from_micros(500);
 /// Kinds of forged datagrams, in the order in which they take turns.
 const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
 
-/// How hard and how long.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Options {
-    /// Forged datagrams per second, both peers together.
-    pub(crate) rate_per_s: f64,
-    pub(crate) seconds: f64,
-}
-
 /// What one peer went through.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Attacked {
-    /// Forged datagrams that reached the peer.
     pub(crate) forged_arrived: u64,
     pub(crate) forged_refused: u64,
-    /// Of those, old hellos that were answered with a welcome.
+    /// Old hellos that were answered with a welcome.
     pub(crate) hellos_answered: u64,
-    /// Of those, taken as anything else: must be 0.
+    /// As anything else: must be 0.
     pub(crate) forged_taken: u64,
     /// Comparisons of the whole state before and after a forged datagram.
     pub(crate) states_compared: u64,
-    /// States that a forged datagram changed: must be 0.
+    /// By a forged datagram: must be 0.
     pub(crate) states_changed: u64,
     /// Whether the session lasted from before the flood to the end.
     pub(crate) session_stayed: bool,
@@ -89,9 +75,7 @@ pub(crate) struct Attacked {
 /// What came of a flood.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Report {
-    /// Forged datagrams per second that were asked for.
     pub(crate) rate_asked_per_s: f64,
-    /// Forged datagrams per second that were sent.
     pub(crate) rate_sent_per_s: f64,
     pub(crate) sent: Vec<(&'static str, u64)>,
     /// Share of them that the system dropped, because a socket's buffer was full.
@@ -114,8 +98,9 @@ struct Field {
     flood: [AtomicU64; 2],
 }
 
-/// Holds the scene's object through a flood, which is over early if it is stopped.
-pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Report, String> {
+/// Holds the scene's object through a flood of so many datagrams per second on both peers together, which is over early if it is
+/// stopped.
+pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, String> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
     let addresses = endpoints.each_ref().map(Endpoint::address);
@@ -126,7 +111,7 @@ pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Repor
         Field { seen: Default::default(), tick: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
 
     let (flooded, held) = std::thread::scope(|scope| {
-        let flood = scope.spawn(|| flood(&field, &stranger, addresses, options, period, stop));
+        let flood = scope.spawn(|| flood(&field, &stranger, addresses, [rate_per_s, seconds], stop));
         let peers: Vec<_> = (nodes.into_iter().zip(&endpoints).enumerate())
             .map(|(index, (node, endpoint))| {
                 let (field, period_us, other) = (&field, period.as_micros() as u64, addresses[1 - index]);
@@ -154,7 +139,7 @@ pub(crate) fn run(scene: &Scene, options: &Options, stop: &Stop) -> Result<Repor
     let arrived: u64 = held.iter().map(|(held, _)| held.attacked.forged_arrived).sum();
     let total: u64 = sent.iter().sum();
     Ok(Report {
-        rate_asked_per_s: options.rate_per_s,
+        rate_asked_per_s: rate_per_s,
         rate_sent_per_s: total as f64 / flood_s.max(1e-9),
         sent: KINDS.into_iter().zip(sent).collect(),
         dropped_by_system: 1.0 - arrived as f64 / total.max(1) as f64,
@@ -239,7 +224,7 @@ fn forged(node: &mut Node, seen: &mut Attacked, now_us: u64, datagram: &mut [u8]
                 seen.states_changed += u64::from(text != node.fingerprint());
             }
         }
-        Ok(None) if datagram.get(1).is_some_and(|kind| haptic_protocol::wire::Greeting::is_kind(*kind)) => {
+        Ok(None) if datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) => {
             seen.hellos_answered += 1;
         }
         Ok(_) => seen.forged_taken += 1,
@@ -251,14 +236,13 @@ fn flood(
     field: &Field,
     endpoint: &Endpoint,
     addresses: [SocketAddr; 2],
-    options: &Options,
-    period: Duration,
+    [rate_per_s, seconds]: [f64; 2],
     stop: &Stop,
 ) -> ([u64; KINDS.len()], f64) {
     while field.now.load(Ordering::Relaxed) < CALM_TICKS {
-        std::thread::sleep(period);
+        std::thread::sleep(BURST);
     }
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut random = Rng::new(1);
     let (mut sent, mut total, mut seen) = ([0; KINDS.len()], 0_u64, [Vec::new(), Vec::new()]);
     let start = Instant::now();
     field.flood[0].store(field.now.load(Ordering::Relaxed), Ordering::Relaxed);
@@ -268,16 +252,15 @@ fn flood(
             seen.clone_from(&*all.lock().unwrap_or_else(PoisonError::into_inner));
         }
         // What could not be sent in time is not made up for: a burst is no rate.
-        let due = (options.rate_per_s * spent_s.min(options.seconds)) as u64;
-        let most = (2.0 * options.rate_per_s * BURST.as_secs_f64()).ceil() as u64;
+        let due = (rate_per_s * spent_s.min(seconds)) as u64;
+        let most = (2.0 * rate_per_s * BURST.as_secs_f64()).ceil() as u64;
         for _ in 0..due.saturating_sub(total).min(most) {
-            let kind = (random.next_u64() % KINDS.len() as u64) as usize;
-            let to = (random.next_u64() % 2) as usize;
+            let [kind, to] = [KINDS.len(), 2].map(|most| random.below(most as u64) as usize);
             let (to, datagram) = forge(kind, to, &seen, &mut random);
             sent[kind] += u64::from(endpoint.send(addresses[to], &datagram));
         }
         total = due;
-        if spent_s >= options.seconds || stop.is_asked() {
+        if spent_s >= seconds || stop.is_asked() {
             break;
         }
         std::thread::sleep(BURST);
@@ -288,15 +271,15 @@ fn flood(
 }
 
 /// A forged datagram of one of [`KINDS`], and the peer it goes to.
-fn forge(kind: usize, to: usize, seen: &[Vec<Vec<u8>>; 2], random: &mut Xoshiro256PlusPlus) -> (usize, Vec<u8>) {
-    let mut below = |most: usize| (random.next_u64() % most.max(1) as u64) as usize;
+fn forge(kind: usize, to: usize, seen: &[Vec<Vec<u8>>; 2], random: &mut Rng) -> (usize, Vec<u8>) {
+    let mut below = |most: usize| random.below(most as u64) as usize;
     let known = &seen[to];
     let mut bytes = match known.get(below(known.len())) {
         Some(bytes) if kind != 0 => bytes.clone(),
         _ => vec![0; below(LONGEST + 1)],
     };
     match kind {
-        0 => random.fill_bytes(&mut bytes),
+        0 => bytes.fill_with(|| below(256) as u8),
         1 => {
             let bit = below(8 * bytes.len());
             if let Some(byte) = bytes.get_mut(bit / 8) {
@@ -336,7 +319,7 @@ fn evaluate(
     let missing = sent(flood.end..ticks.saturating_sub(2 * packet)).filter(|tick| !came(tick)).max();
     Attacked {
         session_stayed: flows.first().is_some_and(|[_, first]| *first < flood.start)
-            && !node.notices().iter().any(lost),
+            && !node.line().notices.iter().any(lost),
         engaged: node.is_engaged(),
         flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
         longest_silence_ms: ms(silence),

@@ -12,12 +12,7 @@ use haptic_protocol::key::Key;
 use serde::Serialize;
 
 use haptic_sim::engine::{Actor, Engine, Out, Seat, Seen, Turn};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::Direction;
-use haptic_sim::node::Node;
-use haptic_sim::plant::Plant;
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Scene;
+use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
 pub const PATIENCE_S: f64 = 0.5;
@@ -56,8 +51,8 @@ struct Life {
     node: Node,
     /// The other one's seat.
     to: usize,
-    /// What it did last.
-    actuators: Actuators<f32>,
+    /// What it did last, and before.
+    did: [Actuators<f32>; 2],
     engaged: bool,
     /// It was seen not engaged since the last restart of either.
     let_go: bool,
@@ -67,7 +62,7 @@ impl Life {
     fn new(scene: &Scene, number: u8, device: Plant, rng: &mut Rng) -> Result<Self, String> {
         let entropy = [(); Key::LEN].map(|()| rng.below(256) as u8);
         let node = Node::with_device(scene, number, Key::new([0x5a; Key::LEN]), entropy, device)?;
-        Ok(Self { node, to: usize::from(number == 1), actuators: Actuators::default(), engaged: false, let_go: true })
+        Ok(Self { node, to: usize::from(number == 1), did: [Actuators::default(); 2], engaged: false, let_go: true })
     }
 }
 
@@ -80,7 +75,7 @@ impl Actor<usize> for Life {
     }
 
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
-        self.actuators = self.node.beat(now_ns / 1_000, |bytes| out(self.to, bytes));
+        self.did = [self.node.beat(now_ns / 1_000, |bytes| out(self.to, bytes)), self.did[0]];
     }
 }
 
@@ -93,7 +88,7 @@ struct World<'a> {
 }
 
 /// Takes in what a peer did.
-fn measure(report: &mut Report, life: &mut Life, before: Actuators<f32>) {
+fn measure(report: &mut Report, life: &mut Life) {
     let engaged = life.node.is_engaged();
     if engaged && !life.engaged {
         let first = f64::from(life.node.observed().coordination_force).abs();
@@ -101,8 +96,8 @@ fn measure(report: &mut Report, life: &mut Life, before: Actuators<f32>) {
     }
     life.engaged = engaged;
     life.let_go |= !engaged;
-    let [force_n, force_before_n] = [&life.actuators, &before].map(|actuators| f64::from(actuators.forces[0]));
-    if !before.enable && life.actuators.enable {
+    let [force_n, force_before_n] = life.did.map(|actuators| f64::from(actuators.forces[0]));
+    if life.did[0].enable && !life.did[1].enable {
         report.arming_force_n = report.arming_force_n.max(force_n.abs());
     }
     report.largest_step_n = report.largest_step_n.max((force_n - force_before_n).abs());
@@ -111,11 +106,10 @@ fn measure(report: &mut Report, life: &mut Life, before: Actuators<f32>) {
 impl World<'_> {
     /// One control period of both.
     fn step(&mut self) {
-        let (report, mut before) = (&mut self.report, self.engine.seats.iter().map(|seat| seat.actor.actuators));
-        let before = [(); 2].map(|()| before.next().unwrap_or_default());
+        let report = &mut self.report;
         self.engine.step(&mut |seen: Seen<'_, Life>| {
             if seen.turn == Turn::Spoke {
-                measure(report, &mut seen.seats[seen.seat].actor, before[seen.seat]);
+                measure(report, &mut seen.seats[seen.seat].actor);
             }
         });
     }

@@ -12,6 +12,7 @@ mod endpoint;
 mod examples;
 mod flood;
 mod hub;
+mod lifted;
 mod live;
 mod operator;
 mod program;

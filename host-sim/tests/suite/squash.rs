@@ -6,9 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use haptic_sim::network::rule::Jitter;
 use haptic_sim::scene::Network;
-use host_sim::shared::squash::bot::MOTION;
-use host_sim::shared::squash::sweep::ROUND_TRIPS_MS;
-use host_sim::shared::squash::{Change, Options, Report, play};
+use host_sim::shared::squash::{Change, MOTION, Options, ROUND_TRIPS_MS, Report, play};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 

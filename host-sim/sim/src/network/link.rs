@@ -3,11 +3,9 @@
 //! Time is nanoseconds throughout, of the sender's or any other clock that all calls share. What is due by a time is
 //! delivered in the order in which it was due, and of things due at once in the order in which they were sent.
 
-use std::borrow::BorrowMut;
-use std::collections::VecDeque;
+use std::{borrow::BorrowMut, collections::VecDeque};
 
-use haptic_protocol::playout::Playout;
-use haptic_protocol::wire::Message;
+use haptic_protocol::{playout::Playout, wire::Message};
 
 use super::rule::{Arrival, Direction, Fate, Rule, of_scene};
 use crate::scene::Scene;
@@ -132,8 +130,7 @@ impl Route {
 }
 
 /// What is on its way, ordered by when it is due.
-#[derive(Clone, Debug)]
-pub struct InFlight<T>(VecDeque<(u64, T)>);
+pub(crate) struct InFlight<T>(VecDeque<(u64, T)>);
 
 impl<T> Default for InFlight<T> {
     fn default() -> Self {
@@ -142,9 +139,8 @@ impl<T> Default for InFlight<T> {
 }
 
 impl<T> InFlight<T> {
-    /// Takes something that is due at `due_ns`.
     #[inline]
-    pub fn put(&mut self, due_ns: u64, what: T) {
+    pub(crate) fn put(&mut self, due_ns: u64, what: T) {
         let at = if self.0.back().is_none_or(|(last_ns, _)| *last_ns <= due_ns) {
             self.0.len()
         } else {
@@ -155,7 +151,7 @@ impl<T> InFlight<T> {
 
     /// The next that is due by `now_ns`, and when it was.
     #[inline]
-    pub fn take(&mut self, now_ns: u64) -> Option<(u64, T)> {
+    pub(crate) fn take(&mut self, now_ns: u64) -> Option<(u64, T)> {
         self.0.pop_front_if(|(due_ns, _)| *due_ns <= now_ns)
     }
 }
@@ -266,142 +262,5 @@ impl<T> Inbox<T> {
         };
         self.delivered += u64::from(taken.is_some());
         taken
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Packets of 8 ms, and a receiver that looks as often.
-    struct Line {
-        link: Link<Numbered<u64>>,
-        inbox: Inbox<u64>,
-    }
-
-    fn scene(overrides: &[&str]) -> Scene {
-        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-        Scene::load(crate::Laws::built_in(), None, &overrides).expect("a good scene")
-    }
-
-    fn line(overrides: &[&str]) -> Line {
-        let scene = scene(overrides);
-        Line { link: Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0)), inbox: Inbox::new(&scene) }
-    }
-
-    /// One packet period in which both ends are on time.
-    fn period(Line { link, inbox }: &mut Line, number: u64) -> Option<u64> {
-        let now_ns = 8_000_000 * number;
-        link.send(now_ns, &Numbered { number, what: number });
-        while let Some((due_ns, packet)) = link.take(now_ns) {
-            inbox.put(due_ns, packet);
-        }
-        inbox.take(now_ns)
-    }
-
-    #[test]
-    fn without_impairment_every_packet_arrives_after_the_delay() {
-        for delay in [0_u64, 1, 5] {
-            let mut line = line(&[&format!("network.one_way_delay_packets={delay}")]);
-            for number in 0..50_u64 {
-                assert_eq!(period(&mut line, number), number.checked_sub(delay));
-            }
-        }
-    }
-
-    #[test]
-    fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
-        for (loss, burst) in [(0.2, 1.0), (0.1, 5.0), (0.5, 20.0)] {
-            let mut line = line(&[
-                "network.one_way_delay_packets=0",
-                &format!("network.loss={loss}"),
-                &format!("network.loss_burst_packets={burst}"),
-            ]);
-            let got: Vec<bool> = (0..200_000).map(|number| period(&mut line, number).is_some()).collect();
-            let lost = got.iter().filter(|got| !**got).count() as f64;
-            let runs = got.windows(2).filter(|pair| pair[0] && !pair[1]).count() as f64;
-            assert!((lost / 200_000.0 - loss).abs() < 0.02, "{lost} lost at {loss}");
-            // Independent losses come in runs of 1/(1 − p).
-            let expected = if burst == 1.0 { 1.0 / (1.0 - loss) } else { burst };
-            assert!((lost / runs / expected - 1.0).abs() < 0.1, "runs of {} for {expected}", lost / runs);
-        }
-    }
-
-    #[test]
-    fn whatever_happens_on_the_way_numbers_only_grow() {
-        let mut line = line(&[
-            "network.jitter=gamma",
-            "network.jitter_s=0.012",
-            "network.reorder=0.3",
-            "network.reorder_depth_packets=16",
-            "network.duplicate=0.2",
-            "network.corrupt=0.1",
-            "network.loss=0.1",
-        ]);
-        let mut last = None;
-        for sent in 0..20_000 {
-            if let Some(number) = period(&mut line, sent) {
-                assert!(last.is_none_or(|last| number > last), "{number} after {last:?}");
-                last = Some(number);
-            }
-        }
-        let (counts, Inbox { delivered, dropped, .. }) = (line.link.counts(), line.inbox);
-        assert!(counts.corrupt > 1000 && counts.lost > 1000, "{counts:?}");
-        assert!(dropped > 1000 && delivered > 5000, "{dropped} dropped, {delivered} delivered");
-    }
-
-    #[test]
-    fn play_out_makes_the_delay_constant() {
-        let mut line = line(&["network.jitter=uniform", "network.jitter_s=0.012", "network.playout_packets=2"]);
-        // Once the fastest has been seen.
-        for number in 0..5000_u64 {
-            let played = period(&mut line, number);
-            assert!(number < 200 || played == number.checked_sub(3), "{played:?} in period {number}");
-        }
-        // Uniform to 12 ms is never later than two packets of 8 ms.
-        let (counts, Inbox { delivered, dropped, .. }) = (line.link.counts(), line.inbox);
-        assert!(delivered > 4_980 && dropped < 10 && counts.lost == 0, "{counts:?}, {delivered}, {dropped}");
-    }
-
-    /// Without impairment the fastest is known from the start, and every packet waits exactly as long as it was told to.
-    #[test]
-    fn play_out_on_a_good_network_is_more_delay_and_nothing_else() {
-        let mut line = line(&["network.one_way_delay_packets=2", "network.playout_packets=4"]);
-        for number in 0..500_u64 {
-            assert_eq!(period(&mut line, number), number.checked_sub(6));
-        }
-    }
-
-    fn datagrams(overrides: &[&str]) -> Link<[u8]> {
-        Link::new(Route::of_scene(&scene(overrides), Direction::OneToTwo, 0))
-    }
-
-    #[test]
-    fn every_datagram_comes_out_after_the_delay_in_the_order_it_went_in() {
-        let mut line = datagrams(&["network.one_way_delay_packets=2"]);
-        for n in 0..5_u8 {
-            line.send(1_000_000 * u64::from(n), &[n]);
-            line.send(1_000_000 * u64::from(n), &[n, n]);
-        }
-        let due_ns = 16_000_000;
-        assert_eq!(line.take(due_ns - 1), None);
-        assert_eq!([(); 3].map(|()| line.take(due_ns)), [Some((due_ns, vec![0])), Some((due_ns, vec![0, 0])), None]);
-        assert_eq!(std::iter::from_fn(|| line.take(20_000_000)).count(), 8);
-        assert_eq!(line.counts(), Counts { taken: 10, sent: 10, ..Counts::default() });
-    }
-
-    #[test]
-    fn what_is_lost_never_comes_and_what_is_broken_differs_in_one_bit() {
-        let mut line = datagrams(&["network.loss=0.3", "network.corrupt=0.2"]);
-        for n in 0..10_000 {
-            line.send(n, &[0; 60]);
-        }
-        let came: Vec<Vec<u8>> = std::iter::from_fn(|| line.take(u64::MAX)).map(|(_, bytes)| bytes).collect();
-        let counts = line.counts();
-        let flipped = |bytes: &Vec<u8>| bytes.iter().map(|byte| byte.count_ones()).sum::<u32>();
-        assert!(came.iter().all(|bytes| bytes.len() == 60 && flipped(bytes) <= 1));
-        assert_eq!(came.iter().filter(|bytes| flipped(bytes) == 1).count() as u64, counts.corrupt);
-        assert_eq!((counts.taken, counts.sent, came.len() as u64), (10_000, 10_000 - counts.lost, counts.sent));
-        assert!(counts.lost.abs_diff(3_000) < 200 && counts.corrupt.abs_diff(1_400) < 200, "{counts:?}");
     }
 }

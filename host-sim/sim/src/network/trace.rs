@@ -63,10 +63,7 @@ impl NetworkTrace {
         half.get((packet % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Reads a trace.
-    ///
-    /// # Errors
-    /// The first row that is wrong, or why the file cannot be read, in one line.
+    /// Reads a trace; refused is the first row that is wrong, in one line.
     pub fn read(path: &Path) -> Result<Self, String> {
         let place = path.display();
         let mut reader = csv::Reader::from_path(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
@@ -110,9 +107,6 @@ impl NetworkTrace {
     }
 
     /// Writes the trace.
-    ///
-    /// # Errors
-    /// Why the file cannot be written, in one line.
     pub fn write(&self, path: &Path) -> Result<(), String> {
         let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
         let mut writer = csv::Writer::from_path(path).map_err(failed)?;

@@ -5,7 +5,7 @@ use clap::Args;
 use crate::cli::flags::{Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
-use crate::trials::flood::{Options, run};
+use crate::trials::flood::run;
 use haptic_sim::report::Columns;
 
 /// Arguments of `flood`.
@@ -24,8 +24,7 @@ pub(in crate::cli) struct Flood {
 impl Flood {
     /// Floods and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let options = Options { rate_per_s: self.rate, seconds: self.time.seconds };
-        let report = run(&self.scene.load(ui)?, &options, &Stop::on_signals()?)?;
+        let report = run(&self.scene.load(ui)?, self.rate, self.time.seconds, &Stop::on_signals()?)?;
         ui.document(&report)?;
         writeln!(
             ui,

@@ -163,7 +163,8 @@ impl Cooperative {
             })
             .collect::<Result<Vec<_>, String>>()?;
         bar.finish_and_clear();
-        let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
+        let limits =
+            if self.delay_ms.is_none() { limits::table().map_err(|error| error as Failure)? } else { Vec::new() };
         let made = self.made(ui)?;
         let written =
             ui.files(ui.folder(self.out.folder(), "out/cooperative").as_deref(), "cooperative", &made, |files| {

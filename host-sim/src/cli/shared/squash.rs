@@ -10,8 +10,7 @@ use serde::Serialize;
 
 use crate::cli::flags::{Out, Time, number, switch};
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::shared::squash::sweep::{Cell, sweep};
-use crate::shared::squash::{Options, Report, picture, play};
+use crate::shared::squash::{Cell, Options, Report, picture, play, sweep};
 use haptic_sim::report::Columns;
 
 /// What a game goes by, simulated or live.

@@ -7,29 +7,24 @@
 
 use core::cmp::Ordering;
 
-use haptic_core::contact::Contact;
 use haptic_core::contact::bounder::{Bound, Bounder};
-use haptic_core::device::AXES;
-use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
 use haptic_core::safety::{Fault, Guard, Patience};
-use haptic_core::settings::Settings;
+use haptic_core::{contact::Contact, device::AXES, num::Motion, peer::Actuators, settings::Settings};
 use haptic_protocol::clock::Clock;
+use haptic_sim::{plant::Plant, scene::Scene};
 
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::Scene;
+use super::bounder;
 
 /// Time constant with which the view goes over to another engine's, s.
-pub const EASE_S: f64 = 0.1;
+const EASE_S: f64 = 0.1;
 
 /// How long the object coasts in silence, s.
-pub const COAST_S: f64 = 0.25;
+const COAST_S: f64 = 0.25;
 
 /// One client.
 #[derive(Clone, Debug)]
 pub struct Client {
-    /// Device and user.
-    pub plant: Plant,
+    pub(super) plant: Plant,
     contact: Contact<f64>,
     guard: Guard<f64>,
     bounder: Option<Bounder<f64>>,
@@ -39,10 +34,9 @@ pub struct Client {
     pub clock: Clock,
     /// Added to what is measured: packets wait for their period at both ends, s.
     waiting_s: f64,
-    /// The version of the engine whose states are shown.
-    pub version: u32,
+    /// The version of the engine whose states are shown, the newest of them, and ticks since.
+    version: u32,
     told: Motion<f64>,
-    /// Ticks since.
     silent: u64,
     /// Ticks between packets, and until it stops coasting.
     coasts: core::ops::Range<u64>,
@@ -51,7 +45,7 @@ pub struct Client {
     ease: Motion<f64>,
     eased: f64,
     /// Commanded to the motor, N.
-    pub motor_n: f64,
+    motor_n: f64,
     saturated: Patience,
     /// What stopped it.
     pub fault: Option<Fault>,
@@ -59,20 +53,13 @@ pub struct Client {
 
 impl Client {
     /// The client of user `index`, whose profile and side are those of user `index mod 2` of the scene.
-    pub fn new(scene: &Scene, settings: &Settings, index: usize, bounded: bool) -> Self {
+    pub(super) fn new(scene: &Scene, settings: &Settings, index: usize, bounded: bool) -> Self {
         let (period_s, contact) = (settings.timing.control_period_s, &settings.contact);
-        let bounder = Bounder::new(
-            contact.stiffness_n_per_m,
-            contact.damping_n_s_per_m,
-            scene.world.device.damping_n_s_per_m,
-            period_s,
-        );
-        let plant = Plant::new(scene, index % 2);
         Self {
-            plant,
+            plant: Plant::new(scene, index % 2),
             contact: Contact::build(settings),
             guard: Guard::build(settings),
-            bounder: bounded.then_some(bounder),
+            bounder: bounded.then(|| bounder(scene)),
             bound: Bound { stiffness: contact.stiffness_n_per_m, damping: contact.damping_n_s_per_m, drag: 0.0 },
             clock: Clock::default(),
             waiting_s: 2.0 * f64::from(settings.timing.ticks_per_packet - 1) * period_s,
@@ -90,12 +77,12 @@ impl Client {
     }
 
     /// The object as it is rendered.
-    pub fn view(&self) -> Motion<f64> {
+    pub(crate) fn view(&self) -> Motion<f64> {
         Motion { position: self.told.position + self.ease.position, velocity: self.told.velocity + self.ease.velocity }
     }
 
     /// Takes in the object as the engine of this version tells it; older engines are not listened to.
-    pub fn tell(&mut self, version: u32, object: Motion<f64>) {
+    pub(super) fn tell(&mut self, version: u32, object: Motion<f64>) {
         if version < self.version {
             return;
         }
@@ -116,13 +103,13 @@ impl Client {
     }
 
     /// The round trip as it counts for the bounder, s: measured, four deviations above, and the wait at both ends.
-    pub fn round_trip_s(&self) -> Option<f64> {
+    pub(super) fn round_trip_s(&self) -> Option<f64> {
         let measured = self.clock.round_trip_us()? as f64 + 4.0 * f64::from(self.clock.jitter_us());
         Some(1e-6 * measured + self.waiting_s)
     }
 
     /// One tick of the bounder; `here`: the engine is at this client, without a network in between.
-    pub fn follow(&mut self, here: bool) {
+    pub(super) fn follow(&mut self, here: bool) {
         if let Some(bounder) = &self.bounder {
             let measured = if here { Some(0.0) } else { self.round_trip_s() };
             let [device, ..] = self.plant.motions();
@@ -138,12 +125,12 @@ impl Client {
     }
 
     /// Contact force on the object between this device and `object`, N.
-    pub fn contact_n(&self, device: Motion<f64>, object: Motion<f64>) -> f64 {
+    pub(super) fn contact_n(&self, device: Motion<f64>, object: Motion<f64>) -> f64 {
         self.contact.with_gains(self.bound.stiffness, self.bound.damping).force(device, object)
     }
 
     /// One tick of the device, which feels the reaction of `force_n` as far as the limits let it.
-    pub fn step(&mut self, time_s: f64, force_n: f64) {
+    pub(super) fn step(&mut self, time_s: f64, force_n: f64) {
         let [device, ..] = self.plant.motions();
         let stopped = if !force_n.is_finite() || !device.is_finite() {
             Some(Fault::Diverged)

@@ -15,29 +15,30 @@
 //!
 //! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most.
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, flow_of, packet_of};
-use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::peer::{flow_of, packet_of};
+use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, Telemetry};
+use haptic_protocol::{key::Key, link::Stage};
+use haptic_sim::node::{Line, Says as _, TELEMETRY_S};
+use haptic_sim::scene::Scene;
 
 use super::MOST_USERS;
 use super::junction::{Junction, Port};
-use haptic_sim::node::{TELEMETRY_S, open_link};
-use haptic_sim::scene::Scene;
 
 /// The hub's end of one line.
 #[derive(Debug)]
-pub struct Line<A> {
-    /// The link.
-    pub link: Link,
+pub struct End<A> {
+    /// The sealed line.
+    pub line: Line,
     /// Where its peer last proved itself from.
-    pub address: Option<A>,
-    /// What its peer last said about itself.
-    pub heard: Option<Telemetry>,
-    /// What the link has reported so far, in order, with the time of each in µs.
-    pub notices: Vec<(u64, Notice)>,
-    inbox: Inbox,
+    pub(crate) address: Option<A>,
+}
+
+impl<A: Copy> End<A> {
+    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: &mut impl FnMut(A, &[u8])) {
+        if let Some(address) = self.address {
+            self.line.link.say(now_us, message, |bytes| send(address, bytes));
+        }
+    }
 }
 
 /// Which number of the scene the peer on a line has, lines counted from 1.
@@ -48,17 +49,15 @@ pub fn number_on(line: u32) -> u8 {
 /// Lines that meet.
 #[derive(Debug)]
 pub struct Hub<A> {
-    lines: Vec<Line<A>>,
+    ends: Vec<End<A>>,
     junction: Junction,
     ticks_per_packet: u32,
     telemetry_ticks: u32,
     /// Control periods since the start.
     ticks: u32,
-    /// Packet periods since all were there; none before.
     packets: Option<u64>,
     /// Datagrams that no line took.
-    refused: u64,
-    out: Datagram,
+    pub(crate) refused: u64,
 }
 
 impl<A: Copy> Hub<A> {
@@ -81,31 +80,24 @@ impl<A: Copy> Hub<A> {
                     .to_owned(),
             );
         }
-        let lines = (1..=users as u32).map(|line| {
-            let number = number_on(line);
-            let ends = Ends { local: PeerId(3 - number), remote: PeerId(number) };
-            let link = open_link(scene, ends, key.line(line), entropy()?)?;
-            let inbox = Inbox::new(scene.world.network.playout_packets, scene.peer.timing.ticks_per_packet);
-            Ok(Line { link, address: None, inbox, heard: None, notices: Vec::new() })
-        });
-        let lines = lines.collect::<Result<Vec<_>, String>>()?;
+        let end = |at| Ok(End { line: Line::open(scene, 3 - number_on(at), key.line(at), entropy()?)?, address: None });
+        let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, String>>()?;
         (0..users).for_each(|line| junction.part(line));
         let timing = &scene.peer.timing;
         Ok(Self {
-            lines,
+            ends,
             junction,
             ticks_per_packet: timing.ticks_per_packet,
             telemetry_ticks: (TELEMETRY_S / timing.control_period_s) as u32,
             ticks: 0,
             packets: None,
             refused: 0,
-            out: [0; MAX_DATAGRAM],
         })
     }
 
     /// The lines, each with its port.
-    pub fn lines(&self) -> impl Iterator<Item = (&Line<A>, &Port)> {
-        self.lines.iter().zip(self.junction.ports())
+    pub fn lines(&self) -> impl Iterator<Item = (&End<A>, &Port)> {
+        self.ends.iter().zip(self.junction.ports())
     }
 
     /// Where the lines meet.
@@ -118,66 +110,45 @@ impl<A: Copy> Hub<A> {
         self.packets
     }
 
-    /// Datagrams that no line took.
-    pub fn refused(&self) -> u64 {
-        self.refused
-    }
-
     /// Takes a datagram that came from `from`, opened in place, and sends what the link answers at once.
     pub fn receive(&mut self, now_us: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) {
         let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
         let session = Header::parse(datagram).ok().map(|(header, ..)| header.session);
-        for (line, at) in self.lines.iter_mut().zip(0..) {
+        for (End { line, address }, at) in self.ends.iter_mut().zip(0..) {
             if !greeting && (session.is_none() || line.link.session_number() != session) {
                 continue;
             }
-            let taken = line.link.receive(now_us, datagram);
-            // Before the flow is kept: it may be the first of another life of the peer.
-            Self::heed(line, &mut self.junction, at, now_us);
-            let Ok(incoming) = taken else { continue };
-            match incoming {
-                Some(Message::Flow(flow)) => line.inbox.put(self.ticks, flow),
-                Some(Message::Telemetry(telemetry)) => line.heard = Some(telemetry),
-                _ => {}
+            if line.receive(now_us, self.ticks, datagram, || self.junction.part(at)).is_err() {
+                continue;
             }
             if !greeting {
-                line.address = Some(from);
+                *address = Some(from);
             }
-            while let Some(len) = line.link.poll(now_us, &mut self.out) {
-                let out = &self.out[..len];
+            let address = address.unwrap_or(from);
+            line.link.say_due(now_us, |out| {
                 // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
                 let answers = !greeting || out.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-                send(if answers { from } else { line.address.unwrap_or(from) }, out);
-            }
+                send(if answers { from } else { address }, out);
+            });
             return;
         }
         self.refused += 1;
     }
 
-    /// What a link has noticed.
-    fn heed(line: &mut Line<A>, junction: &mut Junction, at: usize, now_us: u64) {
-        while let Some(notice) = line.link.take_notice() {
-            if notice == Notice::Disengaged {
-                junction.part(at);
-                line.inbox.clear();
-            }
-            line.notices.push((now_us, notice));
-        }
-    }
-
     /// One control period: exchanges if that is due, says what is to be said.
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
-        for (line, at) in self.lines.iter_mut().zip(0..) {
-            while let Some(len) = line.link.poll(now_us, &mut self.out) {
+        let mut out = [0; MAX_DATAGRAM];
+        for (End { line, address }, at) in self.ends.iter_mut().zip(0..) {
+            while let Some(len) = line.link.poll(now_us, &mut out) {
                 // A line that nobody has proved to be on is not called: its peer calls.
-                if let Some(address) = line.address.filter(|_| line.link.stage() != Stage::Calling) {
-                    send(address, &self.out[..len]);
+                if let Some(address) = address.filter(|_| line.link.stage() != Stage::Calling) {
+                    send(address, &out[..len]);
                 }
             }
-            Self::heed(line, &mut self.junction, at, now_us);
+            line.heed(now_us, || self.junction.part(at));
         }
         if self.ticks.is_multiple_of(self.ticks_per_packet) {
-            if self.packets.is_none() && self.lines.iter().all(|line| line.link.is_up()) {
+            if self.packets.is_none() && self.ends.iter().all(|end| end.line.link.is_up()) {
                 self.packets = Some(0);
             }
             if self.packets.is_some() {
@@ -192,17 +163,13 @@ impl<A: Copy> Hub<A> {
 
     /// Tells all peers that this is the end.
     pub fn goodbye(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
-        for line in &mut self.lines {
-            if let Some((address, len)) = line.address.zip(line.link.goodbye(now_us, &mut self.out)) {
-                send(address, &self.out[..len]);
-            }
-        }
+        self.ends.iter_mut().for_each(|end| end.say(now_us, Goodbye {}, &mut send));
     }
 
     /// One packet period: what came of every line through the junction and back.
     fn exchange(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
         let mut came = [None; MOST_USERS];
-        for ((line, at), came) in self.lines.iter_mut().zip(0..).zip(&mut came) {
+        for ((End { line, .. }, at), came) in self.ends.iter_mut().zip(0..).zip(&mut came) {
             line.inbox.play(self.ticks);
             let (flow, anew) = line.inbox.take();
             if anew {
@@ -212,18 +179,16 @@ impl<A: Copy> Hub<A> {
         }
         self.junction.exchange(came);
         self.packets = self.packets.map(|packets| packets + 1);
-        for (line, port) in self.lines.iter_mut().zip(self.junction.ports()) {
+        for (end, port) in self.ends.iter_mut().zip(self.junction.ports()) {
             let flow = flow_of(port.back, true, self.ticks);
-            if let Some((address, len)) = line.address.zip(line.link.send(now_us, flow, &mut self.out)) {
-                send(address, &self.out[..len]);
-            }
+            end.say(now_us, flow, send);
         }
     }
 
     /// How the hub is doing, for the peers' people and logs: its own end of each line.
     fn tell(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
         let at = self.junction.motion.position as f32;
-        for (line, port) in self.lines.iter_mut().zip(self.junction.ports()) {
+        for (end, port) in self.ends.iter_mut().zip(self.junction.ports()) {
             let mut telemetry = Telemetry {
                 mode: u8::from(self.packets.is_some()),
                 tick: self.ticks,
@@ -235,10 +200,8 @@ impl<A: Copy> Hub<A> {
                 energy_sent: port.energy.sent_j,
                 ..Telemetry::default()
             };
-            line.link.describe(now_us, &mut telemetry);
-            if let Some((address, len)) = line.address.zip(line.link.send(now_us, telemetry, &mut self.out)) {
-                send(address, &self.out[..len]);
-            }
+            end.line.link.describe(now_us, &mut telemetry);
+            end.say(now_us, telemetry, send);
         }
     }
 }

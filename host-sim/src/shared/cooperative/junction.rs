@@ -19,18 +19,12 @@
 
 use haptic_core::law::credit::{Account, Credit};
 use haptic_core::law::ladder::{Engagement, Ladder};
-use haptic_core::law::node::Node;
 use haptic_core::law::{Packet, Sends};
-use haptic_core::num::Motion;
+use haptic_core::{law::node::Node, num::Motion};
 use haptic_sim::Scene;
 use serde::Serialize;
 
-use super::MOST_USERS;
-
-/// The peers of these settings send no waves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be a law that sends them")]
-pub struct NoWaves(&'static str);
+use super::{MOST_USERS, world::WorldError};
 
 /// Wave energy at one port, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -125,11 +119,11 @@ pub struct Junction {
 
 impl Junction {
     /// The lines of `users` peers of this scene, engaged as the peers are that are armed together.
-    pub fn new(scene: &Scene, users: usize) -> Result<Self, NoWaves> {
+    pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         let settings = &scene.peer;
         let coordination = &settings.coordination;
         if scene.law().sends != Sends::Waves {
-            return Err(NoWaves(coordination.comm));
+            return Err(WorldError::NoWaves(coordination.comm));
         }
         let packet_s = settings.timing.packet_period_s();
         // The node's tick is a packet period.

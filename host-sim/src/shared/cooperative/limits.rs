@@ -11,20 +11,21 @@
 //! ([`haptic_analysis::rendering`]); it shares no code with the worlds. N equal users on one object are N − 1 modes in which
 //! it rests and one in which all move alike, as one of them would on an Nth of the object.
 
+use std::error::Error;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::world::{World, WorldError};
-use super::{Collision, Setup};
-use haptic_analysis::AnalysisError;
-use haptic_analysis::rendering::closed::largest_stiffness;
 use haptic_analysis::rendering::maps::{first, stiffness_limit};
 use haptic_analysis::rendering::{Body, Renderer, Rendering};
-use haptic_core::contact::bounder::Bounder;
+use haptic_analysis::{AnalysisError, rendering::closed::largest_stiffness};
 use haptic_sim::scene::SceneError;
 
+use super::world::{World, WorldError};
+use super::{Collision, Setup, bounder};
+
 /// Control period of these runs, s: fine against 5 ms.
-pub const PERIOD_S: f64 = 2e-4;
+const PERIOD_S: f64 = 2e-4;
 
 /// Time that a strike is watched, s.
 const WATCHED_S: f64 = 4.0;
@@ -37,43 +38,31 @@ const TOLERANCE: f64 = 0.005;
 
 /// What two users share, kg. An undamped object bears no delay above m_o/b, m_o for each user, however soft the contact is
 /// ([`haptic_analysis::rendering::closed`]): with the default 0.3 kg that is 30 ms, and nothing would be left there.
-pub const SHARED_KG: f64 = 0.35;
+const SHARED_KG: f64 = 0.35;
 
 /// Round trips looked at, ms, and what the paper calls the objects that they allow.
-pub const ROUND_TRIPS_MS: [(&str, f64); 3] = [("stiff", 5.0), ("stiff", 10.0), ("soft", 30.0)];
+const ROUND_TRIPS_MS: [(&str, f64); 3] = [("stiff", 5.0), ("stiff", 10.0), ("soft", 30.0)];
 
 /// The stiffest objects of one round trip, N/m.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Stiffest {
     /// What the paper calls them.
     pub kind: &'static str,
-    /// ms.
+    /// Both ways together, ms.
     pub round_trip_ms: f64,
     /// Where contact is computed.
-    pub collision: Collision,
-    /// Its users.
-    pub users: usize,
+    pub(crate) collision: Collision,
+    pub(crate) users: usize,
     /// b/delay, with what the object gives way ([`haptic_analysis::rendering::closed`]).
-    pub closed_form_n_per_m: f64,
+    pub(crate) closed_form_n_per_m: f64,
     /// Stiffest that is stable in simulation; 0 where half of the closed form is not.
     pub simulated_n_per_m: f64,
     /// First crossing by eigenvalues; 0 where even the softest is not stable.
     pub eigenvalues_n_per_m: f64,
 }
 
-/// What may go wrong.
-#[derive(Debug, thiserror::Error)]
-pub enum LimitError {
-    /// In the scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// In the world.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// In the analysis.
-    #[error(transparent)]
-    Analysis(#[from] AnalysisError),
-}
+/// In the scene, in the world or in the analysis.
+type LimitError = Box<dyn Error + Send + Sync>;
 
 /// The setup of one point.
 fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setup, SceneError> {
@@ -102,7 +91,7 @@ fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setu
 }
 
 /// Whether what a strike left dies out: its largest force in the last quarter against the third.
-pub fn dies_out(setup: &Setup, watched_s: f64) -> Result<bool, WorldError> {
+fn dies_out(setup: &Setup, watched_s: f64) -> Result<bool, WorldError> {
     let mut world = World::new(setup)?;
     let ticks = (watched_s / setup.scene.peer.timing.control_period_s) as u64;
     let mut quarters = [0.0_f64; 4];
@@ -141,11 +130,7 @@ pub fn rendering(setup: &Setup, round_trip_s: f64, drag: f64) -> Rendering {
 
 /// The spectral radius of a setup whose bounder has settled on a round trip, s.
 pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, AnalysisError> {
-    let (peer, device) = (&setup.scene.peer, &setup.scene.world.device);
-    let (contact, period_s) = (&peer.contact, peer.timing.control_period_s);
-    let bounder =
-        Bounder::<f64>::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, device.damping_n_s_per_m, period_s);
-    let bound = bounder.bound(round_trip_s);
+    let bound = bounder(&setup.scene).bound(round_trip_s);
     let mut rendering = rendering(setup, round_trip_s, bound.drag);
     rendering.contact_damping_n_s_per_m = bound.damping;
     Renderer::default().radius(&rendering, bound.stiffness)

@@ -12,22 +12,9 @@
 //! every packet goes through the scene's network, with its own fate; round trips are measured by the protocol's clock, and
 //! who has the engine is decided by the protocol's cooperative role. Time is in ticks: packets that arrive at tick n are
 //! taken in before the forces of tick n, forces that arrive at tick n act from n on.
-//!
-//! | module | holds |
-//! |---|---|
-//! | [`client`] | device, contact, bounder, and the object as the client was told |
-//! | [`engine`] | the object and what pushes it |
-//! | `packet` | what goes up and down in one packet period, and its bytes |
-//! | [`world`] | server, clients and the network between them, step by step |
-//! | [`run`] | one run and its figures of merit |
-//! | [`lifted`] | one packet period as a matrix: eigenvalues with slow packets, delay and any gains |
-//! | [`limits`] | the stiffest object for a round trip, simulated and by eigenvalues: the paper's 5 to 10 ms and 30 ms |
-//! | [`junction`] | where wave lines meet: the lossless node, with ports for a network that loses and falls silent |
-//! | [`hub`] | sealed links whose wave lines meet in a junction |
-//! | [`waves`] | N wave peers through a junction |
 
 pub mod client;
-pub mod engine;
+mod engine;
 pub mod hub;
 pub mod junction;
 pub mod lifted;
@@ -37,11 +24,17 @@ pub mod run;
 pub mod waves;
 pub mod world;
 
-use haptic_core::names::Choice;
+use haptic_core::{contact::bounder::Bounder, names::Choice};
 use haptic_sim::scene::{Scene, SceneError};
 
 /// Most users.
-pub const MOST_USERS: usize = 16;
+pub(crate) const MOST_USERS: usize = 16;
+
+/// What bounds the contact of the users of a scene.
+fn bounder(scene: &Scene) -> Bounder<f64> {
+    let (contact, damping) = (&scene.peer.contact, scene.world.device.damping_n_s_per_m);
+    Bounder::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, damping, scene.peer.timing.control_period_s)
+}
 
 /// Where contact is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -94,7 +87,7 @@ pub struct Setup {
 
 impl Setup {
     /// Keys that a cooperative environment starts from instead of the defaults: one packet each tick, prompt forces.
-    pub const BASE: [&str; 6] = [
+    pub(crate) const BASE: [&str; 6] = [
         "timing.ticks_per_packet=1",
         "network.one_way_delay_packets=0",
         "device.force_delay_ticks=0",
@@ -104,7 +97,7 @@ impl Setup {
     ];
 
     /// Two users in this scene, engine and bounder at the server and on.
-    pub fn new(scene: Scene) -> Self {
+    pub(crate) fn new(scene: Scene) -> Self {
         Self { scene, users: 2, bounder: true, collision: Collision::default(), engine: Engine::default() }
     }
 

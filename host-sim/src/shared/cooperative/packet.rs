@@ -3,8 +3,7 @@
 //! Each part is a datagram of its own: pushes and motions are flow, a hand-over message is an event that says itself again and
 //! is not acknowledged.
 
-use haptic_core::contact::bounder::Bound;
-use haptic_core::num::Motion;
+use haptic_core::{contact::bounder::Bound, num::Motion};
 use haptic_protocol::roles::Carried as _;
 use haptic_protocol::roles::cooperative::{Body, Message};
 use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
@@ -12,7 +11,7 @@ use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 use super::MOST_USERS;
 
 /// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
-pub(super) fn said_bytes(message: &Message) -> usize {
+fn said_bytes(message: &Message) -> usize {
     SEAL_LEN + message.event(0).map_or(Event::MAX_LEN, |event| event.emitted_len())
 }
 

@@ -9,9 +9,7 @@ use serde::Serialize;
 use super::client::Client;
 use super::world::{World, WorldError};
 use super::{Engine, Setup};
-use haptic_sim::measure::LastHalf;
-use haptic_sim::report::Columns;
-use haptic_sim::run::Growth;
+use haptic_sim::{measure::LastHalf, report::Columns, run::Growth};
 
 /// What a run gave.
 #[derive(Clone, Debug, Serialize)]
@@ -26,31 +24,26 @@ pub struct Outcome {
     pub peak_discrepancy_mm: f64,
     /// Mean |contact force| over users and the last half, N.
     pub felt_n: f64,
-    /// Largest |contact force| of any user, N.
-    pub peak_n: f64,
+    pub(crate) peak_n: f64,
     /// Largest change of any contact force from tick to tick, N.
     pub largest_jump_n: f64,
     /// Round trip as the first client measured it at the end, ms.
     pub round_trip_ms: Option<f64>,
-    /// Stiffness that the last client may render at the end, N/m.
-    pub stiffness_n_per_m: f64,
-    /// Drag that its bounder asks for at the end, N·s/m.
-    pub drag_n_s_per_m: f64,
-    /// How far the object has come, mm.
-    pub moved_mm: f64,
+    /// What the last client may render and asks for at the end.
+    pub(crate) stiffness_n_per_m: f64,
+    pub(crate) drag_n_s_per_m: f64,
+    pub(crate) moved_mm: f64,
     /// Ticks on which nobody, the server or a client had the engine.
-    pub engine_ticks: [u64; 3],
-    /// Times the engine went from one to another.
-    pub hand_overs: u32,
+    pub(crate) engine_ticks: [u64; 3],
+    pub(crate) hand_overs: u32,
     /// Bytes a client sends each second, sealed.
-    pub up_bytes_per_s: f64,
+    pub(crate) up_bytes_per_s: f64,
     /// Bytes the server sends to a client each second, sealed.
-    pub down_bytes_per_s: f64,
-    /// Ticks done.
-    pub ticks: u64,
+    pub(crate) down_bytes_per_s: f64,
+    pub(crate) ticks: u64,
     /// Recorded over time.
     #[serde(skip)]
-    pub table: Columns,
+    pub(crate) table: Columns,
 }
 
 /// Columns of the record.

@@ -5,20 +5,14 @@
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
 //! Constant delay without loss only, unless `coordination.ledger` pays for what is held.
 
-use haptic_core::law::Packet;
-use haptic_core::num::Motion;
-use haptic_core::safety::Mode;
+use haptic_core::{law::Packet, num::Motion, safety::Mode};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::measure::LastHalf;
 use haptic_sim::network::link::{Inbox, Numbered, Route};
-use haptic_sim::network::rule::Direction;
-use haptic_sim::pair::Side;
 use haptic_sim::scene::{Network, Scene};
+use haptic_sim::{measure::LastHalf, network::rule::Direction, pair::Side};
 use serde::Serialize;
 
-use super::MOST_USERS;
-use super::junction::Junction;
-use super::world::WorldError;
+use super::{MOST_USERS, junction::Junction, world::WorldError};
 
 /// Who sits at the engine: first the server, where the lines meet.
 #[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]

@@ -4,14 +4,11 @@
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
 //! While a client has the engine, the server passes pushes on to it and its states on to the others.
 
-use haptic_core::contact::Contact;
-use haptic_core::contact::bounder::{Bound, Bounder};
-use haptic_core::num::Motion;
-use haptic_core::settings::Refused;
-use haptic_protocol::roles::Role;
-use haptic_protocol::roles::cooperative as role;
+use haptic_core::contact::bounder::Bounder;
+use haptic_core::{contact::Contact, num::Motion, settings::Refused};
 use haptic_protocol::roles::cooperative::{Lease, Message, Notice, OutOfRange};
 use haptic_protocol::wire::{Moved, PeerId, Push};
+use haptic_protocol::{roles::Role, roles::cooperative as role};
 use haptic_sim::engine::{self, Actor, Clock, Out};
 use haptic_sim::network::link::{Inbox, Numbered, Route};
 use haptic_sim::network::rule::Direction;
@@ -19,10 +16,10 @@ use haptic_sim::network::rule::Direction;
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
 use super::packet::{Down, Packet, Up, body, object, peer};
-use super::{Collision, MOST_USERS, Setup};
+use super::{Collision, MOST_USERS, Setup, bounder};
 
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
-pub const LEASE_US: u32 = 2_000_000;
+const LEASE_US: u32 = 2_000_000;
 
 /// What both ends are told alike.
 #[derive(Clone)]
@@ -180,8 +177,7 @@ fn moved(at: Motion<f64>, version: u32, user: Pushed, now_us: u64) -> Moved {
 struct User {
     inbox: Inbox<Packet>,
     /// The newest of this client.
-    push: Option<Push>,
-    sensed: Option<(Motion<f64>, Bound<f64>)>,
+    up: Option<Up>,
     /// What the holder last told this client.
     passed_on: Option<Moved>,
     /// What the server has to answer.
@@ -206,8 +202,7 @@ impl Server {
             self.engine.take_over(object(body));
         }
         let (here, lent_to, version) = (self.role.has_engine(), self.role.lent_to(), self.role.version());
-        let pushes: [Option<Push>; MOST_USERS] =
-            core::array::from_fn(|other| self.users.get(other).and_then(|user| user.push));
+        let pushes: [Option<Push>; MOST_USERS] = core::array::from_fn(|other| Some(self.users.get(other)?.up?.push));
         for (index, user) in self.users.iter_mut().enumerate() {
             let pushed = self.engine.users[index];
             let mut others = pushes;
@@ -228,8 +223,7 @@ impl Server {
 
     fn hears(&mut self, index: usize, now_us: u64, up: Up) {
         self.engine.users[index] = self.rules.pushed(&up.push, now_us);
-        self.users[index].push = Some(up.push);
-        self.users[index].sensed = up.sensed;
+        self.users[index].up = Some(up);
         if let Some(states) = up.states {
             let [[position, velocity], _] = states[0].axes;
             let told = Motion { position: position.into(), velocity: velocity.into() };
@@ -258,7 +252,7 @@ impl Server {
         }
         if self.rules.collision == Collision::Server {
             for (index, user) in self.users.iter().enumerate() {
-                if let Some((device, bound)) = user.sensed {
+                if let Some((device, bound)) = user.up.and_then(|up| up.sensed) {
                     let contact = self.contacts[index % 2].with_gains(bound.stiffness, bound.damping);
                     self.engine.users[index].force_n = contact.force(device, self.engine.object);
                 }
@@ -327,8 +321,8 @@ pub enum WorldError {
     )]
     NotConstant,
     /// There are no waves to scatter.
-    #[error(transparent)]
-    NoWaves(#[from] super::junction::NoWaves),
+    #[error("coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be a law that sends them")]
+    NoWaves(&'static str),
 }
 
 impl World {
@@ -344,14 +338,12 @@ impl World {
         let scene = &setup.scene;
         let settings = scene.peers();
         settings[0].check()?;
-        let (contact, timing) = (&settings[0].contact, &settings[0].timing);
-        let (period_s, damping) = (timing.control_period_s, scene.world.device.damping_n_s_per_m);
-        let bounder = || Bounder::new(contact.stiffness_n_per_m, contact.damping_n_s_per_m, damping, period_s);
+        let timing = &settings[0].timing;
         let rules = Rules {
             users,
             collision: setup.collision,
-            bounder: setup.bounder.then(bounder),
-            period_s,
+            bounder: setup.bounder.then(|| bounder(scene)),
+            period_s: timing.control_period_s,
             period_ns: timing.control_period_ns(),
             ticks_per_packet: u64::from(timing.ticks_per_packet),
         };
@@ -368,7 +360,7 @@ impl World {
             received_n: 0.0,
             bytes: 0,
         };
-        let user = |_| User { inbox: Inbox::new(scene), push: None, sensed: None, passed_on: None, answer: None };
+        let user = |_| User { inbox: Inbox::new(scene), up: None, passed_on: None, answer: None };
         let server = Server {
             rules: rules.clone(),
             role: role::Server::new(lease),
@@ -400,11 +392,6 @@ impl World {
         })
     }
 
-    /// Ticks done.
-    pub fn tick(&self) -> u64 {
-        self.engine.tick()
-    }
-
     /// The clients.
     pub fn clients(&self) -> impl Iterator<Item = &Client> {
         self.seats().map(|seat| &seat.client)
@@ -416,7 +403,7 @@ impl World {
     }
 
     /// Bytes that all clients have sent, and that the server has, sealed.
-    pub fn bytes(&self) -> [u64; 2] {
+    pub(crate) fn bytes(&self) -> [u64; 2] {
         [self.seats().map(|seat| seat.bytes).sum(), self.server().map_or(0, |server| server.bytes)]
     }
 

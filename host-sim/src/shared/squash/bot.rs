@@ -1,16 +1,22 @@
-//! A bot: sees a hit, reacts as late and as roughly as a person, runs to where the ball will be, and swings.
+//! A bot: sees a hit, reacts as late and as roughly as a person, runs to where the ball will be, and swings; and a contestant: a
+//! player's role and the bot that plays it, simulated or live.
 //!
 //! In the court's own metres; a device's workspace is [`SCALE`] times as large. The hand is a mass that its arm pulls with a
 //! limited force and that the user-motion bounder damps; it is advanced by semi-implicit Euler at the control rate.
 
-use haptic_protocol::roles::squash::{Ball, Court, MotionBounder, Racket};
-
+use haptic_protocol::roles::squash::{
+    Ball, Court, Game, Message, MotionBounder, Notice, Player, PlayerConfig, Racket, Server, Strike,
+};
+use haptic_protocol::roles::{Out, Role as _};
+use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
+/// Control period, s.
+pub(crate) const TICK_S: f64 = 0.001;
 /// A device's workspace over the court: 15 cm for 9.75 m.
-pub const SCALE: f64 = 0.15 / 9.75;
+pub(super) const SCALE: f64 = 0.15 / 9.75;
 /// Mass of a squash ball, kg.
-pub const BALL_KG: f32 = 0.024;
+const BALL_KG: f32 = 0.024;
 /// Mass of a racket that takes part in an impact, kg.
 const RACKET_KG: f32 = 0.15;
 /// Mass of the hand with what it carries, kg.
@@ -39,7 +45,7 @@ const NEAR_M: f64 = 0.4;
 const MOMENT_S: f64 = 0.04;
 
 /// What a bot intends for the next hit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 struct Plan {
     /// On its own clock, s.
     at_s: f64,
@@ -48,23 +54,11 @@ struct Plan {
     angle: f64,
 }
 
-/// What a bot does in one tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
-    /// Nothing.
-    Waits,
-    /// Its racket meets the ball.
-    Swings(Racket),
-    /// It swings, and the ball is not there.
-    Misses,
-}
-
-/// One bot.
-#[derive(Clone, Debug)]
-pub struct Bot {
+/// One bot, in the court's metres.
+pub(super) struct Bot {
     court: Court,
     home: [f64; 2],
-    position: [f64; 2],
+    pub(super) position: [f64; 2],
     velocity: [f64; 2],
     target: [f64; 2],
     /// When it begins to do something about what it has seen, s.
@@ -75,7 +69,7 @@ pub struct Bot {
 
 impl Bot {
     /// A bot that stands somewhere in the middle.
-    pub fn new(court: Court, seed: u64) -> Self {
+    fn new(court: Court, seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let [length, width] = [court.length_m, court.width_m].map(f64::from);
         let home = [length * 0.35, width * (0.25 + 0.5 * unit(&mut rng))];
@@ -83,37 +77,33 @@ impl Bot {
     }
 
     /// Where the hand is and how it moves.
-    pub fn racket(&self) -> Ball {
+    fn racket(&self) -> Ball {
         Ball { position: self.position.map(|m| m as f32), velocity: self.velocity.map(|v| v as f32) }
     }
 
-    /// Where the hand is, m.
-    pub fn position(&self) -> [f64; 2] {
-        self.position
-    }
-
     /// It has seen that it is its turn.
-    pub fn sees_its_turn(&mut self, now_s: f64) {
+    fn sees_its_turn(&mut self, now_s: f64) {
         let reaction = REACTION_S.0 + REACTION_S.1 * normal(&mut self.rng);
         self.reacts_s = Some(now_s + reaction.max(0.1));
         self.plan = None;
     }
 
     /// It is not its turn any more.
-    pub fn rests(&mut self) {
+    fn rests(&mut self) {
         self.reacts_s = None;
         self.plan = None;
         self.target = self.home;
     }
 
-    /// One tick: where it thinks that the ball is (`None` before the serve), and the damping on its hand.
-    pub fn tick(&mut self, now_s: f64, tick_s: f64, ball: Option<Ball>, damping: f64) -> Action {
+    /// One tick: where it thinks that the ball is (`None` before the serve), and the damping on its hand. Gives the racket if it
+    /// swings and does not miss.
+    fn tick(&mut self, now_s: f64, tick_s: f64, ball: Option<Ball>, damping: f64) -> Option<Racket> {
         self.moves(tick_s, damping);
         if self.reacts_s.is_some_and(|at_s| now_s >= at_s) {
             self.reacts_s = None;
             self.plan = Some(self.plans(now_s, ball));
         }
-        let Some(plan) = self.plan.filter(|plan| now_s >= plan.at_s) else { return Action::Waits };
+        let plan = self.plan.filter(|plan| now_s >= plan.at_s)?;
         self.plan = None;
         self.target = self.home;
         let before = match ball {
@@ -121,7 +111,7 @@ impl Bot {
             Some(ball) => {
                 let [x, y] = [0, 1].map(|axis| f64::from(ball.position[axis]) - self.position[axis]);
                 if x.hypot(y) > RACKET_REACH_M {
-                    return Action::Misses;
+                    return None;
                 }
                 ball.velocity.map(f64::from)
             }
@@ -134,7 +124,7 @@ impl Bot {
         let masses = f64::from((RACKET_KG + BALL_KG) / (2.0 * RACKET_KG));
         let along = before[0] * normal[0] + before[1] * normal[1] + size * masses;
         let along = if damping > 0.0 { along.min(f64::from(MOTION.force_n) / damping) } else { along };
-        Action::Swings(Racket {
+        Some(Racket {
             mass_kg: RACKET_KG,
             velocity: normal.map(|part| (part * along) as f32),
             normal: normal.map(|part| part as f32),
@@ -186,6 +176,74 @@ impl Bot {
         let last = places.last().copied().unwrap_or((0.0, self.position));
         let pick = unit(&mut self.rng) * unit(&mut self.rng);
         can.get((pick * can.len() as f64) as usize).copied().unwrap_or(last)
+    }
+}
+
+/// Who takes part in a game.
+pub(crate) enum Part {
+    Server(Box<Server>),
+    Player(Box<Contestant>),
+}
+
+impl Part {
+    pub(crate) fn game(&self) -> &Game {
+        match self {
+            Self::Server(server) => server.game(),
+            Self::Player(contestant) => contestant.player.game(),
+        }
+    }
+
+    pub(crate) fn receive(&mut self, now: u64, from: PeerId, message: &Message, out: &mut dyn Out<Message>) {
+        match self {
+            Self::Server(server) => server.receive(now, from, message, out),
+            Self::Player(contestant) => contestant.player.receive(now, from, message, out),
+        }
+    }
+}
+
+/// One contestant. Times are its own clock's, µs.
+pub(crate) struct Contestant {
+    /// Which player, 1 or more.
+    pub(super) number: PeerId,
+    pub(crate) player: Player,
+    pub(super) bot: Bot,
+    was_active: bool,
+}
+
+impl Contestant {
+    /// `life` is another one at each start, `seed` is the bot's.
+    pub(crate) fn new(number: PeerId, life: u16, seed: u64) -> Self {
+        let court = Court::SINGLES;
+        let player = Player::new(PlayerConfig { number, court, ball_kg: BALL_KG, life });
+        Self { number, player, bot: Bot::new(court, seed), was_active: false }
+    }
+
+    /// The bot is told what has happened, and so is `each`.
+    pub(crate) fn hears(&mut self, now: u64, mut each: impl FnMut(&Player, Notice)) {
+        while let Some(notice) = self.player.take_notice() {
+            self.was_active &= match notice {
+                Notice::Begins(_) => false,
+                Notice::Hit { turn, .. } => self.player.game().active(turn.stroke) != Some(self.number),
+                Notice::Ends { .. } => true,
+            };
+            each(&self.player, notice);
+        }
+        match (self.player.is_active(), self.was_active) {
+            (true, false) => self.bot.sees_its_turn(now as f64 * 1e-6),
+            (false, true) => self.bot.rests(),
+            _ => {}
+        }
+        self.was_active = self.player.is_active();
+    }
+
+    /// One tick of hand and role, the hand `damped` by the round trip or not; the hit, if it makes one.
+    pub(crate) fn tick(&mut self, now: u64, damped: bool, out: &mut dyn Out<Message>) -> Option<Strike> {
+        let damping = if damped { MOTION.damping_n_s_per_m(self.player.round_trip_us()) } else { 0.0 };
+        let racket = self.bot.tick(now as f64 * 1e-6, TICK_S, self.player.ball(now), f64::from(damping));
+        self.player.place(self.bot.racket());
+        let strike = racket.and_then(|racket| self.player.hit(now, &racket, out));
+        self.player.poll(now, out);
+        strike
     }
 }
 

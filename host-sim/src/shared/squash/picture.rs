@@ -1,15 +1,15 @@
 //! A game as figures: the court from above, and where everybody thinks that the ball is.
 
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 use haptic_protocol::roles::squash::Court;
 
-use super::game::{Game, Moment, Options};
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use super::{Game, Moment, Options};
 
 /// Time shown in the second figure, s.
 const SHOWN_S: f64 = 6.0;
 
 /// The longest rally of a game.
-pub fn figure(game: &Game, options: &Options) -> Figure {
+pub(crate) fn figure(game: &Game, options: &Options) -> Figure {
     let longest =
         game.moments.iter().map(|moment| moment.turn).max_by_key(|(rally, stroke)| (*stroke, u16::MAX - *rally));
     let rally = longest.map_or(0, |(rally, _)| rally);

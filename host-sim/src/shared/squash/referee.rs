@@ -16,7 +16,7 @@ pub struct Report {
     /// Hits, serves among them.
     pub strokes: u32,
     /// Hits in the longest rally.
-    pub longest_rally: u16,
+    pub(crate) longest_rally: u16,
     /// Rallies that a player lost by not hitting the ball, or not to the front.
     pub lost: u32,
     /// Rallies that were played again because the ball had left the court before the active player knew of the hit.
@@ -30,9 +30,9 @@ pub struct Report {
     /// Every player and the server have the same result of every rally, and the score that the referee counts.
     pub agreed: bool,
     /// What was not agreed on first.
-    pub disagreement: Option<String>,
+    pub(crate) disagreement: Option<String>,
     /// Results that somebody heard before the rally's last hit.
-    pub results_before_hits: u32,
+    pub(crate) results_before_hits: u32,
     /// Points of each player.
     pub score: Vec<u8>,
     /// Longest round trip that the server knew of in the end, ms; 0 without the bounder.
@@ -48,17 +48,16 @@ pub struct Report {
     /// Farthest that a hand moved in one round trip, m.
     pub hand_travel_m: f64,
     /// Largest difference between a hand and what another player had last heard of it, m.
-    pub hand_error_m: f64,
+    pub(crate) hand_error_m: f64,
     /// Largest force of a hit on a device, as a pulse of one control period, N.
-    pub largest_pulse_n: f64,
+    pub(crate) largest_pulse_n: f64,
     /// Bytes that a player sent in a second, sealed.
-    pub bytes_per_s: f64,
+    pub(crate) bytes_per_s: f64,
     /// Hash of everything that the players know in the end.
     pub state_hash: String,
 }
 
 /// One hit as it was.
-#[derive(Clone, Copy, Debug)]
 struct Hit {
     by: u8,
     at_s: f64,
@@ -67,8 +66,7 @@ struct Hit {
 }
 
 /// What the referee has seen.
-#[derive(Clone, Debug)]
-pub struct Referee {
+pub(super) struct Referee {
     court: Court,
     hits: HashMap<(u16, u16), Hit>,
     verdicts: Vec<Verdict>,
@@ -76,13 +74,12 @@ pub struct Referee {
     /// What each player was told: results, and the score after the last one.
     told: Vec<Vec<Verdict>>,
     scores: Vec<[u8; PLAYERS]>,
-    /// The report so far.
-    pub report: Report,
+    pub(super) report: Report,
 }
 
 impl Referee {
     /// Before a game of so many players.
-    pub fn new(court: Court, players: u8) -> Self {
+    pub(super) fn new(court: Court, players: u8) -> Self {
         Self {
             court,
             hits: HashMap::new(),
@@ -95,7 +92,7 @@ impl Referee {
     }
 
     /// Player `by` (1, 2 …) has hit the ball.
-    pub fn hit(&mut self, at_s: f64, by: u8, turn: Turn, ball: Ball, bounded: bool) {
+    pub(super) fn hit(&mut self, at_s: f64, by: u8, turn: Turn, ball: Ball, bounded: bool) {
         let report = &mut self.report;
         report.strokes += 1;
         report.bounded += u32::from(bounded);
@@ -106,7 +103,7 @@ impl Referee {
     }
 
     /// Who is next has heard of a hit.
-    pub fn next_knows(&mut self, at_s: f64, turn: Turn) {
+    pub(super) fn next_knows(&mut self, at_s: f64, turn: Turn) {
         let Some(hit) = self.hits.get_mut(&(turn.rally, turn.stroke)).filter(|hit| !hit.known) else { return };
         hit.known = true;
         let flown_s = at_s - hit.at_s;
@@ -118,7 +115,7 @@ impl Referee {
     }
 
     /// The server has decided.
-    pub fn decided(&mut self, verdict: Verdict) {
+    pub(super) fn decided(&mut self, verdict: Verdict) {
         let report = &mut self.report;
         report.rallies += 1;
         match verdict.ending {
@@ -135,7 +132,7 @@ impl Referee {
     }
 
     /// Player `by` is told a result, having heard of so many hits.
-    pub fn told(&mut self, by: u8, verdict: Verdict, score: [u8; PLAYERS], seen: u16) {
+    pub(super) fn told(&mut self, by: u8, verdict: Verdict, score: [u8; PLAYERS], seen: u16) {
         let at = usize::from(by) - 1;
         self.report.results_before_hits += u32::from(seen < verdict.strokes);
         self.told[at].push(verdict);
@@ -146,7 +143,7 @@ impl Referee {
     }
 
     /// What a player who comes back has not been told, for it was not there.
-    pub fn came_back(&mut self, by: u8) {
+    pub(super) fn came_back(&mut self, by: u8) {
         let at = usize::from(by) - 1;
         self.told[at].clone_from(&self.verdicts);
         self.told[at].pop();
@@ -158,7 +155,7 @@ impl Referee {
     }
 
     /// The end: whoever is still there must have been told everything, but for what is still on its way.
-    pub fn ends(&mut self, present: &[bool], on_its_way: usize) {
+    pub(super) fn ends(&mut self, present: &[bool], on_its_way: usize) {
         for (at, told) in self.told.clone().into_iter().enumerate() {
             let complete = told.len() + on_its_way >= self.verdicts.len() || !present[at];
             if !self.verdicts.starts_with(&told) || !complete {

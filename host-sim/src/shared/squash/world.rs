@@ -5,31 +5,22 @@
 use std::collections::VecDeque;
 
 use haptic_protocol::roles::squash::{
-    Court, Game as Known, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, SERVER, Server, ServerConfig, Strike,
+    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, SERVER, Server, ServerConfig, Strike,
 };
 use haptic_protocol::roles::{Carried as _, Role as _};
 use haptic_protocol::wire::{self, PeerId};
 use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
-use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, SeededRule};
-use haptic_sim::rng::Rng;
-use haptic_sim::scene::Network;
+use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
-use super::bot::SCALE;
-use super::contestant::{Contestant, TICK_S};
-use super::game::{Change, Game, Moment, Options};
+use super::bot::{Contestant, Part, SCALE, TICK_S};
 use super::referee::Referee;
+use super::{Change, Game, Moment, Options};
 use crate::shared::{said, sealed_len};
 
-/// Who sits at the engine.
-enum Peer {
-    Server(Box<Server>),
-    Player(Box<Playing>),
-}
-
-/// A contestant, and what the referee has not seen of it yet.
-struct Playing {
-    contestant: Contestant,
+/// Who sits at the engine, and what the referee has not seen of it yet.
+struct Peer {
+    part: Part,
     damped: bool,
     bytes: u64,
     strike: Option<Strike>,
@@ -40,27 +31,20 @@ struct Playing {
 }
 
 impl Peer {
+    fn new(part: Part, damped: bool) -> Self {
+        Self { part, damped, bytes: 0, strike: None, notices: Vec::new(), trail: VecDeque::new() }
+    }
+
     /// Player `number`, in another life than any before.
     fn player(number: usize, damped: bool, rng: &mut Rng) -> Self {
         let (life, seed) = (rng.below(1 << 16) as u16, rng.below(u64::MAX));
-        let contestant = Contestant::new(PeerId(number as u8), life, seed);
-        let (strike, notices, trail) = (None, Vec::new(), VecDeque::new());
-        Self::Player(Box::new(Playing { contestant, damped, bytes: 0, strike, notices, trail }))
+        Self::new(Part::Player(Box::new(Contestant::new(PeerId(number as u8), life, seed))), damped)
     }
 
-    fn game(&self) -> &Known {
-        match self {
-            Self::Server(server) => server.game(),
-            Self::Player(playing) => playing.contestant.player.game(),
-        }
-    }
-}
-
-impl Playing {
     /// What it was told since, for the bot and for the referee.
     fn is_told(&mut self, now_us: u64) {
-        let Self { contestant, notices, .. } = self;
-        let number = contestant.number();
+        let Self { part: Part::Player(contestant), notices, .. } = self else { return };
+        let number = contestant.number;
         contestant.hears(now_us, |player, notice| {
             let next = matches!(notice, Notice::Hit { turn, .. } if player.game().active(turn.stroke) == Some(number));
             notices.push((notice, next));
@@ -68,7 +52,7 @@ impl Playing {
     }
 }
 
-/// Counts what a player says.
+/// Counts what is said.
 fn counted<'a>(bytes: &'a mut u64, out: &'a mut Out<'_, usize, wire::Message>) -> impl FnMut(usize, &wire::Message) {
     move |to, message| {
         *bytes += sealed_len(message) as u64;
@@ -80,38 +64,30 @@ impl Actor<usize> for Peer {
     type Packet = wire::Message;
 
     fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
-        let (now_us, from) = (now_ns / 1_000, PeerId(from as u8));
         let Some((_, message)) = Message::read(message) else { return };
-        match self {
-            Self::Server(server) => server.receive(now_us, from, &message, &mut said(0, out)),
-            Self::Player(playing) => {
-                let mut out = counted(&mut playing.bytes, out);
-                playing.contestant.player.receive(now_us, from, &message, &mut said(0, &mut out));
-                drop(out);
-                playing.is_told(now_us);
-            }
-        }
+        let mut out = counted(&mut self.bytes, out);
+        self.part.receive(now_ns / 1_000, PeerId(from as u8), &message, &mut said(0, &mut out));
+        drop(out);
+        self.is_told(now_ns / 1_000);
     }
 
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
         let now_us = now_ns / 1_000;
-        match self {
-            Self::Server(server) => server.poll(now_us, &mut said(0, out)),
-            Self::Player(playing) => {
-                let mut out = counted(&mut playing.bytes, out);
-                playing.strike = playing.contestant.tick(now_us, playing.damped, &mut said(0, &mut out));
-                drop(out);
-                playing.is_told(now_us);
-            }
+        let mut out = counted(&mut self.bytes, out);
+        match &mut self.part {
+            Part::Server(server) => server.poll(now_us, &mut said(0, &mut out)),
+            Part::Player(contestant) => self.strike = contestant.tick(now_us, self.damped, &mut said(0, &mut out)),
         }
+        drop(out);
+        self.is_told(now_us);
     }
 }
 
 /// The players with their numbers, of all seats.
-fn players(seats: &[Seat<Peer>]) -> impl Iterator<Item = (usize, &Seat<Peer>, &Playing)> {
-    seats.iter().enumerate().filter_map(|(at, seat)| match &seat.actor {
-        Peer::Player(playing) => Some((at, seat, playing.as_ref())),
-        Peer::Server(_) => None,
+fn players(seats: &[Seat<Peer>]) -> impl Iterator<Item = (usize, &Seat<Peer>, &Contestant)> {
+    seats.iter().enumerate().filter_map(|(at, seat)| match &seat.actor.part {
+        Part::Player(contestant) => Some((at, seat, contestant.as_ref())),
+        Part::Server(_) => None,
     })
 }
 
@@ -119,8 +95,9 @@ fn players(seats: &[Seat<Peer>]) -> impl Iterator<Item = (usize, &Seat<Peer>, &P
 fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
     let (now_s, by) = (seen.now_ns as f64 * 1e-9, seen.seat as u8);
     let clock = seen.seats[seen.seat].clock;
-    let playing = match &mut seen.seats[seen.seat].actor {
-        Peer::Server(server) => {
+    let Peer { part, strike, notices, .. } = &mut seen.seats[seen.seat].actor;
+    let contestant = match part {
+        Part::Server(server) => {
             let last = server.game().last;
             if last.rally > *rallies {
                 *rallies = last.rally;
@@ -128,11 +105,10 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
             }
             return;
         }
-        Peer::Player(playing) => playing,
+        Part::Player(contestant) => contestant,
     };
-    let (strike, notices) = (playing.strike.take(), std::mem::take(&mut playing.notices));
-    if let Some(strike) = strike {
-        let ball = playing.contestant.player.ball(clock.at(seen.now_ns) / 1_000).unwrap_or_default();
+    if let Some(strike) = strike.take() {
+        let ball = contestant.player.ball(clock.at(seen.now_ns) / 1_000).unwrap_or_default();
         let [x, y] = strike.impact.pulse_n(TICK_S as f32).map(f64::from);
         let pulse_n = &mut referee.report.largest_pulse_n;
         *pulse_n = pulse_n.max(SCALE * x.hypot(y));
@@ -140,7 +116,7 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
             referee.hit(now_s, by, strike.turn, ball, strike.bounded);
         }
     }
-    for (notice, next) in notices {
+    for (notice, next) in notices.drain(..) {
         match notice {
             Notice::Begins(_) => {}
             Notice::Hit { turn, corrected_m: [x, y] } => {
@@ -158,16 +134,18 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
 /// How far every hand went in a round trip of so many ticks, and from where the others think that it is.
 fn measure(referee: &mut Referee, seats: &mut [Seat<Peer>], round_trip: usize) {
     for at in 1..seats.len() {
-        let Seat { actor: Peer::Player(playing), off: false, .. } = &mut seats[at] else { continue };
-        let [x, y] = playing.contestant.bot.position();
-        playing.trail.push_back([x, y]);
-        if playing.trail.len() > round_trip {
-            playing.trail.pop_front();
+        let Seat { actor: Peer { part: Part::Player(contestant), trail, .. }, off: false, .. } = &mut seats[at] else {
+            continue;
+        };
+        let [x, y] = contestant.bot.position;
+        trail.push_back([x, y]);
+        if trail.len() > round_trip {
+            trail.pop_front();
         }
         let away = |[a, b]: [f64; 2]| (a - x).hypot(b - y);
-        let travelled = playing.trail.front().copied().map_or(0.0, away);
+        let travelled = trail.front().copied().map_or(0.0, away);
         let others = players(seats).filter(|(other, seat, _)| *other != at && !seat.off);
-        let heard = others.filter_map(|(_, _, other)| other.contestant.player.racket_of(PeerId(at as u8)));
+        let heard = others.filter_map(|(_, _, other)| other.player.racket_of(PeerId(at as u8)));
         let error = heard.map(|heard| away(heard.position.map(f64::from))).fold(0.0, f64::max);
         let report = &mut referee.report;
         report.hand_travel_m = report.hand_travel_m.max(travelled);
@@ -176,16 +154,16 @@ fn measure(referee: &mut Referee, seats: &mut [Seat<Peer>], round_trip: usize) {
 }
 
 fn moment(seats: &[Seat<Peer>], now_ns: u64) -> Moment {
-    let turn = players(seats).map(|(.., playing)| playing.contestant.player.turn()).max().unwrap_or_default();
-    let ball = |(_, seat, playing): (usize, &Seat<Peer>, &Playing)| {
-        playing.contestant.player.ball(seat.clock.at(now_ns) / 1_000)
+    let turn = players(seats).map(|(.., contestant)| contestant.player.turn()).max().unwrap_or_default();
+    let ball = |(_, seat, contestant): (usize, &Seat<Peer>, &Contestant)| {
+        contestant.player.ball(seat.clock.at(now_ns) / 1_000)
     };
     let mut on = players(seats).filter(|(_, seat, _)| !seat.off);
     Moment {
         time_s: now_ns as f64 * 1e-9,
         balls: players(seats).map(ball).collect(),
-        hands: players(seats).map(|(.., playing)| playing.contestant.bot.position()).collect(),
-        active: on.find(|(.., playing)| playing.contestant.player.is_active()).map(|(at, ..)| at - 1),
+        hands: players(seats).map(|(.., contestant)| contestant.bot.position).collect(),
+        active: on.find(|(.., contestant)| contestant.player.is_active()).map(|(at, ..)| at - 1),
         turn: (turn.rally, turn.stroke),
     }
 }
@@ -208,8 +186,8 @@ pub fn play(options: &Options) -> Game {
     let mut routes: Vec<Route> = (0..count * count).map(route).collect();
     let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
     let seats = clocks.into_iter().enumerate().map(|(at, clock)| {
-        let actor =
-            if at == 0 { Peer::Server(Box::new(Server::new(config))) } else { Peer::player(at, damped, &mut rng) };
+        let server = || Peer::new(Part::Server(Box::new(Server::new(config))), damped);
+        let actor = if at == 0 { server() } else { Peer::player(at, damped, &mut rng) };
         Seat { clock, ..Seat::new(actor) }
     });
     let (seats, period_ns) = (seats.collect(), (1e9 * TICK_S) as u64);
@@ -219,19 +197,20 @@ pub fn play(options: &Options) -> Game {
     let round_trip = (options.round_trip_s / TICK_S).round().max(1.0) as usize;
     let (mut moments, mut present, mut rallies) = (Vec::new(), vec![true; count - 1], 0);
     // The game is over, and everybody who is there knows.
-    let is_over =
-        |seats: &[Seat<Peer>]| seats.iter().filter(|seat| !seat.off).all(|seat| seat.actor.game().phase == Phase::Over);
+    let is_over = |seats: &[Seat<Peer>]| {
+        seats.iter().filter(|seat| !seat.off).all(|seat| seat.actor.part.game().phase == Phase::Over)
+    };
     while engine.tick() < ticks && !is_over(&engine.seats) {
         let tick = engine.tick();
         for &(at_s, number, change) in &options.changes {
             if (at_s / TICK_S).round() as u64 == tick {
                 let (at, seat) = (usize::from(number), &mut engine.seats[usize::from(number)]);
-                match (change, &mut seat.actor) {
-                    (Change::Leaves, Peer::Player(playing)) => playing.contestant.player.leave(),
-                    (Change::Leaves, Peer::Server(_)) => {}
+                match (change, &mut seat.actor.part) {
+                    (Change::Leaves, Part::Player(contestant)) => contestant.player.leave(),
+                    (Change::Leaves, Part::Server(_)) => {}
                     (Change::Vanishes, _) => seat.off = true,
-                    (Change::Comes, actor) => {
-                        *actor = Peer::player(at, damped, &mut rng);
+                    (Change::Comes, _) => {
+                        seat.actor = Peer::player(at, damped, &mut rng);
                         seat.off = false;
                         referee.came_back(number);
                     }
@@ -250,11 +229,11 @@ pub fn play(options: &Options) -> Game {
     referee.ends(&present, usize::from(!over));
     let mut report = referee.report;
     report.over = over;
-    report.round_trip_ms = f64::from(engine.seats[0].actor.game().round_trip_us) * 1e-3;
+    report.round_trip_ms = f64::from(engine.seats[0].actor.part.game().round_trip_us) * 1e-3;
     report.score.truncate(usize::from(options.players));
-    let bytes: u64 = players(&engine.seats).map(|(.., playing)| playing.bytes).sum();
+    let bytes: u64 = engine.seats[1..].iter().map(|seat| seat.actor.bytes).sum();
     report.bytes_per_s = bytes as f64 / (engine.tick() as f64 * TICK_S) / f64::from(options.players);
-    report.state_hash = hash(players(&engine.seats).map(|(.., playing)| &playing.contestant.player));
+    report.state_hash = hash(players(&engine.seats).map(|(.., contestant)| &contestant.player));
     Game { report, moments }
 }
 

@@ -1,41 +1,18 @@
 //! World file: TOML to database, every key checked.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::{collections::BTreeMap, fmt::Display, path::Path};
 
 use haptic_protocol::world::{Block, Bounds, Field, Object, Region, Shape, Strip};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::parameters::{CONTROL_PERIOD_S, World};
+use super::{CONTROL_PERIOD_S, World};
 
-/// What is wrong with a world, in one line.
-#[derive(Debug, thiserror::Error)]
-pub enum WorldError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {cause}")]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why not.
-        cause: std::io::Error,
-    },
-    /// Something in it is wrong.
-    #[error("{place}:{line}: {message}")]
-    Wrong {
-        /// Which file.
-        place: String,
-        /// Which line.
-        line: usize,
-        /// What, and what is allowed.
-        message: String,
-    },
-}
-
-/// The world in the file at `path`.
-pub fn load(path: &Path) -> Result<Box<World>, WorldError> {
-    let text = std::fs::read_to_string(path).map_err(|cause| WorldError::Read { path: path.to_path_buf(), cause })?;
-    parse(&text, &path.display().to_string())
+/// The world in the file at `path`; what is wrong is said in one line.
+pub fn load(path: &Path) -> Result<Box<World>, String> {
+    let place = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
+    parse(&text, &place)
 }
 
 const fn field(name: &'static str, range: (f32, f32, bool), unit: &'static str, doc: &'static str) -> Field {
@@ -47,29 +24,27 @@ const fn field(name: &'static str, range: (f32, f32, bool), unit: &'static str, 
 const COUNT: (f32, f32, bool) = (0.0, 16_777_215.0, true);
 const PLACE: (f32, f32, bool) = (-1000.0, 1000.0, false);
 
-const WORLD_VERSION: Field = field("version", COUNT, "", "Version of the world, for people.");
-const MARGIN: Field = field("margin_m", (0.0, 1000.0, false), "m", "How far beyond its region a server knows.");
-const ID: Field = field("id", COUNT, "", "Of this object alone; there is no default.");
-const VERSION: Field = field("version", COUNT, "", "Raise it when the object changes: of two, the higher is felt.");
-const SERVER: Field = field("server", (1.0, 254.0, true), "", "Number of the server that holds it; no default.");
-const FROM_X: Field = field("from_x_m", PLACE, "m", "Least x; no default.");
-const FROM_Y: Field = field("from_y_m", PLACE, "m", "Least y; no default.");
-const TO_X: Field = field("to_x_m", PLACE, "m", "Largest x; no default.");
-const TO_Y: Field = field("to_y_m", PLACE, "m", "Largest y; no default.");
-const REGION: [Field; 4] = [FROM_X, FROM_Y, TO_X, TO_Y];
+const WORLD: [Field; 2] = [
+    field("version", COUNT, "", "Version of the world, for people."),
+    field("margin_m", (0.0, 1000.0, false), "m", "How far beyond its region a server knows."),
+];
+const REGION: [Field; 5] = [
+    field("server", (1.0, 254.0, true), "", "Number of the server that holds it; no default."),
+    field("from_x_m", PLACE, "m", "Least x; no default."),
+    field("from_y_m", PLACE, "m", "Least y; no default."),
+    field("to_x_m", PLACE, "m", "Largest x; no default."),
+    field("to_y_m", PLACE, "m", "Largest y; no default."),
+];
+const OBJECT: [Field; 2] = [
+    field("id", COUNT, "", "Of this object alone; there is no default."),
+    field("version", COUNT, "", "Raise it when the object changes: of two, the higher is felt."),
+];
 
 /// Every key that is not a shape's, with the table that it stands in.
-pub const OWN_KEYS: &[(&str, Field)] = &[
-    ("", WORLD_VERSION),
-    ("", MARGIN),
-    ("region", SERVER),
-    ("region", FROM_X),
-    ("region", FROM_Y),
-    ("region", TO_X),
-    ("region", TO_Y),
-    ("wall, body, strip, block", ID),
-    ("wall, body, strip, block", VERSION),
-];
+pub(crate) fn own_keys() -> impl Iterator<Item = (&'static str, &'static Field)> {
+    let tables: [(&str, &[Field]); 3] = [("", &WORLD), ("region", &REGION), ("wall, body, strip, block", &OBJECT)];
+    tables.into_iter().flat_map(|(table, keys)| keys.iter().map(move |key| (table, key)))
+}
 
 /// Where something stands, and its text.
 struct Source<'a> {
@@ -78,13 +53,13 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn wrong(&self, at: usize, message: impl Into<String>) -> WorldError {
+    fn wrong(&self, at: usize, message: impl Display) -> String {
         let line = self.text[..at.min(self.text.len())].matches('\n').count() + 1;
-        WorldError::Wrong { place: self.place.to_owned(), line, message: message.into() }
+        format!("{}:{line}: {message}", self.place)
     }
 
     /// The number that `key` has in `table`, or its default; what is wrong names `what` it is a key of.
-    fn number(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<f32, WorldError> {
+    fn number(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<f32, String> {
         let Some((_, value)) = table.iter().find(|(name, _)| *name.get_ref() == key.name) else {
             return Ok(key.default);
         };
@@ -104,7 +79,7 @@ impl Source<'_> {
     }
 
     /// Every key in `table` is one of `known`.
-    fn known(&self, table: &DeTable<'_>, what: &str, known: &[&str]) -> Result<(), WorldError> {
+    fn known(&self, table: &DeTable<'_>, what: &str, known: &[&str]) -> Result<(), String> {
         match table.iter().find(|(name, _)| !known.iter().any(|known| *name.get_ref() == *known)) {
             None => Ok(()),
             Some((name, _)) => {
@@ -116,7 +91,7 @@ impl Source<'_> {
     }
 
     /// The tables of the list called `name`, with where each stands.
-    fn list<'t, 'i>(&self, root: &'t DeTable<'i>, name: &str) -> Result<Vec<(usize, &'t DeTable<'i>)>, WorldError> {
+    fn list<'t, 'i>(&self, root: &'t DeTable<'i>, name: &str) -> Result<Vec<(usize, &'t DeTable<'i>)>, String> {
         let Some((_, value)) = root.iter().find(|(key, _)| *key.get_ref() == name) else { return Ok(Vec::new()) };
         let refused = |value: &Spanned<DeValue<'_>>| {
             self.wrong(value.span().start, format!("{name} must be a list of tables: write [[{name}]]"))
@@ -129,13 +104,13 @@ impl Source<'_> {
         tables.collect()
     }
 
-    fn whole(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<u32, WorldError> {
+    fn whole(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<u32, String> {
         self.number(table, what, key).map(|number| number as u32)
     }
 }
 
 /// The world in `text`, found at `place`.
-pub fn parse(text: &str, place: &str) -> Result<Box<World>, WorldError> {
+pub fn parse(text: &str, place: &str) -> Result<Box<World>, String> {
     let source = Source { text, place };
     let root = DeTable::parse(text)
         .map_err(|error| source.wrong(error.span().map_or(0, |span| span.start), error.message().replace('\n', " ")))?;
@@ -144,15 +119,15 @@ pub fn parse(text: &str, place: &str) -> Result<Box<World>, WorldError> {
     known.extend(Shape::ALL.iter().map(|(name, ..)| *name));
     source.known(root, "a world", &known)?;
     let mut world = Box::<World>::default();
-    world.version = source.whole(root, "world", &WORLD_VERSION)?;
-    world.margin_m = source.number(root, "world", &MARGIN)?;
+    world.version = source.whole(root, "world", &WORLD[0])?;
+    world.margin_m = source.number(root, "world", &WORLD[1])?;
     regions(&source, root, &mut world)?;
     objects(&source, root, &mut world)?;
     Ok(world)
 }
 
-fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), WorldError> {
-    let keys: Vec<&str> = std::iter::once(SERVER.name).chain(REGION.iter().map(|key| key.name)).collect();
+fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), String> {
+    let keys = REGION.each_ref().map(|key| key.name);
     for (id, (at, table)) in source.list(root, "region")?.into_iter().enumerate() {
         let what = format!("region {}", id + 1);
         source.known(table, &what, &keys)?;
@@ -161,17 +136,16 @@ fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result
                 return Err(source.wrong(at, format!("{what}: {key} is missing")));
             }
         }
-        let mut corners = [0.0; 4];
-        for (corner, key) in corners.iter_mut().zip(&REGION) {
-            *corner = source.number(table, &what, key)?;
+        let mut numbers = [0.0; REGION.len()];
+        for (number, key) in numbers.iter_mut().zip(&REGION) {
+            *number = source.number(table, &what, key)?;
         }
-        let [x, y, to_x, to_y] = corners;
+        let [server, x, y, to_x, to_y] = numbers;
         if x >= to_x || y >= to_y {
             let message = format!("{what}: from_x_m and from_y_m must be below to_x_m and to_y_m");
             return Err(source.wrong(at, message));
         }
-        let server = source.whole(table, &what, &SERVER)? as u8;
-        let region = Region { id: id as u8, server, bounds: Bounds { min: [x, y], max: [to_x, to_y] } };
+        let region = Region { id: id as u8, server: server as u8, bounds: Bounds { min: [x, y], max: [to_x, to_y] } };
         // Regions may touch and not overlap: a point is in one of them.
         let inside = |other: &&Region| {
             let (a, b) = (region.bounds, other.bounds);
@@ -180,30 +154,30 @@ fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result
         if let Some(other) = world.regions().iter().find(inside) {
             return Err(source.wrong(at, format!("{what} overlaps region {}: a place has one server", other.id + 1)));
         }
-        world.put_region(region).map_err(|full| source.wrong(at, full.to_string()))?;
+        world.put_region(region).map_err(|full| source.wrong(at, full))?;
     }
     Ok(())
 }
 
-fn objects(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), WorldError> {
+fn objects(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), String> {
     let mut lines = BTreeMap::new();
     for (name, kind, fields) in Shape::ALL {
-        let keys: Vec<&str> = [ID.name, VERSION.name].into_iter().chain(fields.iter().map(|key| key.name)).collect();
+        let keys: Vec<&str> = OBJECT.iter().chain(*fields).map(|key| key.name).collect();
         for (at, table) in source.list(root, name)? {
-            if !table.iter().any(|(key, _)| *key.get_ref() == ID.name) {
+            if !table.iter().any(|(key, _)| *key.get_ref() == OBJECT[0].name) {
                 return Err(source.wrong(at, format!("{name}: id is missing")));
             }
-            let id = source.whole(table, name, &ID)?;
+            let id = source.whole(table, name, &OBJECT[0])?;
             let what = format!("{name} {id}");
             source.known(table, &what, &keys)?;
-            let version = source.whole(table, &what, &VERSION)?;
+            let version = source.whole(table, &what, &OBJECT[1])?;
             let mut numbers = [0.0; Shape::NUMBERS];
             for (number, key) in numbers.iter_mut().zip(*fields) {
                 *number = source.number(table, &what, key)?;
             }
             let shape = match Shape::build(*kind, &numbers) {
                 Some(Ok(shape)) => shape,
-                Some(Err(refused)) => return Err(source.wrong(at, refused.to_string())),
+                Some(Err(refused)) => return Err(source.wrong(at, refused)),
                 None => return Err(source.wrong(at, format!("{what}: there is no such shape"))),
             };
             if let Some(message) = impossible(&shape) {
@@ -214,7 +188,7 @@ fn objects(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result
                     source.wrong(at, format!("{what}: id = {id} is {other}'s already: every object has its own"))
                 );
             }
-            world.put(Object { id, version, shape }).map_err(|full| source.wrong(at, full.to_string()))?;
+            world.put(Object { id, version, shape }).map_err(|full| source.wrong(at, full))?;
         }
     }
     Ok(())

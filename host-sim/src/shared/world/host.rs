@@ -9,13 +9,13 @@
 
 use std::collections::HashMap;
 
-use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link, Stage};
+use haptic_protocol::link::{Link, Stage};
 use haptic_protocol::roles::static_scene::{Board, Server};
-use haptic_protocol::wire::{Datagram, Greeting, Header, MAX_DATAGRAM, Message, PeerId};
+use haptic_protocol::wire::{Goodbye, Header, MAX_DATAGRAM, Message};
+use haptic_sim::node::Says as _;
 
-use super::{CLIENT, OBJECTS, PACKET_US, World, parameters};
+use super::{CLIENT, OBJECTS, World, line_of, open_link};
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;
@@ -34,18 +34,14 @@ struct Line<A> {
 /// What a server has done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
-    /// Datagrams that came.
-    pub received: u64,
-    /// Datagrams that went.
-    pub sent: u64,
+    pub(crate) received: u64,
+    pub(crate) sent: u64,
     /// Datagrams that were of no line or no session, or were refused by their link.
     pub refused: u64,
-    /// Questions about the world.
-    pub asks: u64,
-    /// Parts of the world.
-    pub parts: u64,
-    /// Places of clients that came.
-    pub presences: u64,
+    pub(crate) asks: u64,
+    pub(crate) parts: u64,
+    /// Places of clients.
+    pub(crate) presences: u64,
 }
 
 /// A server of a static world.
@@ -55,10 +51,10 @@ pub struct Host<A> {
     entropy: Box<dyn FnMut() -> [u8; Key::LEN] + Send>,
     lines: Vec<Option<Box<Line<A>>>>,
     sessions: HashMap<u32, u32>,
-    server: Box<Server<OBJECTS>>,
+    pub(crate) server: Box<Server<OBJECTS>>,
     board: Box<Board<{ MOST_LINES as usize }>>,
-    counts: Counts,
-    out: Datagram,
+    /// What it has done.
+    pub counts: Counts,
 }
 
 impl<A: Copy> Host<A> {
@@ -83,18 +79,7 @@ impl<A: Copy> Host<A> {
             server: Box::new(Server::new(world, region).map_err(|error| error.to_string())?),
             board: Box::new(Board::new(PRESENT_US)),
             counts: Counts::default(),
-            out: [0; MAX_DATAGRAM],
         })
-    }
-
-    /// What has been done.
-    pub fn counts(&self) -> Counts {
-        self.counts
-    }
-
-    /// The world and its checksum.
-    pub fn server(&self) -> &Server<OBJECTS> {
-        &self.server
     }
 
     /// Replaces the world; clients notice with the next part they get.
@@ -107,29 +92,11 @@ impl<A: Copy> Host<A> {
         self.sessions.len()
     }
 
-    /// Which line a datagram is about, as far as can be read.
-    fn line_of(&mut self, datagram: &mut [u8]) -> Option<u32> {
-        if datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) {
-            let line = Greeting::parse(datagram).ok()?.0.line;
-            return (1..=self.lines.len() as u32).contains(&line).then_some(line);
-        }
-        let session = Header::parse(datagram).ok()?.0.session;
-        self.sessions.get(&session).copied()
-    }
-
     /// The link of a line; made when it is first called.
     fn open(&mut self, line: u32) -> Option<()> {
-        let place = self.lines.get_mut(line as usize - 1)?;
+        let place = self.lines.get_mut((line as usize).checked_sub(1)?)?;
         if place.is_none() {
-            let link = Link::new(Config {
-                key: self.key.line(line),
-                ends: Ends { local: PeerId(self.number), remote: PeerId(CLIENT) },
-                packet_period_us: PACKET_US as u32,
-                parameters: parameters(),
-                entropy: (self.entropy)(),
-            })
-            .ok()?
-            .on_line(line);
+            let link = open_link(self.key.line(line), [self.number, CLIENT], (self.entropy)()).ok()?.on_line(line);
             *place = Some(Box::new(Line { link, address: None, session: None, seat: None }));
         }
         Some(())
@@ -139,7 +106,8 @@ impl<A: Copy> Host<A> {
     pub fn receive(&mut self, now: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) -> Option<u32> {
         self.counts.received += 1;
         let sealed = datagram.get(1) == Some(&Header::KIND);
-        let Some(number) = self.line_of(datagram).filter(|number| self.open(*number).is_some()) else {
+        let number = line_of(datagram, |session| self.sessions.get(&session).copied());
+        let Some(number) = number.filter(|number| self.open(*number).is_some()) else {
             self.counts.refused += 1;
             return None;
         };
@@ -151,33 +119,28 @@ impl<A: Copy> Host<A> {
         if sealed {
             line.address = Some(from);
         }
+        let sent = &mut self.counts.sent;
+        let mut answer = |bytes: &[u8]| {
+            *sent += 1;
+            send(from, bytes);
+        };
         match incoming {
             Some(Message::Ask(ask)) => {
                 self.counts.asks += 1;
                 for part in self.server.answer(&ask) {
-                    if let Some(len) = line.link.send(now, part, &mut self.out) {
-                        self.counts.parts += 1;
-                        self.counts.sent += 1;
-                        send(from, &self.out[..len]);
-                    }
+                    self.counts.parts += u64::from(line.link.say(now, part, &mut answer));
                 }
             }
             Some(Message::Presence(said)) => {
                 self.counts.presences += 1;
                 if let Some((told, seat)) = self.board.hear(now, number, &said, line.seat) {
                     line.seat = Some(seat);
-                    if let Some(len) = line.link.send(now, told, &mut self.out) {
-                        self.counts.sent += 1;
-                        send(from, &self.out[..len]);
-                    }
+                    line.link.say(now, told, &mut answer);
                 }
             }
             _ => {}
         }
-        while let Some(len) = line.link.poll(now, &mut self.out) {
-            self.counts.sent += 1;
-            send(from, &self.out[..len]);
-        }
+        line.link.say_due(now, answer);
         Self::settle(&mut self.sessions, line, number);
         Some(number)
     }
@@ -201,25 +164,26 @@ impl<A: Copy> Host<A> {
     /// Tells all clients that this is the end.
     pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
         for line in self.lines.iter_mut().flatten() {
-            if let Some((address, len)) = line.address.zip(line.link.goodbye(now, &mut self.out)) {
-                send(address, &self.out[..len]);
+            if let Some(address) = line.address {
+                line.link.say(now, Goodbye {}, |bytes| send(address, bytes));
             }
         }
     }
 
     /// What time alone makes due; to be called once a packet period.
     pub fn tick(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
+        let mut out = [0; MAX_DATAGRAM];
         for (line, number) in self.lines.iter_mut().zip(1..) {
             let Some(line) = line else { continue };
             // A line that nobody proved to be on is not called: a server waits.
             let Some(address) = line.address else { continue };
-            while let Some(len) = line.link.poll(now, &mut self.out) {
+            while let Some(len) = line.link.poll(now, &mut out) {
                 if line.link.stage() == Stage::Calling {
                     line.address = None;
                     break;
                 }
                 self.counts.sent += 1;
-                send(address, &self.out[..len]);
+                send(address, &out[..len]);
             }
             Self::settle(&mut self.sessions, line, number);
         }
@@ -229,21 +193,14 @@ impl<A: Copy> Host<A> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shared::world::PACKET_US;
 
     /// A host that another line has `taken` a session number of, and the numbers of the sessions that a client on line 1 had in 2 s.
     fn visit(taken: Option<u32>) -> (Host<()>, Vec<u32>) {
         let key = Key::new([7; Key::LEN]);
         let mut host = Host::new(key.clone(), 1, 2, World::default(), None, || [1; Key::LEN]).expect("a good host");
         host.sessions.extend(taken.map(|session| (session, 2)));
-        let mut link = Link::new(Config {
-            key: key.line(1),
-            ends: Ends { local: PeerId(CLIENT), remote: PeerId(1) },
-            packet_period_us: PACKET_US as u32,
-            parameters: parameters(),
-            entropy: [2; Key::LEN],
-        })
-        .expect("a good link")
-        .on_line(1);
+        let mut link = open_link(key.line(1), [CLIENT, 1], [2; Key::LEN]).expect("a good link").on_line(1);
         let (mut out, mut had) = ([0; MAX_DATAGRAM], Vec::new());
         for now in (0..2_000_000).step_by(PACKET_US as usize) {
             let mut answers = Vec::new();

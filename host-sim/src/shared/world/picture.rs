@@ -2,7 +2,6 @@
 
 use super::stroke::Stroke;
 use haptic_plot::{Figure, Panel, Series};
-use haptic_sim::report::Columns;
 
 /// Between two arrows, m of way.
 const APART_M: f64 = 0.002;
@@ -11,34 +10,22 @@ const SCALE_M_PER_N: f64 = 0.008;
 /// Height of a frame over its width, two beside each other.
 const ASPECT: f64 = 0.87;
 
-/// Every tick of the stroke.
-pub fn table(stroke: &Stroke) -> Columns {
-    Columns::of(&stroke.samples)
-        .value("way_m", |sample| sample.way_m)
-        .value("hand_x_m", |sample| sample.hand_m[0])
-        .value("hand_y_m", |sample| sample.hand_m[1])
-        .value("force_x_n", |sample| sample.force_n[0])
-        .value("force_y_n", |sample| sample.force_n[1])
-        .value("depth_m", |sample| sample.depth_m)
-        .value("object_x_m", |sample| sample.object_m[0])
-        .value("object_y_m", |sample| sample.object_m[1])
-        .done()
-}
-
 /// The stroke.
-pub fn figure(stroke: &Stroke) -> Figure {
+pub(crate) fn figure(stroke: &Stroke) -> Figure {
     let millimetres = |[x, y]: [f64; 2]| (1e3 * x, 1e3 * y);
+    let column = |name: &str| stroke.table.column(name).unwrap_or(&[]).iter().copied();
+    let vectors = |x: &str, y: &str| column(x).zip(column(y)).map(|(x, y)| [x, y]);
+    let (hands, forces) = (|| vectors("hand_x_m", "hand_y_m"), || vectors("force_x_n", "force_y_n"));
     let (mut arrows, mut next_m) = (Vec::new(), 0.0);
-    for sample in &stroke.samples {
-        let ([x, y], [fx, fy]) = (sample.hand_m, sample.force_n);
-        if sample.depth_m > 0.0 && sample.way_m >= next_m {
-            next_m = sample.way_m + APART_M;
+    for ((([x, y], [fx, fy]), way_m), depth_m) in hands().zip(forces()).zip(column("way_m")).zip(column("depth_m")) {
+        if depth_m > 0.0 && way_m >= next_m {
+            next_m = way_m + APART_M;
             let tip = [x + SCALE_M_PER_N * fx, y + SCALE_M_PER_N * fy];
             arrows.extend([millimetres([x, y]), millimetres(tip), (f64::NAN, f64::NAN)]);
         }
     }
     let outline: Vec<(f64, f64)> = stroke.outline.iter().copied().map(millimetres).collect();
-    let hand = stroke.samples.iter().map(|sample| millimetres(sample.hand_m)).collect();
+    let hand = hands().map(millimetres).collect();
     // Metres are as long in both directions: the wider of the two fills its axis.
     let shown = || outline.iter().chain(&arrows).filter(|(x, _)| x.is_finite());
     let span = |pick: fn(&(f64, f64)) -> f64| {
@@ -48,8 +35,7 @@ pub fn figure(stroke: &Stroke) -> Figure {
     };
     let ((x, wide), (y, high)) = (span(|point| point.0), span(|point| point.1));
     let half = wide.max(high / ASPECT);
-    let size = |sample: &super::stroke::Sample| libm::hypot(sample.force_n[0], sample.force_n[1]);
-    let force = stroke.samples.iter().map(|sample| (1e3 * sample.way_m, size(sample))).collect();
+    let force = column("way_m").zip(forces()).map(|(way_m, [x, y])| (1e3 * way_m, libm::hypot(x, y))).collect();
     Figure {
         title: "A hand strokes along an object and pushes it about".to_owned(),
         caption: format!(

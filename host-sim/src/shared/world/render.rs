@@ -14,18 +14,15 @@
 
 use std::collections::BTreeMap;
 
-use haptic_core::contact::Contact;
-use haptic_core::contact::shape::Pressed;
-use haptic_core::model::Model as _;
-use haptic_core::num::Motion;
-use haptic_core::object::euler::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
-use haptic_core::settings::Settings;
+use haptic_core::{
+    contact::Contact, contact::shape::Pressed, model::Model as _, num::Motion, object::euler::SemiImplicit,
+    settings::Settings,
+};
 use haptic_protocol::world::{Object, Strip};
 
-use super::frame::{Frame, Vector, dot};
-use super::parameters::CONTROL_PERIOD_S;
-use super::solid::{Solid, contact, solid};
+use super::CONTROL_PERIOD_S;
+use super::solid::{Frame, Solid, Vector, contact, dot, solid};
 
 /// A chain of masses between two fixed ends.
 #[derive(Clone, Debug)]
@@ -222,13 +219,8 @@ impl Renderer {
     }
 
     /// How many objects are felt.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.felt.len()
-    }
-
-    /// Nothing is there.
-    pub fn is_empty(&self) -> bool {
-        self.felt.is_empty()
     }
 
     /// How many objects are touched.

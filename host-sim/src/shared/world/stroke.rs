@@ -14,16 +14,13 @@
 //! Losses are summed with the velocities in the middle of each tick; what remains is of first order in the period.
 //! Units: SI.
 
-use haptic_core::model::Model as _;
-use haptic_core::num::Motion;
-use haptic_core::object::euler::SemiImplicit;
 use haptic_core::object::{Before, Integrator};
-use haptic_core::settings::Settings;
+use haptic_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
 use haptic_protocol::world::Shape;
+use haptic_sim::report::Columns;
 use serde::Serialize;
 
-use super::frame::{Vector, dot, minus};
-use super::solid::{block_corners, contact, gains, solid, wall_corners};
+use super::solid::{Vector, block_corners, contact, dot, gains, minus, solid, wall_corners};
 
 fn add(a: Vector, share: f64, b: Vector) -> Vector {
     [a[0] + share * b[0], a[1] + share * b[1]]
@@ -67,6 +64,9 @@ pub const ARM: (f64, f64) = (2000.0, 20.0);
 /// Corners of the polygon along which the arm's far end goes around a disc.
 const AROUND: usize = 360;
 
+const COLUMNS: [&str; 8] =
+    ["way_m", "hand_x_m", "hand_y_m", "force_x_n", "force_y_n", "depth_m", "object_x_m", "object_y_m"];
+
 /// What was felt while the arm went along one side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Part {
@@ -108,32 +108,18 @@ impl Energy {
     }
 }
 
-/// One tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// How far the arm's far end has come, m.
-    pub way_m: f64,
-    /// Where the hand is, seen from the object, m.
-    pub hand_m: Vector,
-    /// Force on the hand, N.
-    pub force_n: Vector,
-    /// How deep it is, m.
-    pub depth_m: f64,
-    /// Where the object is, m.
-    pub object_m: Vector,
-}
-
 /// A stroke around an object.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Stroke {
     /// The outline, seen from the object, m; closed.
-    pub outline: Vec<Vector>,
+    pub(crate) outline: Vec<Vector>,
     /// What was felt where.
     pub parts: Vec<Part>,
     /// The balance.
     pub energy: Energy,
-    /// Every tick.
-    pub samples: Vec<Sample>,
+    /// Every tick: how far the arm's far end has come; where the hand is, seen from the object, the force on it and its depth;
+    /// where the object is.
+    pub table: Columns,
 }
 
 /// A line through points; between each two of them lies the part with this number, or none.
@@ -255,7 +241,7 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     let mut object = [Motion::<f64>::REST; 2];
     let mut before = [[Before::default(); 2]; 2];
     let mut energy = Energy::default();
-    let mut samples = Vec::new();
+    let mut table = Columns::named(COLUMNS);
     let places = |motions: [Motion<f64>; 2]| motions.map(|axis| axis.position);
     let speeds = |motions: [Motion<f64>; 2]| motions.map(|axis| axis.velocity);
     let ticks = (path.length() / (speed_m_per_s * period_s)).ceil() as usize;
@@ -267,13 +253,8 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
         let arm = add(stretch.map(|part| ARM.0 * part), ARM.1, gone);
         let pressed = solid.press(&contact, hand, object);
         let felt = pressed.force.map(|part| -part);
-        samples.push(Sample {
-            way_m,
-            hand_m: minus(places(hand), places(object)),
-            force_n: felt,
-            depth_m: pressed.depth,
-            object_m: places(object),
-        });
+        let ([hand_x, hand_y], [x, y]) = (minus(places(hand), places(object)), places(object));
+        table.push_row(&[way_m, hand_x, hand_y, felt[0], felt[1], pressed.depth, x, y]);
         if let Some(part) = part.and_then(|at| parts.get_mut(at)) {
             part.largest_depth_m = part.largest_depth_m.max(pressed.depth);
             part.largest_force_n = part.largest_force_n.max(size(felt));
@@ -297,5 +278,5 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     }
     let mut outline: Vec<Vector> = outline.into_iter().map(|(corner, _)| corner).collect();
     outline.extend(outline.first().copied());
-    Ok(Stroke { outline, parts, energy, samples })
+    Ok(Stroke { outline, parts, energy, table })
 }

@@ -6,15 +6,14 @@
 use std::collections::BTreeMap;
 
 use haptic_core::num::Motion;
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::link::{Config, Link};
 use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
-use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, Presence, Sighting};
-use haptic_protocol::world::{Manifest, Object, Region, Scope};
+use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
+use haptic_protocol::world::{Manifest, Object, Region};
+use haptic_protocol::{key::Key, link::Link};
+use haptic_sim::node::Says as _;
 
 use super::render::Renderer;
-use super::{CLIENT, OBJECTS, PACKET_US, parameters};
+use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};
 
 /// An answer is taken to be lost after this many packet periods on top of the round trip.
 const PATIENCE_PACKETS: u64 = 3;
@@ -58,13 +57,15 @@ pub struct Visitor {
     roam: Roam,
     regions: Vec<Region>,
     manifest: Manifest,
-    renderer: Renderer,
+    /// What is felt.
+    pub renderer: Renderer,
     hand: [Motion<f64>; 2],
     others: BTreeMap<u32, (u64, Sighting)>,
     tick: u32,
     /// Something that is held has changed.
     news: bool,
-    corrupt: u32,
+    /// Parts that were not what their checksum said.
+    pub(crate) corrupt: u32,
 }
 
 impl Visitor {
@@ -127,43 +128,28 @@ impl Visitor {
         let position = self.position();
         let velocity = self.hand.map(|axis| axis.velocity as f32);
         let presence = Presence::new(self.tick, [Sighting { who: self.setup.line, position, velocity }]);
-        let mut out = [0; MAX_DATAGRAM];
         for (server, contact) in &mut self.contacts {
+            let mut send = |bytes: &[u8]| send(Party::Server(*server), bytes);
             if let Some(radius) = self.setup.radius_m {
-                // Asked anew when a quarter of the neighbourhood has been crossed.
-                let centre = match contact.download.scope() {
-                    Scope::Around { x, y, .. } => Some([x, y]),
-                    _ => None,
-                };
-                let far = |[x, y]: [f32; 2]| (position[0] - x).hypot(position[1] - y) > 0.25 * radius;
-                if centre.is_none_or(far) {
-                    contact.download.look(Scope::Around { x: position[0], y: position[1], radius });
-                }
+                look_around(&mut contact.download, position, radius);
             }
             if contact.link.is_up() {
                 let round_trip = u64::from(contact.link.clock().round_trip_us().unwrap_or(0));
                 let asked = contact.download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US);
-                if let Some(len) = asked.and_then(|ask| contact.link.send(now, ask, &mut out)) {
-                    send(Party::Server(*server), &out[..len]);
+                if let Some(ask) = asked {
+                    contact.link.say(now, ask, &mut send);
                 }
                 // Only those at the same server know of each other.
-                if *server == self.roam.home()
-                    && let Some(len) = contact.link.send(now, presence, &mut out)
-                {
-                    send(Party::Server(*server), &out[..len]);
+                if *server == self.roam.home() {
+                    contact.link.say(now, presence, &mut send);
                 }
             }
-            while let Some(len) = contact.link.poll(now, &mut out) {
-                send(Party::Server(*server), &out[..len]);
-            }
+            contact.link.say_due(now, send);
         }
         for (who, link) in &mut self.friends {
-            if let Some(len) = link.send(now, presence, &mut out) {
-                send(Party::Client(*who), &out[..len]);
-            }
-            while let Some(len) = link.poll(now, &mut out) {
-                send(Party::Client(*who), &out[..len]);
-            }
+            let mut send = |bytes: &[u8]| send(Party::Client(*who), bytes);
+            link.say(now, presence, &mut send);
+            link.say_due(now, send);
         }
     }
 
@@ -191,13 +177,7 @@ impl Visitor {
     }
 
     fn call(&mut self, server: u8) -> Option<Link> {
-        let link = Link::new(Config {
-            key: self.setup.key.clone(),
-            ends: Ends { local: PeerId(CLIENT), remote: PeerId(server) },
-            packet_period_us: PACKET_US as u32,
-            parameters: parameters(),
-            entropy: (self.entropy)(),
-        });
+        let link = open_link(self.setup.key.clone(), [CLIENT, server], (self.entropy)());
         link.ok().map(|link| link.on_line(self.setup.line))
     }
 
@@ -234,22 +214,14 @@ impl Visitor {
             // Whatever else comes is the link's own business, and what is refused brings nothing here.
             _ => {}
         }
-        let mut out = [0; MAX_DATAGRAM];
-        while let Some(len) = link.poll(now, &mut out) {
-            send(from, &out[..len]);
-        }
+        link.say_due(now, |bytes| send(from, bytes));
     }
 
     /// Tells servers and friends that this one goes.
     pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
         let servers = self.contacts.iter_mut().map(|(server, contact)| (Party::Server(*server), &mut contact.link));
         let friends = self.friends.iter_mut().map(|(who, link)| (Party::Client(*who), link));
-        let mut out = [0; MAX_DATAGRAM];
-        for (party, link) in servers.chain(friends) {
-            if let Some(len) = link.goodbye(now, &mut out) {
-                send(party, &out[..len]);
-            }
-        }
+        servers.chain(friends).for_each(|(party, link)| _ = link.say(now, Goodbye {}, |bytes| send(party, bytes)));
     }
 
     /// The link to a server.
@@ -277,18 +249,8 @@ impl Visitor {
         self.roam.moves()
     }
 
-    /// What is felt.
-    pub fn renderer(&self) -> &Renderer {
-        &self.renderer
-    }
-
     /// Others that were seen within the last second.
     pub fn others(&self) -> impl Iterator<Item = &Sighting> {
         self.others.values().map(|(_, sighting)| sighting)
-    }
-
-    /// Parts that were not what their checksum said.
-    pub fn corrupt(&self) -> u32 {
-        self.corrupt
     }
 }

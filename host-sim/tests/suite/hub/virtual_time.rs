@@ -110,8 +110,8 @@ impl Meeting {
     }
 
     fn lives_on(&self, index: usize) -> usize {
-        let (line, _) = self.hub().lines().nth(index).expect("a line");
-        line.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count()
+        let (end, _) = self.hub().lines().nth(index).expect("a line");
+        end.line.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count()
     }
 }
 
@@ -227,8 +227,8 @@ fn a_planted_rule_loses_what_it_says() {
     let [there, back] = [(0, 2), (2, 0)].map(|(from, to)| meeting.engine.route(from, to).counts());
     assert_eq!((there.lost, back.lost), (there.taken.div_ceil(3), 0));
     // The hub is told of what it did not get.
-    let (line, _) = meeting.hub().lines().next().expect("a line");
-    assert!(line.link.counts().missing > 100, "{there:?}");
+    let (end, _) = meeting.hub().lines().next().expect("a line");
+    assert!(end.line.link.counts().missing > 100, "{there:?}");
 }
 
 #[test]

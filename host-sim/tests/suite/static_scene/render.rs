@@ -229,5 +229,5 @@ fn what_is_touched_does_not_change_under_the_hand() {
     // The same thing told again changes nothing, and something else told beside it neither.
     renderer.know(&[wall(), object(2, Shape::Body(Body { x_m: 5.0, ..Body::default() }))]);
     close(renderer.step(deep), [0.0, 10.0], 1e-9);
-    assert_eq!(renderer.len(), 2);
+    assert_eq!(renderer.count(), 2);
 }

@@ -78,7 +78,9 @@ fn the_energy_of_a_push_is_accounted_for() {
     let open = |period_s: f64| {
         let stroke = done(shape, &Options { period_s, drag_n_s_per_m: 5.0, ..Options::default() });
         let energy = stroke.energy;
-        let way_m = stroke.samples.last().map_or(0.0, |sample| sample.object_m[0].abs() + sample.object_m[1].abs());
+        let way_m = ["object_x_m", "object_y_m"]
+            .map(|name| stroke.table.column(name).and_then(<[f64]>::last).map_or(0.0, |at| at.abs()));
+        let way_m: f64 = way_m.iter().sum();
         assert!(way_m > 0.01 && energy.drag_j > 0.1 * energy.work_j && energy.contact_j > 0.0, "{energy:?}");
         energy.remainder_j() / energy.work_j
     };

@@ -12,7 +12,7 @@ use haptic_sim::report::{Columns, Files};
 use haptic_sim::run::Outcome;
 use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
-use host_sim::cli::made;
+use host_sim::made;
 use host_sim::studies::figures;
 use serde_json::json;
 

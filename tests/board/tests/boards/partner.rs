@@ -34,7 +34,7 @@ fn hold_one_object(set: &[&str]) {
     let engaged = records.iter().position(|record| record.flags() & ENGAGED != 0).expect("the board engages");
     assert_eq!(records[..engaged].iter().map(|record| record.observed().coordination_force).fold(0.0, f32::max), 0.0);
     let last = records.last().expect("ticks were recorded");
-    let (last, counts) = (last.observed(), node.link().counts());
+    let (last, counts) = (last.observed(), node.line().link.counts());
     let force = last.coordination_force;
     println!(
         "engaged after {engaged} ticks; coordination {force:.3} N on the board, {:.3} N in host-sim; decoded {:.3} mm; {counts:?}",

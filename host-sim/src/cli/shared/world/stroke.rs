@@ -76,10 +76,11 @@ impl Stroke {
         let made = ui.made().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
         let made = made.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
         let files = ui.files(ui.folder(self.out.folder(), "out/shape").as_deref(), "shape", &made, |files| {
-            files.csv(&picture::table(&stroke))?;
+            files.csv(&stroke.table)?;
             files.figure(None, &picture::figure(&stroke))
         })?;
-        let way = stroke.samples.iter().flat_map(|sample| sample.object_m).fold(0.0_f64, |most, at| most.max(at.abs()));
+        let object = ["object_x_m", "object_y_m"].into_iter().filter_map(|name| stroke.table.column(name)).flatten();
+        let way = object.fold(0.0_f64, |most, at| most.max(at.abs()));
         let report = Report {
             remainder_j: stroke.energy.remainder_j(),
             parts: stroke.parts,

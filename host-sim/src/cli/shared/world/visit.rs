@@ -10,6 +10,7 @@ use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::visit;
 use crate::shared::world::host::MOST_LINES;
+use crate::shared::world::visitor::Setup;
 use haptic_sim::key_file;
 
 /// Arguments of `visit`.
@@ -99,13 +100,17 @@ impl Visit {
             (Some((line, address)), Some(file)) => Some(visit::Friend { line, address, key: key_file::read(file)? }),
             _ => None,
         };
-        let options = visit::Options {
+        let setup = Setup {
             key: self.key.read()?,
             line: self.line,
+            home: self.servers.first().map_or(1, |(number, _)| *number),
+            reachable: self.servers.iter().map(|(number, _)| *number).collect(),
+            radius_m: self.radius_m.map(|radius_m| radius_m as f32),
+        };
+        let options = visit::Options {
+            setup,
             listen: self.listen,
             servers: self.servers.clone(),
-            home: self.servers.first().map_or(1, |(number, _)| *number),
-            radius_m: self.radius_m.map(|radius_m| radius_m as f32),
             from_m: self.from_m,
             to_m: self.to_m,
             stroke_s: self.stroke_s,
