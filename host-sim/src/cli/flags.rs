@@ -22,7 +22,7 @@ const LONGEST_S: f64 = 86_400.0;
 #[derive(Clone, Debug, Args)]
 #[command(arg(listing("keys", "List every key of a scene: unit, default, range, meaning")))]
 #[command(arg(listing("scenes", "List the built-in scenes")))]
-pub(in crate::cli) struct SceneArgs {
+pub(super) struct SceneArgs {
     /// Scene file (TOML) or the name of a built-in scene; without it, the cooperation paper's defaults.
     #[arg(long, value_name = "NAME|FILE")]
     scene: Option<PathBuf>,

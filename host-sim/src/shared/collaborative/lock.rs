@@ -8,9 +8,9 @@ use haptic_protocol::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
+use super::history::History;
+use super::trial::{MOST_USERS, Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
-use super::{MOST_USERS, Mistake, Trial};
-use super::{history::History, world::Peer};
 
 /// Lease of a lock, µs.
 const LEASE_US: u32 = 300_000;
@@ -37,16 +37,15 @@ fn lease() -> Lease {
 }
 
 /// A server and the trial's users.
-pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Peer> {
+pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> (Server, Vec<Client>) {
     let mut rng = Rng::new(!trial.seed);
     let role = lock::Server::new(lease(), Value::default());
     let (stored, no_fence) = (role.record().clone(), trial.mistake == Some(Mistake::NoFence));
-    let mut peers = vec![Peer::Server(Server { role, stored, no_fence, history: Rc::clone(history) })];
-    peers.extend((0..trial.users).map(|_| {
+    let clients = (0..trial.users).map(|_| {
         let mut user = User::new(Rng::new(rng.below(u64::MAX)), history);
-        Peer::Client(Client { role: client(&mut user.rng), user })
-    }));
-    peers
+        Client { role: client(&mut user.rng), user }
+    });
+    (Server { role, stored, no_fence, history: Rc::clone(history) }, clients.collect())
 }
 
 /// How long a user may have to wait once all is well, with this one-way delay, µs.

@@ -9,9 +9,9 @@ use haptic_protocol::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
+use super::history::History;
+use super::trial::{Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
-use super::{Mistake, Trial};
-use super::{history::History, world::Peer};
 
 /// Lease of the token, µs.
 const LEASE_US: u32 = 300_000;
@@ -40,7 +40,7 @@ fn lease() -> Lease {
 }
 
 /// The trial's users. With four or more, the last but one leaves for good.
-pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Peer> {
+pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Member> {
     let mut rng = Rng::new(!trial.seed);
     let users = trial.users;
     let founders = Roster::of(0..=rng.below(u64::from(users)) as u8);
@@ -49,7 +49,7 @@ pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Peer> 
         let config = Config { seat, contacts, lease: lease(), turn_us: TURN_US, seed: rng.below(u64::MAX) };
         let founds = founders.contains(seat);
         let record = if founds { Record::founder(founders, Value::default()) } else { Record::outsider() };
-        Peer::Member(Member {
+        Member {
             ring: Ring::new(config, 0, record),
             config,
             stored: record,
@@ -59,7 +59,7 @@ pub(super) fn peers(trial: &Trial, history: &Rc<RefCell<History>>) -> Vec<Peer> 
             for_good: users > 3 && seat + 2 == users,
             user: User::new(Rng::new(rng.below(u64::MAX)), history),
             no_majority: trial.mistake == Some(Mistake::NoMajority),
-        })
+        }
     };
     (0..users).map(member).collect()
 }

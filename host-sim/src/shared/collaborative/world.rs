@@ -12,8 +12,8 @@ use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
 use haptic_sim::network::rule::{Direction, Jitter, SeededRule};
 use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
-use super::{Mistake, Scheme, Trial, Verdict, lock, ring};
-use super::{history::History, user::User};
+use super::trial::{Mistake, Scheme, Trial, Verdict};
+use super::{history::History, lock, ring, user::User};
 use crate::shared::said;
 
 /// The object.
@@ -173,9 +173,16 @@ fn owns(seat: &Seat<Peer>, now_ns: u64) -> bool {
 /// One run to its end.
 pub(super) fn run(trial: &Trial) -> Verdict {
     let (mut rng, seed, history) = (Rng::new(trial.seed), trial.seed, Rc::<RefCell<History>>::default());
-    let (peers, wait_bound_us) = match trial.scheme {
-        Scheme::Lock => (lock::peers(trial, &history), lock::wait_bound_us(trial.users, 2 * DELAY_US)),
-        Scheme::Ring => (ring::peers(trial, &history), ring::wait_bound_us(trial.users, 2 * DELAY_US)),
+    let (peers, wait_bound_us): (Vec<Peer>, u64) = match trial.scheme {
+        Scheme::Lock => {
+            let (server, clients) = lock::peers(trial, &history);
+            let peers = std::iter::once(Peer::Server(server)).chain(clients.into_iter().map(Peer::Client));
+            (peers.collect(), lock::wait_bound_us(trial.users, 2 * DELAY_US))
+        }
+        Scheme::Ring => {
+            let peers = ring::peers(trial, &history).into_iter().map(Peer::Member);
+            (peers.collect(), ring::wait_bound_us(trial.users, 2 * DELAY_US))
+        }
     };
     let count = peers.len();
     // Within what a lease allows; one of them beyond, if that is the mistake.

@@ -3,7 +3,7 @@
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 use haptic_protocol::roles::squash::Court;
 
-use super::{Game, Moment, Options};
+use super::game::{Game, Moment, Options};
 
 /// Time shown in the second figure, s.
 const SHOWN_S: f64 = 6.0;

@@ -14,8 +14,8 @@ use haptic_sim::network::rule::{Direction, SeededRule};
 use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
 use super::bot::{Contestant, Part, SCALE, TICK_S};
+use super::game::{Change, Game, Moment, Options};
 use super::referee::Referee;
-use super::{Change, Game, Moment, Options};
 use crate::shared::{said, sealed_len};
 
 /// Who sits at the engine, and what the referee has not seen of it yet.

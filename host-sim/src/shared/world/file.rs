@@ -6,7 +6,7 @@ use haptic_protocol::world::{Block, Bounds, Field, Object, Region, Shape, Strip}
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::{CONTROL_PERIOD_S, World};
+use super::parameters::{CONTROL_PERIOD_S, World};
 
 /// The world in the file at `path`; what is wrong is said in one line.
 pub fn load(path: &Path) -> Result<Box<World>, String> {

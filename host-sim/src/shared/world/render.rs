@@ -21,7 +21,7 @@ use haptic_core::{
 };
 use haptic_protocol::world::{Object, Strip};
 
-use super::CONTROL_PERIOD_S;
+use super::parameters::CONTROL_PERIOD_S;
 use super::solid::{Frame, Solid, Vector, contact, dot, solid};
 
 /// A chain of masses between two fixed ends.
