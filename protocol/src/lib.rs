@@ -22,57 +22,49 @@
 //!
 //! ```
 //! use haptic_protocol::ends::Ends;
-//! use haptic_protocol::key::Key;
 //! use haptic_protocol::link::{Config, Link, Notice, Stage};
-//! use haptic_protocol::parameters::{Parameters, Table};
 //! use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Message, PeerId};
+//! use haptic_protocol::{key::Key, parameters::Parameters, parameters::Table};
 //!
-//! fn link(local: u8, remote: u8, entropy: u8) -> Link {
+//! fn link(local: u8, remote: u8) -> Link {
 //!     let mut parameters = Parameters::new();
-//!     parameters.add(Table::new("timing").number("control_period_s", 0.001).number("ticks_per_packet", 8.0)).unwrap();
 //!     parameters.add(Table::new("coordination").text("comm", "passive-wave").number("stiffness_n_per_m", 1e4)).unwrap();
 //!     Link::new(Config {
 //!         key: Key::new([7; 32]), // from a key file, the same for both
 //!         ends: Ends { local: PeerId(local), remote: PeerId(remote) },
 //!         packet_period_us: 8_000,
-//!         parameters,
-//!         entropy: [entropy; 32], // from the random number generator, at every start
+//!         parameters,           // what both must have been told alike
+//!         entropy: [local; 32], // from the random number generator, at every start
 //!     })
 //!     .unwrap()
 //! }
 //!
 //! /// One packet period of one peer: what came goes in, what it wants to say comes out.
-//! fn period(link: &mut Link, now: u64, came: &mut Vec<Vec<u8>>, flow: Flow) -> (Vec<Vec<u8>>, Option<Flow>) {
+//! fn period(link: &mut Link, now: u64, came: Vec<Vec<u8>>, flow: Flow) -> (Vec<Vec<u8>>, Option<Flow>) {
 //!     let (mut out, mut say, mut newest) = ([0; MAX_DATAGRAM], Vec::new(), None);
-//!     for mut datagram in came.drain(..) {
+//!     for mut datagram in came {
 //!         // A refused datagram is only worth a line in a log.
 //!         if let Ok(Some(Message::Flow(flow))) = link.receive(now, &mut datagram) {
 //!             newest = Some(flow);
 //!         }
-//!         while let Some(len) = link.poll(now, &mut out) {
-//!             say.push(out[..len].to_vec());
-//!         }
 //!     }
-//!     if let Some(len) = link.send(now, flow, &mut out) {
+//!     let mut due = link.send(now, flow, &mut out);
+//!     while let Some(len) = due.or_else(|| link.poll(now, &mut out)) {
 //!         say.push(out[..len].to_vec());
-//!     }
-//!     while let Some(len) = link.poll(now, &mut out) {
-//!         say.push(out[..len].to_vec());
+//!         due = None;
 //!     }
 //!     (say, newest)
 //! }
 //!
-//! let (mut one, mut two) = (link(1, 2, 11), link(2, 1, 22));
+//! let (mut one, mut two) = (link(1, 2), link(2, 1));
 //! one.push_event(Event::new(42, b"take it").unwrap()).unwrap();
-//! let (mut to_one, mut to_two) = (Vec::new(), Vec::new());
-//! let mut seen = None;
+//! let (mut to_one, mut seen) = (Vec::new(), None);
 //! for tick in (0..400).step_by(8) {
 //!     let now = u64::from(tick) * 1_000;
 //!     let flow = Flow { engaged: one.engagement() > 0.0, tick, position: 0.01, ..Flow::default() };
-//!     let (said, _) = period(&mut one, now, &mut to_one, flow);
-//!     to_two.extend(said);
-//!     let (said, newest) = period(&mut two, now, &mut to_two, Flow::default());
-//!     to_one.extend(said);
+//!     let (to_two, _) = period(&mut one, now, to_one, flow);
+//!     let (said, newest) = period(&mut two, now, to_two, Flow::default());
+//!     to_one = said;
 //!     seen = newest.or(seen);
 //! }
 //! assert_eq!((one.stage(), two.stage()), (Stage::Running, Stage::Running));

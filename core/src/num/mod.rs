@@ -1,11 +1,7 @@
 //! Numbers: the number types and the only maths functions, motion, state as a vector, and sums of many small terms.
 
-mod motion;
 mod scalar;
-mod sum;
-mod vector;
+mod state;
 
-pub use motion::Motion;
 pub use scalar::{Fixed, Scalar};
-pub use sum::{Carry, Sum};
-pub use vector::StateVector;
+pub use state::{Carry, Motion, StateVector, Sum};

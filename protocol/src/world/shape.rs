@@ -36,7 +36,8 @@ impl Field {
 }
 
 /// A number of a shape that is out of its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{shape}.{} = {value} is not allowed: it must be {field}", field.name)]
 pub struct Refused {
     /// Which shape.
     pub shape: &'static str,
@@ -46,17 +47,14 @@ pub struct Refused {
     pub value: f32,
 }
 
-impl fmt::Display for Refused {
+/// What is allowed.
+impl fmt::Display for Field {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Field { name, min, max, whole, unit, .. } = self.field;
-        let kind = if *whole { "a whole number" } else { "a number" };
-        let value = self.value;
-        write!(f, "{}.{name} = {value} is not allowed: it must be {kind} from {min} to {max}", self.shape)?;
-        if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+        let kind = if self.whole { "a whole number" } else { "a number" };
+        write!(f, "{kind} from {} to {}", self.min, self.max)?;
+        if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
     }
 }
-
-impl core::error::Error for Refused {}
 
 macro_rules! shapes {
     ($(

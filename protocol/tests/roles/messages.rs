@@ -2,7 +2,7 @@
 
 use haptic_protocol::roles::Carried as _;
 use haptic_protocol::roles::collaborative::lock::{self, Copy};
-use haptic_protocol::roles::collaborative::ring::{self, Ballot, Roster, State};
+use haptic_protocol::roles::collaborative::ring::{self, Ballot, Kept, Roster, State};
 use haptic_protocol::roles::cooperative::{self, Body};
 use haptic_protocol::roles::squash::{self, Ball, Ending, Game, Phase, Turn, Verdict};
 use haptic_protocol::wire::{Error, Event, PeerId};
@@ -31,13 +31,13 @@ pub(crate) fn rings() -> impl Strategy<Value = ring::Message> {
         |([epoch, turn, version, number], rosters, value, [wants, leaves])| {
             let ballot = Ballot { epoch, turn };
             let [roster, before] = rosters.map(|seats| Roster::of((0..16).filter(move |seat| seats >> seat & 1 == 1)));
-            let state = State { version, roster, before, value };
+            let kept = Kept { ballot, state: State { version, roster, before, value } };
             prop_oneof![
-                Just(ring::Message::Hold { ballot, state, number }),
+                Just(ring::Message::Hold { kept, number }),
                 Just(ring::Message::Held { ballot, version, number, wants, leaves }),
-                Just(ring::Message::Pass { ballot, state }),
+                Just(ring::Message::Pass { kept }),
                 Just(ring::Message::Elect { epoch }),
-                Just(ring::Message::Vote { epoch: number, ballot, state }),
+                Just(ring::Message::Vote { epoch: number, kept }),
                 Just(ring::Message::Newer { epoch }),
                 Just(ring::Message::Join),
                 Just(ring::Message::Leave),

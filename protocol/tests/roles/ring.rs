@@ -89,7 +89,7 @@ fn the_right_to_edit_goes_round() {
 fn the_token_rests_while_nobody_wants_it() {
     let mut circle = Circle::new(3, 0);
     circle.run(2_000_000, |_| ());
-    let ballots = |circle: &Circle| circle.rings.iter().map(|ring| ring.record().ballot).collect::<Vec<_>>();
+    let ballots = |circle: &Circle| circle.rings.iter().map(|ring| ring.record().kept.ballot).collect::<Vec<_>>();
     let before = ballots(&circle);
     circle.run(2_000_000, |_| ());
     assert_eq!(ballots(&circle), before);

@@ -1,7 +1,6 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
-use super::message::{Ballot, Message, Roster, SEATS, State};
-use super::part::{Held, Holding, Other, Part, Stage};
+use super::message::{Ballot, Held, Holding, Kept, Message, Other, Part, Roster, SEATS, Stage, State};
 use super::{Notice, Ring};
 use crate::{roles::Out, roles::collaborative::Value, wire::PeerId};
 
@@ -31,14 +30,14 @@ impl Ring {
     pub(super) fn say_hold(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let number = self.holds.send(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
-        let (ballot, state) = (self.record.ballot, self.record.state);
-        self.tell(state.everybody(), Message::Hold { ballot, state, number }, out);
+        let kept = self.record.kept;
+        self.tell(kept.state.everybody(), Message::Hold { kept, number }, out);
     }
 
     /// Somebody keeps the state and votes for nobody else.
     pub(super) fn held(&mut self, from: u8, ballot: Ballot, version: u32, number: u32) {
         let (Part::Holder(holding), Some(sent_us)) = (&mut self.part, self.holds.sent_us(number)) else { return };
-        if ballot != self.record.ballot {
+        if ballot != self.record.kept.ballot {
             return;
         }
         if let Some(held) = holding.held.get_mut(usize::from(from)) {
@@ -60,7 +59,7 @@ impl Ring {
             sent.sort_unstable_by(|one, two| two.cmp(one));
             sent.get((roster.majority() - 1) as usize).copied().unwrap_or(0)
         };
-        let State { roster, before, .. } = self.record.state;
+        let State { roster, before, .. } = self.record.kept.state;
         match majority(roster).min(majority(before)) {
             0 => 0,
             sent_us => sent_us.saturating_add(self.config.lease.holder_us()),
@@ -71,9 +70,9 @@ impl Ring {
     pub(super) fn propose(&mut self, now: u64, value: Value, publishes: bool, out: &mut dyn Out<Message>) {
         let roster = self.next_roster(now);
         let Part::Holder(holding) = &mut self.part else { return };
-        let State { version, roster: before, .. } = self.record.state;
+        let State { version, roster: before, .. } = self.record.kept.state;
         let Some(version) = version.checked_add(1) else { return };
-        self.record.state = State { version, roster, before, value };
+        self.record.kept.state = State { version, roster, before, value };
         holding.stage = Stage::Settling { publishes };
         holding.used = true;
         self.settle_members();
@@ -83,7 +82,7 @@ impl Ring {
     /// The members as they want to be: who joins, without who leaves or has not been heard for long.
     fn next_roster(&self, now: u64) -> Roster {
         let long = self.config.lease.giver_us().saturating_mul(u64::from(ABSENT_AFTER));
-        let mut roster = self.record.state.roster;
+        let mut roster = self.record.kept.state.roster;
         for (seat, other) in (0..SEATS).zip(&self.others) {
             let silent = other.heard_us.is_none_or(|heard_us| now.saturating_sub(heard_us) >= long);
             let absent = other.missed >= ABSENT_AFTER && silent;
@@ -111,12 +110,12 @@ impl Ring {
         let Part::Holder(holding) = &mut self.part else { return };
         match holding.stage {
             Stage::Settling { publishes } => {
-                if !self.record.state.has_majority(kept) {
+                if !self.record.kept.state.has_majority(kept) {
                     return;
                 }
                 holding.stage = Stage::Done;
                 if publishes {
-                    self.notices.put(Notice::Published(self.record.state.version));
+                    self.notices.put(Notice::Published(self.record.kept.state.version));
                 }
             }
             Stage::Editing { since_us } => {
@@ -136,7 +135,7 @@ impl Ring {
     fn kept(&self) -> Roster {
         let own = Roster::of([self.config.seat]);
         let Part::Holder(holding) = &self.part else { return own };
-        let keeps = |held: &Option<Held>| held.is_some_and(|held| held.version == self.record.state.version);
+        let keeps = |held: &Option<Held>| held.is_some_and(|held| held.version == self.record.kept.state.version);
         let others = (0..SEATS).zip(&holding.held).filter(|(_, held)| keeps(held));
         others.fold(own, |kept, (seat, _)| kept.with(seat))
     }
@@ -150,9 +149,9 @@ impl Ring {
                 holding.stage = Stage::Editing { since_us: now };
                 self.notices.put(Notice::Granted);
             }
-        } else if self.is_between() || self.next_roster(now) != self.record.state.roster {
+        } else if self.is_between() || self.next_roster(now) != self.record.kept.state.roster {
             // Somebody comes or goes; or has, and then once more, so that who has gone counts no more.
-            self.propose(now, self.record.state.value, false, out);
+            self.propose(now, self.record.kept.state.value, false, out);
         } else if self.highest > self.record.promised {
             // Some have promised more, and would be left behind.
             self.stand(now, out);
@@ -163,12 +162,12 @@ impl Ring {
 
     /// The members have just changed.
     fn is_between(&self) -> bool {
-        self.record.state.roster != self.record.state.before
+        self.record.kept.state.roster != self.record.kept.state.before
     }
 
     /// Who has come or gone has no open wish any more.
     fn settle_members(&mut self) {
-        let roster = self.record.state.roster;
+        let roster = self.record.kept.state.roster;
         for (seat, other) in (0..SEATS).zip(&mut self.others) {
             other.joins &= !roster.contains(seat);
             if !roster.contains(seat) {
@@ -180,7 +179,7 @@ impl Ring {
     /// The next in the ring who wants the token and was heard within a lease; if this one leaves, whoever was heard.
     fn next_in_turn(&self, now: u64) -> Option<u8> {
         let lease = self.config.lease.giver_us();
-        self.record.state.roster.after(self.config.seat).filter(|seat| *seat != self.config.seat).find(|seat| {
+        self.record.kept.state.roster.after(self.config.seat).filter(|seat| *seat != self.config.seat).find(|seat| {
             let Some(other) = self.others.get(usize::from(*seat)) else { return false };
             let heard = other.heard_us.is_some_and(|heard_us| now.saturating_sub(heard_us) < lease);
             heard && !other.leaves && (other.wants || self.leaving)
@@ -188,9 +187,9 @@ impl Ring {
     }
 
     fn pass(&mut self, now: u64, to: u8, out: &mut dyn Out<Message>) {
-        let Ballot { epoch, turn } = self.record.ballot;
+        let Ballot { epoch, turn } = self.record.kept.ballot;
         let (Part::Holder(holding), Some(turn)) = (&self.part, turn.checked_add(1)) else { return };
-        let roster = self.record.state.roster;
+        let roster = self.record.kept.state.roster;
         for ((seat, other), held) in (0..SEATS).zip(&mut self.others).zip(&holding.held) {
             let missed = held.is_none() && roster.contains(seat);
             other.missed = if missed { other.missed.saturating_add(1) } else { 0 };
@@ -202,6 +201,6 @@ impl Ring {
         self.note(to, |other| other.wants = false);
         self.put_off(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
-        out.send(PeerId(to), Message::Pass { ballot, state: self.record.state });
+        out.send(PeerId(to), Message::Pass { kept: Kept { ballot, ..self.record.kept } });
     }
 }

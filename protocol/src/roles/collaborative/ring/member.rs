@@ -1,58 +1,49 @@
 //! What a member does for the others: keeps the state, supports one holder at a time, votes; and how as a candidate it makes a lost
 //! token anew, never two of them.
 
-use super::message::{Ballot, Message, Roster, State};
-use super::part::{Candidacy, Part};
-use super::{Notice, Ring};
+use super::message::{Ballot, Candidacy, Kept, Message, Part, Roster};
+use super::{Notice, Record, Ring};
 use crate::{roles::Out, wire::PeerId};
 
 impl Ring {
     /// Somebody has the token.
-    pub(super) fn hold(
-        &mut self,
-        now: u64,
-        from: u8,
-        ballot: Ballot,
-        state: State,
-        number: u32,
-        out: &mut dyn Out<Message>,
-    ) {
-        self.highest = self.highest.max(ballot.epoch);
-        if ballot.epoch < self.record.promised {
-            out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
-            return;
-        }
-        if !self.keep(ballot, state) {
-            // Said before the token was passed, or before the holder changed the state.
+    pub(super) fn hold(&mut self, now: u64, from: u8, kept: Kept, number: u32, out: &mut dyn Out<Message>) {
+        // What is older was said before the token was passed, or before the holder changed the state.
+        if self.is_past(from, kept.ballot.epoch, out) || !self.keep(kept) {
             return;
         }
         self.bound_until_us = self.bound_until_us.max(now.saturating_add(self.config.lease.giver_us()));
         self.supported = Some(from);
         self.put_off(now);
-        let (version, wants, leaves) = (state.version, self.wants, self.leaving);
-        out.send(PeerId(from), Message::Held { ballot, version, number, wants, leaves });
+        let (version, wants, leaves) = (kept.state.version, self.wants, self.leaving);
+        out.send(PeerId(from), Message::Held { ballot: kept.ballot, version, number, wants, leaves });
     }
 
     /// The token comes here. Only the first time: a ballot that is kept is one that has been heard.
-    pub(super) fn passed(&mut self, now: u64, from: u8, ballot: Ballot, state: State, out: &mut dyn Out<Message>) {
-        self.highest = self.highest.max(ballot.epoch);
-        if ballot.epoch < self.record.promised {
-            out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
-        } else if ballot > self.record.ballot && self.keep(ballot, state) {
+    pub(super) fn passed(&mut self, now: u64, from: u8, kept: Kept, out: &mut dyn Out<Message>) {
+        let past = self.is_past(from, kept.ballot.epoch, out);
+        if !past && kept.ballot > self.record.kept.ballot && self.keep(kept) {
             self.take_token(now, out);
         }
     }
 
+    /// Hears of an epoch; whether it is below what was promised, which is then said.
+    fn is_past(&mut self, from: u8, epoch: u32, out: &mut dyn Out<Message>) -> bool {
+        self.highest = self.highest.max(epoch);
+        let past = epoch < self.record.promised;
+        if past {
+            out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
+        }
+        past
+    }
+
     /// Keeps a state, if it is not older than what is kept.
-    fn keep(&mut self, ballot: Ballot, state: State) -> bool {
-        let record = &mut self.record;
-        if (ballot, state.version) < (record.ballot, record.state.version) {
+    fn keep(&mut self, kept: Kept) -> bool {
+        if kept.age() < self.record.kept.age() {
             return false;
         }
-        let higher = ballot > record.ballot;
-        record.promised = ballot.epoch;
-        record.ballot = ballot;
-        record.state = state;
+        let higher = kept.ballot > self.record.kept.ballot;
+        self.record = Record { promised: kept.ballot.epoch, kept };
         if higher {
             self.step_back();
         }
@@ -79,27 +70,25 @@ impl Ring {
         if epoch & 0xf != u32::from(from) {
             return;
         }
-        self.highest = self.highest.max(epoch);
         self.tell_off(from, out);
         // Its seat is in the epoch, so that an epoch promised already is one that was promised to it.
-        let again = epoch == self.record.promised && self.record.ballot.epoch < epoch;
-        if epoch < self.record.promised {
-            out.send(PeerId(from), Message::Newer { epoch: self.record.promised });
-        } else if again || (epoch > self.record.promised && self.is_free(now, from)) {
+        let again = epoch == self.record.promised && self.record.kept.ballot.epoch < epoch;
+        let newer = !self.is_past(from, epoch, out) && epoch > self.record.promised;
+        if again || (newer && self.is_free(now, from)) {
             if !again {
                 self.step_back();
                 self.record.promised = epoch;
                 self.put_off(now);
             }
-            out.send(PeerId(from), Message::Vote { epoch, ballot: self.record.ballot, state: self.record.state });
+            out.send(PeerId(from), Message::Vote { epoch, kept: self.record.kept });
         }
     }
 
     /// Tells somebody whose voice counts no more, for it may not know.
     pub(super) fn tell_off(&self, to: u8, out: &mut dyn Out<Message>) {
-        let (ballot, state) = (self.record.ballot, self.record.state);
-        if !state.everybody().contains(to) {
-            out.send(PeerId(to), Message::Vote { epoch: Self::NO_VOTE, ballot, state });
+        let kept = self.record.kept;
+        if !kept.state.everybody().contains(to) {
+            out.send(PeerId(to), Message::Vote { epoch: Self::NO_VOTE, kept });
         }
     }
 
@@ -114,8 +103,7 @@ impl Ring {
         self.step_back();
         self.highest = epoch;
         self.record.promised = epoch;
-        let (ballot, state) = (self.record.ballot, self.record.state);
-        self.part = Part::Candidate(Candidacy { votes: Roster::of([self.config.seat]), ballot, state });
+        self.part = Part::Candidate(Candidacy { votes: Roster::of([self.config.seat]), kept: self.record.kept });
         // Another try, if this one comes to nothing.
         self.put_off(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
@@ -124,17 +112,9 @@ impl Ring {
     }
 
     /// A vote, with what the voter knows.
-    pub(super) fn voted(
-        &mut self,
-        now: u64,
-        from: u8,
-        epoch: u32,
-        ballot: Ballot,
-        state: State,
-        out: &mut dyn Out<Message>,
-    ) {
+    pub(super) fn voted(&mut self, now: u64, from: u8, epoch: u32, kept: Kept, out: &mut dyn Out<Message>) {
         if epoch == Self::NO_VOTE {
-            self.told_off(ballot, state);
+            self.told_off(kept);
             return;
         }
         let Part::Candidate(candidacy) = &mut self.part else { return };
@@ -142,35 +122,31 @@ impl Ring {
             return;
         }
         candidacy.votes = candidacy.votes.with(from);
-        if (ballot, state.version) > (candidacy.ballot, candidacy.state.version) {
-            candidacy.ballot = ballot;
-            candidacy.state = state;
+        if kept.age() > candidacy.kept.age() {
+            candidacy.kept = kept;
         }
         self.count(now, out);
     }
 
     /// The token is this one's when the majorities agree, by what the newest state says about who the members are.
     fn count(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        let Part::Candidate(Candidacy { votes, ballot, state }) = self.part else { return };
-        if !state.roster.contains(self.config.seat) {
-            self.told_off(ballot, state);
-        } else if state.has_majority(votes) {
-            self.record.ballot = Ballot { epoch: self.record.promised, turn: 0 };
-            self.record.state = state;
+        let Part::Candidate(Candidacy { votes, kept }) = self.part else { return };
+        if !kept.state.roster.contains(self.config.seat) {
+            self.told_off(kept);
+        } else if kept.state.has_majority(votes) {
+            self.record.kept = Kept { ballot: Ballot { epoch: self.record.promised, turn: 0 }, ..kept };
             self.take_token(now, out);
         }
     }
 
     /// The others have gone on without this one. It keeps what they have, unless it has promised somebody not to: its own
     /// candidacy is over, and binds nobody.
-    fn told_off(&mut self, ballot: Ballot, state: State) {
-        let record = &mut self.record;
-        let newer = (ballot, state.version) > (record.ballot, record.state.version);
-        let own = record.promised & 0xf == u32::from(self.config.seat);
-        if newer && !state.roster.contains(self.config.seat) && (own || ballot.epoch >= record.promised) {
-            record.promised = record.promised.max(ballot.epoch);
-            record.ballot = ballot;
-            record.state = state;
+    fn told_off(&mut self, kept: Kept) {
+        let Record { promised, kept: before } = self.record;
+        let own = promised & 0xf == u32::from(self.config.seat);
+        let out = kept.age() > before.age() && !kept.state.roster.contains(self.config.seat);
+        if out && (own || kept.ballot.epoch >= promised) {
+            self.record = Record { promised: promised.max(kept.ballot.epoch), kept };
             self.step_back();
         }
     }

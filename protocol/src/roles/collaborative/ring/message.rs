@@ -1,4 +1,4 @@
-//! Who the members of a ring are, and what they say to each other.
+//! Who the members of a ring are, what they say to each other, and what each is just now.
 
 use crate::bytes::{layout, messages, newtype};
 use crate::roles::collaborative::Value;
@@ -93,6 +93,21 @@ layout! {
     }
 }
 
+layout! {
+    /// A state, and the ballot under which it is kept.
+    pub struct Kept(40 bytes) {
+        0 => ballot: Ballot, "By what right it was proposed.";
+        8 => state: State, "The object and its members.";
+    }
+}
+
+impl Kept {
+    /// The higher the newer.
+    pub(super) fn age(&self) -> (Ballot, u32) {
+        (self.ballot, self.state.version)
+    }
+}
+
 impl State {
     /// Whether this is a majority of the members, and of those before.
     pub(super) fn has_majority(&self, votes: Roster) -> bool {
@@ -111,8 +126,7 @@ messages! {
     pub enum Message("ring", code 0x0102, about 1) {
         /// Holder: I have the token; keep this state, and vote for nobody else for a lease.
         Hold = 1, 48 bytes:
-            4 => ballot: Ballot, "The holder's.";
-            12 => state: State, "The object and its members.";
+            4 => kept: Kept, "Under the holder's ballot.";
             44 => number: u32, "1, 2, 3 … in the order of sending.";
         /// Member: so be it.
         Held = 2, 20 bytes:
@@ -124,16 +138,14 @@ messages! {
                 leaves: bool, "It would like to leave the ring.";
         /// Holder: the token is yours.
         Pass = 3, 44 bytes:
-            4 => ballot: Ballot, "The next holder's.";
-            12 => state: State, "The object and its members.";
+            4 => kept: Kept, "Under the next holder's ballot.";
         /// Candidate: the token seems to be lost; may I make a new one?
         Elect = 4, 8 bytes:
             4 => epoch: u32, "Of the new token; no two candidates have the same.";
         /// Member: you may, and this is the newest that I know. I hear no lower epoch from now on.
         Vote = 5, 48 bytes:
             4 => epoch: u32, "Of the new token.";
-            8 => ballot: Ballot, "Under which the state was kept.";
-            16 => state: State, "The object and its members.";
+            8 => kept: Kept, "The newest that the voter knows.";
         /// Member: I have promised to hear no epoch below this.
         Newer = 6, 8 bytes:
             4 => epoch: u32, "The promise.";
@@ -142,4 +154,82 @@ messages! {
         /// A member who would like to leave, and to be told when it has.
         Leave = 8, 4 bytes
     }
+}
+
+/// What a member is just now.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
+pub(super) enum Part {
+    Member,
+    Candidate(Candidacy),
+    Holder(Holding),
+    /// Has passed the token, and says so until the next holder is heard.
+    Passing {
+        to: u8,
+        ballot: Ballot,
+    },
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Candidacy {
+    pub(super) votes: Roster,
+    /// The newest that a voter knew.
+    pub(super) kept: Kept,
+}
+
+impl Candidacy {
+    pub(super) fn electorate(&self) -> Roster {
+        self.kept.state.everybody()
+    }
+}
+
+/// What somebody has said about this turn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    /// When the hold was sent that was answered, µs.
+    pub(super) sent_us: u64,
+    pub(super) version: u32,
+}
+
+/// What the holder is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Waits until a majority keeps the state; and whether that is a publication of its own.
+    Settling {
+        publishes: bool,
+    },
+    Editing {
+        since_us: u64,
+    },
+    /// The state is kept, and there is nothing more to do in this turn.
+    Done,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Holding {
+    pub(super) held: [Option<Held>; SEATS as usize],
+    pub(super) stage: Stage,
+    /// It has had its turn: others first.
+    pub(super) used: bool,
+}
+
+impl Holding {
+    pub(super) fn is_editing(&self) -> bool {
+        matches!(self.stage, Stage::Editing { .. })
+    }
+
+    /// Something of its user's would be lost.
+    pub(super) fn is_at_work(&self) -> bool {
+        self.is_editing() || self.stage == Stage::Settling { publishes: true }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Other {
+    pub(super) heard_us: Option<u64>,
+    pub(super) wants: bool,
+    pub(super) leaves: bool,
+    pub(super) joins: bool,
+    /// Turns of this member in which the other was not heard.
+    pub(super) missed: u8,
 }

@@ -32,27 +32,24 @@ use crate::{notices::Notices, wire::PeerId};
 mod holder;
 mod member;
 mod message;
-mod part;
 
-pub use message::{Ballot, Message, Roster, SEATS, State};
-use part::{Other, Part};
+pub use message::{Ballot, Kept, Message, Roster, SEATS, State};
+use message::{Other, Part};
 
 /// What a member must still know after a crash. Store it before sending what came with the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// No lower epoch is heard.
     pub promised: u32,
-    /// Under which the state was kept.
-    pub ballot: Ballot,
-    /// The newest state that is kept here.
-    pub state: State,
+    /// The newest state that is kept here, and under which ballot.
+    pub kept: Kept,
 }
 
 impl Record {
     /// One of the founders of a ring, all of whom begin with the same.
     pub fn founder(founders: Roster, value: Value) -> Self {
         let state = State { version: 0, roster: founders, before: founders, value };
-        Self { promised: 0, ballot: Ballot::default(), state }
+        Self { promised: 0, kept: Kept { ballot: Ballot::default(), state } }
     }
 
     /// Somebody who will join.
@@ -143,7 +140,7 @@ impl Ring {
 
     /// The newest state that is known here; while this member edits, what there was to edit.
     pub fn state(&self) -> &State {
-        &self.record.state
+        &self.record.kept.state
     }
 
     /// Whether it may edit now.
@@ -171,7 +168,7 @@ impl Ring {
 
     /// The ring goes on without this member: its voice counts no more.
     pub fn has_left(&self) -> bool {
-        self.leaving && !self.record.state.everybody().contains(self.config.seat)
+        self.leaving && !self.record.kept.state.everybody().contains(self.config.seat)
     }
 
     /// The user has finished: this is what the object is now. From now on it does not own the object.
@@ -188,7 +185,7 @@ impl Ring {
     fn repeat(&mut self, now: u64, out: &mut dyn Out<Message>) {
         match &self.part {
             Part::Member if self.leaving && !self.has_left() => self.tell(self.config.contacts, Message::Leave, out),
-            Part::Member if self.leaving || self.record.state.roster.contains(self.config.seat) => {}
+            Part::Member if self.leaving || self.record.kept.state.roster.contains(self.config.seat) => {}
             Part::Member => self.tell(self.config.contacts, Message::Join, out),
             Part::Candidate(candidacy) => {
                 let (to, epoch) = (candidacy.electorate(), self.record.promised);
@@ -196,7 +193,7 @@ impl Ring {
             }
             Part::Holder(_) => self.say_hold(now, out),
             Part::Passing { to, ballot } => {
-                out.send(PeerId(*to), Message::Pass { ballot: *ballot, state: self.record.state });
+                out.send(PeerId(*to), Message::Pass { kept: Kept { ballot: *ballot, ..self.record.kept } });
             }
         }
     }
@@ -218,7 +215,7 @@ impl Ring {
     fn put_off(&mut self, now: u64) {
         let lease = self.config.lease.giver_us();
         let first = self.supported.unwrap_or(0);
-        let place = self.record.state.roster.after(first).take_while(|seat| *seat != self.config.seat).count();
+        let place = self.record.kept.state.roster.after(first).take_while(|seat| *seat != self.config.seat).count();
         let wait = lease.saturating_add((place as u64).saturating_mul(lease / 4)).saturating_add(self.draw(lease / 4));
         self.stands_us = now.saturating_add(wait);
     }
@@ -242,16 +239,16 @@ impl Role for Ring {
             return;
         }
         match *message {
-            Message::Hold { ballot, state, number } => self.hold(now, seat, ballot, state, number, out),
+            Message::Hold { kept, number } => self.hold(now, seat, kept, number, out),
             Message::Held { ballot, version, number, wants, leaves } => {
                 self.note(seat, |other| {
                     *other = Other { heard_us: Some(now), wants, leaves, ..*other };
                 });
                 self.held(seat, ballot, version, number);
             }
-            Message::Pass { ballot, state } => self.passed(now, seat, ballot, state, out),
+            Message::Pass { kept } => self.passed(now, seat, kept, out),
             Message::Elect { epoch } => self.elect(now, seat, epoch, out),
-            Message::Vote { epoch, ballot, state } => self.voted(now, seat, epoch, ballot, state, out),
+            Message::Vote { epoch, kept } => self.voted(now, seat, epoch, kept, out),
             Message::Newer { epoch } => self.overtaken(now, epoch),
             Message::Leave => {
                 self.note(seat, |other| *other = Other { joins: false, leaves: true, ..*other });
@@ -264,7 +261,7 @@ impl Role for Ring {
 
     fn poll(&mut self, now: u64, out: &mut dyn Out<Message>) {
         self.settle(now, out);
-        let member = self.record.state.roster.contains(self.config.seat);
+        let member = self.record.kept.state.roster.contains(self.config.seat);
         if member
             && !matches!(self.part, Part::Holder(_))
             && now >= self.stands_us

@@ -1,0 +1,110 @@
+//! What a peer's state is made of: motion, sums of many small terms, and how it is visited as a vector, which is what the analyser
+//! drives on unit states and a state hash runs over.
+//!
+//! Sums are compensated (Kahan 1965): a position is a sum of a thousand steps a second. In f32 each step is rounded to about 3e-8 m
+//! at 0.3 m, and ten hours of that walk away by micrometres; with the part that did not fit carried to the next step, the error stays
+//! at one rounding, however many the terms. Needs plain IEEE arithmetic in source order, which is what this crate compiles to.
+
+use crate::num::Scalar;
+
+/// A state whose numbers can be visited, always in the same order.
+pub trait StateVector<S> {
+    /// Calls `each` once for every number in the state.
+    fn visit(&mut self, each: &mut impl FnMut(&mut S));
+}
+
+impl<S> StateVector<S> for () {
+    fn visit(&mut self, _: &mut impl FnMut(&mut S)) {}
+}
+
+impl<S: Scalar> StateVector<S> for S {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(self);
+    }
+}
+
+impl<S, A: StateVector<S>, B: StateVector<S>> StateVector<S> for (A, B) {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.0.visit(each);
+        self.1.visit(each);
+    }
+}
+
+impl<S, T: StateVector<S>, const N: usize> StateVector<S> for [T; N] {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        for item in self {
+            item.visit(each);
+        }
+    }
+}
+
+/// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion<S> {
+    /// Position, m.
+    pub position: S,
+    /// Velocity, m/s.
+    pub velocity: S,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// At rest at the origin.
+    pub const REST: Self = Self { position: S::ZERO, velocity: S::ZERO };
+
+    /// At rest at `position` (m).
+    pub fn at(position: S) -> Self {
+        Self { position, velocity: S::ZERO }
+    }
+
+    /// Both components finite.
+    #[inline]
+    pub fn is_finite(self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite()
+    }
+}
+
+impl<S> StateVector<S> for Motion<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.position);
+        each(&mut self.velocity);
+    }
+}
+
+/// What did not fit into a sum that is kept elsewhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carry<S>(S);
+
+impl<S: Scalar> Carry<S> {
+    /// `total + term`; what rounding leaves over goes into the next sum.
+    #[inline]
+    pub fn add(&mut self, total: S, term: S) -> S {
+        let term = term - self.0;
+        let sum = total + term;
+        self.0 = (sum - total) - term;
+        sum
+    }
+}
+
+/// A running sum.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sum<S> {
+    total: S,
+    carry: Carry<S>,
+}
+
+impl<S: Scalar> Sum<S> {
+    /// Adds one term.
+    #[inline]
+    pub fn add(&mut self, term: S) {
+        self.total = self.carry.add(self.total, term);
+    }
+
+    /// The sum.
+    pub fn total(&self) -> S {
+        self.total
+    }
+}
