@@ -5,7 +5,6 @@
 //! |---|---|
 //! | `<!-- host-sim ARGUMENTS -->` | before a fenced block: the command's standard output |
 //! | `<!-- first N lines of host-sim ARGUMENTS -->` | before a fenced block: where its output begins |
-//! | `<!-- table host-sim ARGUMENTS -->` | before a Markdown table: the output as Markdown (`--format markdown`) |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
 //! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to docs/ |
 //!
@@ -55,7 +54,7 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
     let old = std::fs::read_to_string(page).map_err(|cause| failed("read", page, &cause))?;
     let mut fresh = String::new();
-    let mut lines = old.lines().peekable();
+    let mut lines = old.lines();
     while let Some(line) = lines.next() {
         fresh += line;
         fresh += "\n";
@@ -72,12 +71,6 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
                 std::fs::copy(&from, run::root().join("docs").join(name))
                     .map_err(|cause| failed("copy", &from, &cause))?;
             }
-        } else if let Some(arguments) = command.strip_prefix("table host-sim ") {
-            fresh += &format!("{}\n", host_sim(empty, &format!("{arguments} --format markdown"))?.trim_end());
-            if !lines.peek().is_some_and(|line| line.starts_with('|')) {
-                return Err(Failure::new(format!("{name}: `{line}` is not followed by a table")));
-            }
-            while lines.next_if(|line| line.starts_with('|')).is_some() {}
         } else if command.starts_with("host-sim ") || command.starts_with("file ") {
             let printed = match command.strip_prefix("file ") {
                 Some(path) => std::fs::read_to_string(run::root().join(path))

@@ -19,40 +19,70 @@ use haptic_core::settings::{Kind, Refused, Settings};
 
 use crate::double_double::DoubleDouble;
 
-/// One haptic peer, configuration and state: the methods of `haptic_core::peer`, by number type only.
-pub trait DynPeer<S: Scalar>: Debug + Send + Sync {
+/// Declares [`DynPeer`] once: methods that [`Peer`] has under the same names, and those that are this trait's own.
+macro_rules! dyn_peer {
+    (
+        $( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+
+    ) => {
+        /// One haptic peer, configuration and state: the methods of `haptic_core::peer`, by number type only.
+        pub trait DynPeer<S: Scalar>: Debug + Send + Sync {
+            $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
+            /// Calls `each` for every number of the dynamic state, always in the same order.
+            fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
+            /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.
+            fn hash(&self, seed: u64) -> u64;
+            /// The same peer once more.
+            fn boxed(&self) -> Box<dyn DynPeer<S>>;
+        }
+
+        impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
+            $( fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)? { Peer::$name($self $(, $argument)?) } )+
+            fn visit_state(&mut self, each: &mut dyn FnMut(&mut S)) {
+                self.visit(&mut |number| each(number));
+            }
+            fn hash(&self, seed: u64) -> u64 {
+                let mut hash = seed;
+                { *self }.visit(&mut |number: &mut S| {
+                    // The fold brings the high bits down, where the next product spreads them again.
+                    hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
+                    hash ^= hash >> 32;
+                });
+                hash
+            }
+            fn boxed(&self) -> Box<dyn DynPeer<S>> {
+                Box::new(*self)
+            }
+        }
+    };
+}
+
+dyn_peer! {
     /// One control period: sensors in, forces out.
-    fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S>;
+    fn tick(self: &mut Self, sensors: &Sensors<S>) -> Actuators<S>;
     /// One packet period: takes in what the network brought and gives what to send.
-    fn exchange(&mut self, incoming: Option<Packet<S>>) -> Packet<S>;
+    fn exchange(self: &mut Self, incoming: Option<Packet<S>>) -> Packet<S>;
     /// What it would send now.
-    fn outgoing(&self) -> Packet<S>;
+    fn outgoing(self: &Self) -> Packet<S>;
     /// Whether [`DynPeer::exchange`] is due before the next tick.
-    fn packet_due(&self) -> bool;
+    fn packet_due(self: &Self) -> bool;
     /// Carries out an operator's command.
-    fn command(&mut self, command: Command);
+    fn command(self: &mut Self, command: Command);
     /// Lets go of the other peer until a packet comes.
-    fn part(&mut self);
+    fn part(self: &mut Self);
     /// Begins a probe, if disarmed.
-    fn probe(&mut self, probe: Probe<S>);
+    fn probe(self: &mut Self, probe: Probe<S>);
     /// What came of the last probe.
-    fn probed(&self) -> Outcome;
+    fn probed(self: &Self) -> Outcome;
     /// The mode, with the fault that latched.
-    fn mode(&self) -> Mode;
+    fn mode(self: &Self) -> Mode;
     /// Whether the coordination acts.
-    fn is_engaged(&self) -> bool;
+    fn is_engaged(self: &Self) -> bool;
     /// What the last tick saw and did.
-    fn observed(&self) -> &Observed<S>;
+    fn observed(self: &Self) -> &Observed<S>;
     /// Energy that crossed the network port since arming.
-    fn ledger(&self) -> &Ledger<S>;
+    fn ledger(self: &Self) -> &Ledger<S>;
     /// Impacts since arming, where contact is impulsive.
-    fn impacts(&self) -> Impacts<S>;
-    /// Calls `each` for every number of the dynamic state, always in the same order.
-    fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
-    /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.
-    fn hash(&self, seed: u64) -> u64;
-    /// The same peer once more.
-    fn boxed(&self) -> Box<dyn DynPeer<S>>;
+    fn impacts(self: &Self) -> Impacts<S>;
 }
 
 impl<S: Scalar> Clone for Box<dyn DynPeer<S>> {
@@ -64,63 +94,6 @@ impl<S: Scalar> Clone for Box<dyn DynPeer<S>> {
 impl<S: Scalar> StateVector<S> for dyn DynPeer<S> + '_ {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.visit_state(each);
-    }
-}
-
-impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
-    fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
-        Peer::tick(self, sensors)
-    }
-    fn exchange(&mut self, incoming: Option<Packet<S>>) -> Packet<S> {
-        Peer::exchange(self, incoming)
-    }
-    fn outgoing(&self) -> Packet<S> {
-        Peer::outgoing(self)
-    }
-    fn packet_due(&self) -> bool {
-        Peer::packet_due(self)
-    }
-    fn command(&mut self, command: Command) {
-        Peer::command(self, command);
-    }
-    fn part(&mut self) {
-        Peer::part(self);
-    }
-    fn probe(&mut self, probe: Probe<S>) {
-        Peer::probe(self, probe);
-    }
-    fn probed(&self) -> Outcome {
-        Peer::probed(self)
-    }
-    fn mode(&self) -> Mode {
-        Peer::mode(self)
-    }
-    fn is_engaged(&self) -> bool {
-        Peer::is_engaged(self)
-    }
-    fn observed(&self) -> &Observed<S> {
-        Peer::observed(self)
-    }
-    fn ledger(&self) -> &Ledger<S> {
-        Peer::ledger(self)
-    }
-    fn impacts(&self) -> Impacts<S> {
-        Peer::impacts(self)
-    }
-    fn visit_state(&mut self, each: &mut dyn FnMut(&mut S)) {
-        self.visit(&mut |number| each(number));
-    }
-    fn hash(&self, seed: u64) -> u64 {
-        let mut hash = seed;
-        { *self }.visit(&mut |number: &mut S| {
-            // The fold brings the high bits down, where the next product spreads them again.
-            hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
-            hash ^= hash >> 32;
-        });
-        hash
-    }
-    fn boxed(&self) -> Box<dyn DynPeer<S>> {
-        Box::new(*self)
     }
 }
 

@@ -6,12 +6,11 @@
 use haptic_core::contact::{Impacts, RenderingName};
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
-use serde::Serialize;
 
 use crate::measure::{LastHalf, Statistics};
 use crate::pair::{HASH_SEED, Pair};
 use crate::peers::Number;
-use crate::report::{Column, Columns};
+use crate::report::Columns;
 use crate::scene::Scene;
 
 /// How to run.
@@ -31,25 +30,12 @@ impl Options {
 }
 
 /// Energy that crossed one peer's network port, J.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PortEnergy {
     /// From the network.
     pub received_j: f64,
     /// To the network.
     pub sent_j: f64,
-}
-
-/// Impacts between one device and its copy of the object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct ImpactTotals {
-    /// Impacts.
-    pub count: u32,
-    /// Impulse exchanged with the object, N·s.
-    pub wanted_n_s: f64,
-    /// What of it the limits of force and slew let through to the device, N·s.
-    pub delivered_n_s: f64,
-    /// Energy that restitution took, J.
-    pub lost_j: f64,
 }
 
 /// What a run gave.
@@ -76,7 +62,7 @@ pub struct Outcome {
     /// Energy through both network ports.
     pub energy: [PortEnergy; 2],
     /// Impacts at both peers, where contact is impulsive.
-    pub impacts: Option<[ImpactTotals; 2]>,
+    pub impacts: Option<[Impacts<f64>; 2]>,
     /// Ticks done.
     pub ticks: u64,
     /// Hash of both peers' states over every tick.
@@ -107,6 +93,9 @@ const PEER_COLUMNS: [&str; 8] = [
     "energy_sent_{}_j",
 ];
 
+/// The last columns, of both.
+const COMMON_COLUMNS: [&str; 2] = ["true_discrepancy_m", "decoded_discrepancy_2_m"];
+
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
@@ -117,7 +106,9 @@ pub type Progress<'a> = &'a dyn Fn(u64);
 pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); 1 + 2 * PEER_COLUMNS.len() + 2];
+    let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
+    let names = [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()];
+    let mut table = Columns::named(names.concat());
     let mut halves = LastHalf::new(ticks);
     let mut peak = 0.0_f64;
     let mut growth = Growth::new(ticks);
@@ -154,8 +145,8 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
                 ]
                 .map(S::to_f64)
             });
-            let row = core::iter::once(time_s).chain(peers).chain([true_m, decoded_m]);
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+            let row: Vec<f64> = core::iter::once(time_s).chain(peers).chain([true_m, decoded_m]).collect();
+            table.push_row(&row);
         }
         if tick % 10_000 == 0 {
             progress(tick);
@@ -181,23 +172,13 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
             pair.sides().map(|side| {
                 let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts();
                 let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
-                ImpactTotals { count, wanted_n_s, delivered_n_s, lost_j }
+                Impacts { count, wanted_n_s, delivered_n_s, lost_j }
             })
         }),
         ticks,
         hash,
-        table: table(columns),
+        table,
     })
-}
-
-fn table(columns: Vec<Vec<f64>>) -> Columns {
-    let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
-    let names = core::iter::once("time_s".to_owned())
-        .chain(peers)
-        .chain(["true_discrepancy_m".to_owned(), "decoded_discrepancy_2_m".to_owned()]);
-    let mut table = Columns::default();
-    names.zip(columns).for_each(|(name, values)| table.push(Column::numbers(name, values)));
-    table
 }
 
 /// Whether an oscillation grows: the largest change of F_T from tick to tick, in each eighth of the run.

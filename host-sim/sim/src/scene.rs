@@ -100,57 +100,29 @@ pub struct Scene {
     pub network_trace: Option<Arc<NetworkTrace>>,
 }
 
-/// What is wrong with a scene, in one line.
+/// What is wrong with a scene, and where, in one line.
 #[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {cause}")]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why not.
-        cause: std::io::Error,
-    },
-    /// The file is no TOML.
-    #[error("{place}: {message}")]
-    Syntax {
-        /// File and line.
-        place: String,
-        /// What the parser said.
-        message: String,
-    },
-    /// There is no such key.
-    #[error("{place}: there is no key {key}{hint}")]
-    Unknown {
-        /// File and line, or `override`.
-        place: String,
-        /// The key as written.
-        key: String,
-        /// What may have been meant.
-        hint: String,
-    },
-    /// The key does not accept the value.
-    #[error("{place}: {refused}")]
-    Refused {
-        /// File and line, or `override`.
-        place: String,
-        /// Key, value and what is allowed.
-        refused: String,
-    },
-    /// A force trace cannot be used.
-    #[error("{place}: {message}")]
-    Trace {
-        /// The key that names the file.
-        place: String,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// An override is not of the form key=value.
-    #[error("{text}: write it as table.key=value")]
-    Override {
-        /// The override as written.
-        text: String,
-    },
+#[error("{said}")]
+pub struct SceneError {
+    said: String,
+    /// It names a key that no other is like: who can list them all may say so.
+    pub unlike: bool,
+}
+
+impl SceneError {
+    pub(crate) fn new(said: String) -> Self {
+        Self { said, unlike: false }
+    }
+
+    fn at(place: &str, said: impl std::fmt::Display) -> Self {
+        Self::new(format!("{place}: {said}"))
+    }
+}
+
+/// Which user a key is of (0 or 1), and what [`UserSettings`] call it.
+fn users_key(key: &str) -> Option<(usize, String)> {
+    let (user, rest) = key.strip_prefix("user.")?.split_once('.')?;
+    Some((["1", "2"].iter().position(|known| *known == user)?, format!("user.{rest}")))
 }
 
 impl Scene {
@@ -191,16 +163,25 @@ impl Scene {
 
     /// The scene in `path`, or the default scene, with the overrides (`table.key=value`) applied in order, then checked.
     pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
+        let Some(path) = path else { return Self::of_text(laws, "", "scene", None, overrides) };
+        let place = path.display().to_string();
+        let text =
+            std::fs::read_to_string(path).map_err(|cause| SceneError::new(format!("cannot read {place}: {cause}")))?;
+        Self::of_text(laws, &text, &place, path.parent(), overrides)
+    }
+
+    /// The same for TOML text found at `place`; file names in it are taken relative to `folder`.
+    pub(crate) fn of_text(
+        laws: Laws,
+        text: &str,
+        place: &str,
+        folder: Option<&Path>,
+        overrides: &[String],
+    ) -> Result<Self, SceneError> {
         let mut scene = Self::new(laws);
-        if let Some(path) = path {
-            let text =
-                std::fs::read_to_string(path).map_err(|cause| SceneError::Read { path: path.to_path_buf(), cause })?;
-            scene.apply(&text, &path.display().to_string(), path.parent())?;
-        }
-        for text in overrides {
-            scene.apply_override(text)?;
-        }
-        scene.check(&path.map_or_else(|| "scene".to_owned(), |path| path.display().to_string()))?;
+        scene.apply(text, place, folder)?;
+        overrides.iter().try_for_each(|text| scene.apply_override(text))?;
+        scene.check(place)?;
         Ok(scene)
     }
 
@@ -208,10 +189,8 @@ impl Scene {
     pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
         let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            SceneError::Syntax {
-                place: line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}")),
-                message: error.message().replace('\n', " "),
-            }
+            let place = line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}"));
+            SceneError::at(&place, error.message().replace('\n', " "))
         })?;
         // What made a file of results stands in its scene file too, and changes nothing.
         table.remove("made");
@@ -242,7 +221,8 @@ impl Scene {
 
     /// Applies one `table.key=value`; a value that is no TOML is taken as text.
     pub fn apply_override(&mut self, text: &str) -> Result<(), SceneError> {
-        let (key, value) = text.split_once('=').ok_or_else(|| SceneError::Override { text: text.to_owned() })?;
+        let (key, value) =
+            text.split_once('=').ok_or_else(|| SceneError::new(format!("{text}: write it as table.key=value")))?;
         let (key, value) = (key.trim(), value.trim());
         let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
         self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
@@ -254,7 +234,6 @@ impl Scene {
     }
 
     fn set(&mut self, key: &str, value: &toml::Value, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
-        let place = place.to_owned();
         let plain = match value {
             toml::Value::Integer(whole) => Value::Number(*whole as f64),
             toml::Value::Float(number) => Value::Number(*number),
@@ -262,7 +241,7 @@ impl Scene {
             toml::Value::String(text) => Value::Text(text),
             other => {
                 let refused = format!("{key} = {other} is not allowed: a key takes a number, true or false, or a name");
-                return Err(SceneError::Refused { place, refused });
+                return Err(SceneError::at(place, refused));
             }
         };
         // Keys that name a file: its path, and where a complaint about it belongs.
@@ -270,21 +249,20 @@ impl Scene {
             Value::Text(file) => Ok(folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file))),
             _ => {
                 let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
-                Err(SceneError::Refused { place: place.clone(), refused })
+                Err(SceneError::at(place, refused))
             }
         };
-        let wrong = |message: String| SceneError::Trace { place: format!("{place}: {key}"), message };
-        if key == "network.trace" {
-            self.network_trace = Some(Arc::new(NetworkTrace::read(&file()?).map_err(wrong)?));
-            return Ok(());
-        }
-        let outcome = match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
-            Some((user @ ("1" | "2"), "trace")) => {
-                let trace = Trace::read(&file()?).map_err(|error| wrong(error.to_string()))?;
-                self.user_mut(user).trace = Some(trace);
-                return Ok(());
+        let wrong = |message: String| SceneError::at(place, format_args!("{key}: {message}"));
+        let outcome = match users_key(key) {
+            _ if key == "network.trace" => {
+                self.network_trace = Some(Arc::new(NetworkTrace::read(&file()?).map_err(wrong)?));
+                Ok(())
             }
-            Some((user @ ("1" | "2"), rest)) => self.user_mut(user).settings.set(&format!("user.{rest}"), plain),
+            Some((user, name)) if name == "user.trace" => {
+                self.users[user].trace = Some(Trace::read(&file()?).map_err(wrong)?);
+                Ok(())
+            }
+            Some((user, name)) => self.users[user].settings.set(&name, plain),
             _ if key == "contact.side" => Err(SetError::Unknown),
             _ => match self.laws.schema().set(&mut self.peer, key, plain) {
                 Err(SetError::Unknown) => self.world.set(key, plain),
@@ -292,7 +270,11 @@ impl Scene {
             },
         };
         outcome.map_err(|error| match error {
-            SetError::Unknown => SceneError::Unknown { place, hint: self.hint(key), key: key.to_owned() },
+            SetError::Unknown => {
+                let hint = self.hint(key);
+                let said = format!("{place}: there is no key {key}{hint}");
+                SceneError { said, unlike: hint.is_empty() }
+            }
             // A user's key is declared once for both users: name the one that was written.
             SetError::Refused(refused) => {
                 let meant = match (refused.value, refused.allowed) {
@@ -301,20 +283,14 @@ impl Scene {
                     _ => None,
                 };
                 let hint = meant.map_or_else(String::new, |name| format!("; did you mean {name}?"));
-                SceneError::Refused { place, refused: refused.to_string().replacen(refused.key, key, 1) + &hint }
+                SceneError::at(place, refused.to_string().replacen(refused.key, key, 1) + &hint)
             }
         })
     }
 
-    fn user_mut(&mut self, user: &str) -> &mut User {
-        let [first, second] = &mut self.users;
-        if user == "1" { first } else { second }
-    }
-
     /// Checks every range and combination, for scenes put together in code.
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
-        let refused =
-            |refused: Refused<'_>| SceneError::Refused { place: place.to_owned(), refused: refused.to_string() };
+        let refused = |refused: Refused<'_>| SceneError::at(place, refused);
         self.laws.peer::<f64>(&self.peer, [Motion::REST; AXES]).map_err(refused)?;
         self.world.check_ranges().map_err(refused)?;
         for user in &self.users {
@@ -324,24 +300,19 @@ impl Scene {
             haptic_core::device::encoder::check(&self.peer).map_err(refused)?;
         }
         if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
-            return Err(SceneError::Refused {
-                place: place.to_owned(),
-                refused: "axis.velocity = \"measured\" is not allowed with plant.encoder = true: counts carry no \
-                          velocity, it must be one of \"difference\", \"filtered\", \"adaptive\""
-                    .to_owned(),
-            });
+            return Err(SceneError::at(
+                place,
+                "axis.velocity = \"measured\" is not allowed with plant.encoder = true: counts carry no velocity, it must be \
+                 one of \"difference\", \"filtered\", \"adaptive\"",
+            ));
         }
         Ok(())
     }
 
     /// The value of a key, a user's included.
     pub fn get(&self, key: &str) -> Option<Value<'static>> {
-        match key.strip_prefix("user.").and_then(|rest| rest.split_once('.')) {
-            Some((user @ ("1" | "2"), rest)) => {
-                let [first, second] = &self.users;
-                let user = if user == "1" { first } else { second };
-                user.settings.get(&format!("user.{rest}"))
-            }
+        match users_key(key) {
+            Some((user, name)) => self.users[user].settings.get(&name),
             _ => self.laws.schema().get(&self.peer, key).or_else(|| self.world.get(key)),
         }
     }
@@ -444,7 +415,7 @@ impl Scene {
 }
 
 /// The name that a misspelt one is most like, if it is like any.
-fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let likely = names.map(|name| (strsim::jaro_winkler(name, word), name)).filter(|(likeness, _)| *likeness > 0.8);
     likely.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, name)| name)
 }

@@ -1,7 +1,9 @@
 //! The scenes of the folder `scenes/`, built in, so that the papers' experiments run from anywhere.
 
+use std::path::Path;
+
 use crate::peers::Laws;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, nearest};
 
 macro_rules! scenes {
     ($($name:literal),+ $(,)?) => {
@@ -40,13 +42,28 @@ pub fn text(name: &str) -> Option<&'static str> {
 
 /// The built-in scene called `name`.
 pub fn load(laws: Laws, name: &str) -> Result<Scene, SceneError> {
-    let text = text(name).ok_or_else(|| SceneError::Unknown {
-        place: "built-in scenes".to_owned(),
-        key: name.to_owned(),
-        hint: format!("; there are {}", known().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")),
-    })?;
-    let mut scene = Scene::new(laws);
-    scene.apply(text, name, None)?;
-    scene.check(name)?;
-    Ok(scene)
+    Scene::of_text(laws, text(name).ok_or_else(|| unknown(name))?, name, None, &[])
+}
+
+/// The built-in scene that is meant, by its name, where there is no such file; a bare word is nothing else.
+pub fn meant(scene: Option<&Path>) -> Result<Option<&str>, SceneError> {
+    let word = scene.filter(|path| !path.exists()).and_then(Path::to_str).filter(|word| !word.contains(['/', '\\']));
+    word.map(|word| text(word).map(|_| word).ok_or_else(|| unknown(word))).transpose()
+}
+
+/// The scene of this name or in this file, or the default scene, with the overrides applied in order, then checked.
+pub fn find(laws: Laws, scene: Option<&Path>, overrides: &[String]) -> Result<Scene, SceneError> {
+    match meant(scene)? {
+        Some(name) => Scene::of_text(laws, text(name).unwrap_or_default(), name, None, overrides),
+        None => Scene::load(laws, scene, overrides),
+    }
+}
+
+fn unknown(word: &str) -> SceneError {
+    let names = || known().map(|(name, _)| *name);
+    let hint = match nearest(word, names()) {
+        Some(name) => format!("did you mean {name}?"),
+        None => format!("the built-in ones are {}", names().collect::<Vec<_>>().join(", ")),
+    };
+    SceneError::new(format!("{word} is neither a file nor a built-in scene; {hint}"))
 }

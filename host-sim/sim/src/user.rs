@@ -86,84 +86,39 @@ pub struct Trace {
     samples: Vec<(f64, f64)>,
 }
 
-/// What is wrong with a trace file, in one line.
-#[derive(Debug, thiserror::Error)]
-pub enum TraceError {
-    /// The file cannot be read, or is no table.
-    #[error("cannot read {path}: {cause}")]
-    Read {
-        /// Which file.
-        path: String,
-        /// Why not.
-        cause: csv::Error,
-    },
-    /// The first line does not name the columns.
-    #[error("{path}: the first line must be time_s,force_n, not {found}")]
-    Header {
-        /// Which file.
-        path: String,
-        /// What it says instead.
-        found: String,
-    },
-    /// A line does not hold two finite numbers.
-    #[error("{path}: row {row}: expected a time and a force as two finite numbers, found {found}")]
-    Row {
-        /// Which file.
-        path: String,
-        /// Row after the header, from 1.
-        row: usize,
-        /// What it holds.
-        found: String,
-    },
-    /// Times do not grow.
-    #[error("{path}: row {row}: time {time_s} s is not after the row before")]
-    Order {
-        /// Which file.
-        path: String,
-        /// Row after the header, from 1.
-        row: usize,
-        /// The time there.
-        time_s: f64,
-    },
-    /// There is nothing in it.
-    #[error("{path}: no samples")]
-    Empty {
-        /// Which file.
-        path: String,
-    },
-}
-
 impl Trace {
     /// Reads a CSV file with the header `time_s,force_n` and times that grow.
-    pub fn read(file: &Path) -> Result<Self, TraceError> {
-        let path = file.display().to_string();
-        let read = |cause| TraceError::Read { path: path.clone(), cause };
+    pub fn read(file: &Path) -> Result<Self, String> {
+        let path = file.display();
+        let read = |cause| format!("cannot read {path}: {cause}");
         let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).map_err(read)?;
-        let header: Vec<String> = reader.headers().map_err(read)?.iter().map(str::to_owned).collect();
-        if header != ["time_s", "force_n"] {
-            return Err(TraceError::Header { path, found: header.join(",") });
+        let header = reader.headers().map_err(read)?;
+        if *header != ["time_s", "force_n"][..] {
+            let found = header.iter().collect::<Vec<_>>().join(",");
+            return Err(format!("{path}: the first line must be time_s,force_n, not {found}"));
         }
         let mut samples: Vec<(f64, f64)> = Vec::new();
-        for (at, record) in reader.records().enumerate() {
-            let (record, row) = (record.map_err(read)?, at + 1);
+        for (row, record) in (1..).zip(reader.records()) {
+            let record = record.map_err(read)?;
             let numbers: Option<Vec<f64>> =
                 record.iter().map(|field| field.parse().ok().filter(|number: &f64| number.is_finite())).collect();
             match numbers.as_deref() {
                 Some(&[time_s, _]) if samples.last().is_some_and(|last| last.0 >= time_s) => {
-                    return Err(TraceError::Order { path, row, time_s });
+                    return Err(format!("{path}: row {row}: time {time_s} s is not after the row before"));
                 }
                 Some(&[time_s, force_n]) => samples.push((time_s, force_n)),
                 _ => {
                     let found = record.iter().collect::<Vec<_>>().join(",");
-                    return Err(TraceError::Row { path, row, found });
+                    return Err(format!(
+                        "{path}: row {row}: expected a time and a force as two finite numbers, found {found}"
+                    ));
                 }
             }
         }
         if samples.is_empty() {
-            Err(TraceError::Empty { path })
-        } else {
-            Ok(Self { file: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()), samples })
+            return Err(format!("{path}: no samples"));
         }
+        Ok(Self { file: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()), samples })
     }
 
     /// The file it was read from; empty for none.

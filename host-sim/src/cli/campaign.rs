@@ -3,9 +3,8 @@
 use clap::Args;
 
 use super::{Failure, Ui};
-use crate::studies::{campaign, costs};
+use crate::studies::campaign::{campaign, columns, cost_columns, costs};
 
-/// Arguments of `campaign`.
 #[derive(Debug, Args)]
 pub(super) struct Campaign {
     /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
@@ -14,13 +13,8 @@ pub(super) struct Campaign {
 }
 
 impl Campaign {
-    /// Runs the cells and prints the table.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let table = if self.costs {
-            costs::columns(&costs::costs(ui.laws).map_err(|error| error.to_string())?)
-        } else {
-            campaign::columns(&campaign::campaign(ui.laws).map_err(|error| error.to_string())?)
-        };
+        let table = if self.costs { cost_columns(&costs(ui.laws)?) } else { columns(&campaign(ui.laws)?) };
         ui.result(&table)
     }
 }

@@ -1,17 +1,19 @@
 //! Flags that mean the same everywhere, declared once: scene, world, time, output folder, key file, patience; and how numbers
 //! and closed words are read.
 
+use std::net::SocketAddr;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
 use haptic_core::names::Choice;
 use haptic_protocol::key::Key;
 use haptic_sim::board::calibrate::settings_file;
-use haptic_sim::scene::{Scene, SceneError};
-use haptic_sim::{Laws, key_file, scenes};
+use haptic_sim::scene::Scene;
+use haptic_sim::{key_file, scenes};
 
+pub(super) use super::ui::Out;
 use super::ui::{Failure, Ui};
 use crate::shared::world::{self, World};
 
@@ -42,50 +44,24 @@ impl SceneArgs {
 
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
     pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
-        let name = self.name_of_built_in()?;
-        self.read(ui.laws, name, base, last).map_err(|error| match &error {
-            SceneError::Unknown { hint, .. } if hint.is_empty() => format!("{error}; --keys lists them all").into(),
-            _ => error.into(),
-        })
-    }
-
-    fn read(
-        &self,
-        laws: Laws,
-        built_in: Option<&str>,
-        base: &[&str],
-        last: Option<String>,
-    ) -> Result<Scene, SceneError> {
+        self.built_in()?;
         let base = base.iter().filter(|_| self.scene.is_none()).map(|key| (*key).to_owned());
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
         let overrides: Vec<String> = base.chain(self.set.iter().cloned()).chain(seed).chain(last).collect();
-        let Some(name) = built_in else { return Scene::load(laws, self.scene.as_deref(), &overrides) };
-        let mut scene = scenes::load(laws, name)?;
-        overrides.iter().try_for_each(|text| scene.apply_override(text))?;
-        scene.check(name)?;
-        Ok(scene)
+        scenes::find(ui.laws, self.scene.as_deref(), &overrides).map_err(|error| {
+            let hint = if error.unlike { "; --keys lists them all" } else { "" };
+            format!("{error}{hint}").into()
+        })
     }
 
-    /// The built-in scene that is meant, where there is no such file; a bare word is nothing else.
-    fn name_of_built_in(&self) -> Result<Option<&str>, Failure> {
-        let path = self.scene.as_ref().filter(|path| !path.exists());
-        let Some(word) = path.and_then(|path| path.to_str()).filter(|word| !word.contains(['/', '\\'])) else {
-            return Ok(None);
-        };
-        let names = || scenes::known().map(|(name, _)| *name);
-        if names().any(|name| name == word) {
-            return Ok(Some(word));
-        }
-        let hint = match nearest(word, names().zip(names())) {
-            Some(name) => format!("did you mean {name}?"),
-            None => format!("the built-in ones are {}", names().collect::<Vec<_>>().join(", ")),
-        };
-        Err(format!("--scene {word} is neither a file nor a built-in scene; {hint}").into())
+    /// The built-in scene that is meant, if one is.
+    fn built_in(&self) -> Result<Option<&str>, String> {
+        scenes::meant(self.scene.as_deref()).map_err(|error| format!("--scene {error}"))
     }
 
     /// The keys that the scene and its overrides name, as `table.key`.
     pub(super) fn named(&self) -> Result<Vec<String>, Failure> {
-        let text = match (&self.scene, self.name_of_built_in()?) {
+        let text = match (&self.scene, self.built_in()?) {
             (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
             (Some(path), _) => {
                 std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?
@@ -114,7 +90,7 @@ impl SceneArgs {
 
     /// Short name of the scene, for file names and headings.
     pub(super) fn name(&self) -> String {
-        if let Ok(Some(name)) = self.name_of_built_in() {
+        if let Ok(Some(name)) = self.built_in() {
             return name.to_owned();
         }
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
@@ -145,11 +121,23 @@ fn listing(name: &'static str, help: &'static str) -> Arg {
 }
 
 /// How long.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Copy, Debug, Args, serde::Serialize)]
 pub(super) struct Time {
     /// How long, s; a simulated run in simulated time.
     #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = seconds)]
     pub(super) seconds: f64,
+}
+
+/// One end of sealed lines over UDP, and how long it runs.
+#[derive(Clone, Debug, Args)]
+pub(super) struct End {
+    /// Where this end listens; port 0 is any.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub(super) listen: SocketAddr,
+    #[command(flatten)]
+    pub(super) key: KeyFile,
+    #[command(flatten)]
+    pub(super) time: Time,
 }
 
 /// How long a live command calls before it gives up.
@@ -172,21 +160,6 @@ impl KeyFile {
     /// The key.
     pub(super) fn read(&self) -> Result<Key, String> {
         key_file::read(&self.key_file)
-    }
-}
-
-/// Where files go.
-#[derive(Clone, Debug, Default, Args)]
-pub(super) struct Out {
-    /// Folder for tables and pictures; without it, one in out/, and none with --json.
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: Option<PathBuf>,
-}
-
-impl Out {
-    /// The folder, if one was named.
-    pub(super) fn folder(&self) -> Option<&Path> {
-        self.out.as_deref()
     }
 }
 
@@ -216,10 +189,4 @@ pub(super) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value =
 /// `on` or `off`.
 pub(super) fn switch() -> impl TypedValueParser<Value = bool> {
     PossibleValuesParser::new(["on", "off"]).map(|word| word == "on")
-}
-
-/// What the known word stands for that a misspelt one is nearest to, if any is near.
-pub(super) fn nearest<'a, T>(word: &str, known: impl Iterator<Item = (&'a str, T)>) -> Option<T> {
-    let likely = known.map(|(name, it)| (strsim::jaro_winkler(name, word), it)).filter(|(likeness, _)| *likeness > 0.8);
-    likely.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, it)| it)
 }

@@ -10,7 +10,6 @@ use crate::shared::world::host::MOST_LINES;
 use haptic_sim::key_file;
 
 super::commands! {
-    /// What is done with a key.
     Key {
         /// Make a key file: for two peers, or for one line of a server or hub.
         #[command(alias = "keygen")]
@@ -21,7 +20,6 @@ super::commands! {
     }
 }
 
-/// Arguments of `key generate`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Generate {
     /// File to make; an existing one is left alone.
@@ -36,7 +34,6 @@ pub(in crate::cli) struct Generate {
 }
 
 impl Generate {
-    /// Makes the file.
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let file = self.file.display();
         match (self.line, &self.of) {
@@ -53,7 +50,6 @@ impl Generate {
     }
 }
 
-/// Arguments of `key image`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Image {
     /// Key file (`host-sim key generate`).

@@ -11,13 +11,11 @@ mod board;
 mod campaign;
 mod cooperate;
 mod flags;
-mod hub;
 mod key;
 mod listings;
+mod live;
 mod network;
 mod paper;
-mod peer;
-mod precision;
 mod shared;
 mod stability;
 mod ui;
@@ -31,8 +29,8 @@ use clap::{CommandFactory, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
-use flags::nearest;
 use haptic_sim::Laws;
+use haptic_sim::scene::nearest;
 use ui::Failure;
 use ui::Ui;
 pub use ui::made;
@@ -87,9 +85,9 @@ commands! {
         /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.
         Accuracy(accuracy::Accuracy),
         /// One peer in real time over UDP, sealed; run two of them.
-        Peer(peer::Peer),
+        Peer(live::Peer),
         /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
-        Hub(hub::Hub),
+        Hub(live::Hub),
         /// Keys of sealed lines: make one, or turn it into a board's.
         #[command(subcommand)]
         Key(key::Key),
@@ -224,17 +222,13 @@ fn refusal(error: &clap::Error) -> String {
     let rendered = error.to_string();
     let said: Vec<&str> = rendered.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     // An unknown command may be one of those there, or one that has moved.
-    let here = texts(ContextKind::SuggestedSubcommand).into_iter().map(|name| (name, name));
-    let command =
-        text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, MOVED.iter().copied().chain(here)));
+    let here = texts(ContextKind::SuggestedSubcommand);
+    let known = MOVED.iter().map(|(old, _)| *old).chain(here.iter().copied());
+    let now = |name| moved(name).filter(|_| !here.contains(&name)).map_or(name, |(_, new)| new);
+    let command = text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, known)).map(now);
     let hint = match command.or(text(ContextKind::SuggestedArg)).or(text(ContextKind::SuggestedValue)) {
         Some(near) => format!("did you mean {near}?"),
         None => "--help lists what there is".to_owned(),
     };
     format!("{} ({hint})", said.join(" ").trim_start_matches("error: "))
-}
-
-/// Whether the system granted real-time priority, in a report's words.
-fn granted(priority: bool) -> &'static str {
-    if priority { "yes" } else { "no, the system did not allow it" }
 }

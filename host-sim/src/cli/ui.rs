@@ -2,21 +2,24 @@
 //! warnings to standard error, files into a folder.
 //!
 //! A result is given in both forms, and the one that was asked for is printed: [`Ui::document`] under `--json`, what is written
-//! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which.
+//! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
 use std::error::Error;
 use std::fmt;
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::time::Instant;
 
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use serde_json::Value;
 
 use haptic_sim::Laws;
-use haptic_sim::report::{Files, Made, ReportError};
+use haptic_sim::report::{Columns, Files, Made, ReportError, word};
 
 /// What a command may fail with.
-pub(super) type Failure = Box<dyn Error>;
+pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
 /// Where a command's output goes.
 #[derive(Clone, Debug)]
@@ -25,6 +28,14 @@ pub(super) struct Ui {
     made: Made,
     /// The laws that a scene may name.
     pub(super) laws: Laws,
+}
+
+/// Where files go.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct Out {
+    /// Folder for tables and pictures; without it, one in out/, and none with --json.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
 }
 
 /// A document, and what made it.
@@ -53,6 +64,50 @@ impl Ui {
     pub(super) fn result(&self, result: &(impl Serialize + fmt::Display)) -> Result<(), Failure> {
         self.table(result);
         self.document(result)
+    }
+
+    /// A document that is its own text: below the title a line for every field, then its lists, as tables where they hold objects.
+    pub(super) fn report(&self, title: &str, document: &impl Serialize) -> Result<(), Failure> {
+        self.document(document)?;
+        self.text(title, document)
+    }
+
+    /// The same with what made it.
+    pub(super) fn report_of(&self, made: &Made, title: &str, document: &impl Serialize) -> Result<(), Failure> {
+        self.document_of(made, document)?;
+        self.text(title, document)
+    }
+
+    /// The text alone.
+    pub(super) fn text(&self, title: &str, document: &impl Serialize) -> Result<(), Failure> {
+        let is_list = |value: &Value| value.as_array().is_some_and(|items| !items.iter().all(Value::is_number));
+        let (lists, facts) = match serde_json::to_value(document)? {
+            Value::Object(fields) => fields.into_iter().partition(|(_, value)| is_list(value)),
+            list => (Vec::from([(String::new(), list)]), Vec::new()),
+        };
+        if !facts.is_empty() {
+            writeln!(self, "{}", Columns::of_documents(&[facts.into_iter().collect()]).down(&[title]));
+        }
+        for (name, list) in &lists {
+            let items = list.as_array().map_or(&[][..], Vec::as_slice);
+            if !items.iter().all(Value::is_object) {
+                let name = if name == "files" { "wrote" } else { name };
+                items.iter().for_each(|item| writeln!(self, "{name} {}", word(item)));
+                continue;
+            }
+            if !name.is_empty() {
+                writeln!(self, "{}\n", name.replace('_', " "));
+            }
+            let table = Columns::of_documents(items);
+            // Very wide rows stand side by side.
+            if table.data().count() > 14 {
+                let titles: Vec<String> = (1..=items.len()).map(|number| number.to_string()).collect();
+                writeln!(self, "{}", table.down(&titles.iter().map(String::as_str).collect::<Vec<_>>()));
+            } else {
+                self.table(&table);
+            }
+        }
+        Ok(())
     }
 
     /// This program, since it began: what a run adds its settings to.
@@ -91,23 +146,28 @@ impl Ui {
         svg.for_each(|picture| writeln!(self, "  {}", picture.display()));
     }
 
-    /// Where files go: into the folder asked for, or into the usual one where the result is for a person.
-    pub(super) fn folder(&self, out: Option<&Path>, usual: &str) -> Option<PathBuf> {
-        out.or((!self.json).then_some(Path::new(usual))).map(Path::to_path_buf)
-    }
-
-    /// Has files of this name written into that folder, if there is one; returns their paths.
+    /// Has files of this name written into the folder that was asked for, or into `out/USUAL` where the result is for a person;
+    /// returns their paths.
     pub(super) fn files(
         &self,
-        folder: Option<&Path>,
+        out: &Out,
+        usual: &str,
         name: &str,
         made: &Made,
         fill: impl FnOnce(&mut Files) -> Result<(), ReportError>,
     ) -> Result<Vec<PathBuf>, Failure> {
-        let Some(folder) = folder else { return Ok(Vec::new()) };
-        let mut files = Files::new(folder, name, made.clone());
+        if !self.writes(out) {
+            return Ok(Vec::new());
+        }
+        let usual = PathBuf::from("out").join(usual);
+        let mut files = Files::new(out.out.as_ref().unwrap_or(&usual), name, made.clone());
         fill(&mut files)?;
         Ok(files.write()?)
+    }
+
+    /// Whether there will be files.
+    pub(super) fn writes(&self, out: &Out) -> bool {
+        !self.json || out.out.is_some()
     }
 
     /// What is going on, on standard error.
@@ -128,11 +188,20 @@ impl Ui {
         }
     }
 
-    /// A progress bar on standard error; invisible where that is no terminal.
-    pub(super) fn progress(&self, length: u64, what: &str) -> ProgressBar {
+    /// Works with a progress bar on standard error, which is invisible where that is no terminal, and says how long it took, s.
+    pub(super) fn work<T, E>(
+        &self,
+        steps: usize,
+        what: &str,
+        work: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, E>,
+    ) -> Result<(T, f64), E> {
+        let start = Instant::now();
         let style = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
-        ProgressBar::new(length).with_style(style).with_message(what.to_owned())
+        let bar = ProgressBar::new(steps as u64).with_style(style).with_message(what.to_owned());
+        let done = work(&|| bar.inc(1));
+        bar.finish_and_clear();
+        Ok((done?, start.elapsed().as_secs_f64()))
     }
 }
 

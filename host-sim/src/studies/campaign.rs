@@ -1,21 +1,36 @@
-//! The fault campaign: every kind of communications over every kind of bad network.
+//! Every kind of communications over bad networks: the fault campaign, and what passivity costs.
 //!
 //! The forces are those of the cooperation paper's §5.2 and the peers those of the paper's gains, with the implicit decode
 //! and no object delay, so that what breaks is the network's doing. `energy_out_over_in` is what a peer took from the
 //! network over what the other one gave to it, in the worse direction: above 1 the network makes energy, which is what a
 //! hand feels as an object that comes alive (THEORY §5).
 //!
-//! A law that is not in [`COMMS`] is tried as well, at the gains that it declares, and promises nothing.
+//! | column of the costs | what | ideal |
+//! |---|---|---|
+//! | added delay | from one peer's tick to the other's that acts on it, less the network's own delay | 0 |
+//! | true discrepancy | mean of \|x_o1 − x_o2\| under the forces of the campaign | 0 |
+//! | apparent mass | what both hands feel when they move the object together (transparency) | 2·m_O |
+//! | drag | what they lose while they do | 0 |
+//!
+//! Delay, mass and drag are measured on a slow swing ([`haptic_sim::measure::swing`]). A sample that is held for a packet period
+//! is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
+//!
+//! A law that is in neither [`COMMS`] nor [`CHOICES`] is tried as well, at the gains that it declares, and promises nothing.
 
 use haptic_core::law::Sends;
-use haptic_core::settings::Refused;
 use rayon::prelude::*;
 
+use haptic_sim::measure::swing::{Felt, felt};
 use haptic_sim::peers::Laws;
 use haptic_sim::report::Columns;
-use haptic_sim::run::{Options, run};
+use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
+
+use super::Failure;
+
+/// A comm or a network: name and settings.
+type Named = (&'static str, &'static [&'static str]);
 
 /// Simulated time of a cell, s.
 pub const DURATION_S: f64 = 20.0;
@@ -42,7 +57,7 @@ pub const COMMS: [(&str, &[&str], bool); 4] = [
 ];
 
 /// These ways to hold the copies together, and every law that none of them names and that sends something.
-pub(super) fn with_unnamed(laws: Laws, named: &[(&'static str, &[&str])]) -> Vec<(&'static str, Vec<String>)> {
+fn with_unnamed(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)> {
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
     for law in laws.kinds().iter().filter(|law| law.sends != Sends::Nothing) {
@@ -55,7 +70,7 @@ pub(super) fn with_unnamed(laws: Laws, named: &[(&'static str, &[&str])]) -> Vec
 }
 
 /// Networks: name and settings.
-pub const IMPAIRMENTS: [(&str, &[&str]); 29] = [
+pub const IMPAIRMENTS: [Named; 29] = [
     ("none", &[]),
     ("loss 5 %", &["network.loss=0.05"]),
     ("loss 10 %", &["network.loss=0.1"]),
@@ -101,35 +116,73 @@ pub const IMPAIRMENTS: [(&str, &[&str]); 29] = [
     ),
 ];
 
-/// One comm over one network.
+/// Ways to hold the copies together: name and settings.
+pub const CHOICES: [Named; 9] = [
+    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
+    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
+    ("wave + ledger", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590", "coordination.ledger=true"]),
+    ("passive-wave", &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000"]),
+    (
+        "passive-wave + ledger",
+        &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
+    ),
+    ("passive-mean", &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000"]),
+    (
+        "passive-mean + ledger",
+        &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
+    ),
+    (
+        "passive-mean + ledger + correction",
+        &[
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=10000",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+        ],
+    ),
+    (
+        "passive-mean + ledger + correction + play-out",
+        &[
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=10000",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+            "network.playout_packets=2",
+        ],
+    ),
+];
+
+/// Networks: name and settings.
+pub const NETWORKS: [Named; 2] = [("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
+
+/// Periods of the swing: losses average out.
+const PERIODS: u32 = 60;
+
+/// One way to hold the copies together over one network.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Communications.
+    /// Which way.
     pub comm: String,
-    /// Whether they promise to be passive on any network.
-    pub passive: bool,
-    /// Network.
-    pub impairment: String,
-    /// Neither peer faulted, and no oscillation grew.
-    pub stable: bool,
-    /// What stopped a peer.
-    pub fault: Option<String>,
-    /// Energy taken from the network over energy given to it, worse direction.
-    pub energy_out_over_in: f64,
-    /// Largest coordination force of either peer, N.
-    pub peak_force_n: f64,
-    /// Largest change of a coordination force from tick to tick, N.
-    pub largest_jump_n: f64,
-    /// Mean |x_o1 − x_o2| over the last half, mm.
-    pub true_discrepancy_mm: f64,
+    /// Which network.
+    pub network: String,
+    /// What the run gave.
+    pub outcome: Outcome,
+    /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`costs`] only.
+    pub swing: Option<Felt>,
+}
+
+impl Cell {
+    /// Whether the comm promises to be passive on any network.
+    pub fn passive(&self) -> bool {
+        COMMS.iter().any(|(name, _, passive)| *name == self.comm && *passive)
+    }
 }
 
 /// The scene of one cell.
-pub fn scene(laws: Laws, comm: &[impl AsRef<str>], impairment: &[&str]) -> Result<Scene, SceneError> {
+fn scene(laws: Laws, comm: &[String], network: &[&str]) -> Result<Scene, SceneError> {
     let mut scene = scenes::load(laws, "paper-5.2-passive-wave-16ms")?;
     let peers = ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
-    let comm = comm.iter().map(AsRef::as_ref);
-    for setting in peers.into_iter().chain(comm).chain(impairment.iter().copied()) {
+    for setting in peers.into_iter().chain(comm.iter().map(String::as_str)).chain(network.iter().copied()) {
         scene.apply_override(setting)?;
     }
     scene.check("campaign")?;
@@ -137,51 +190,67 @@ pub fn scene(laws: Laws, comm: &[impl AsRef<str>], impairment: &[&str]) -> Resul
 }
 
 /// Runs every comm over every network, in parallel; the order and every bit are the same on any number of threads.
-pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Box<dyn std::error::Error + Send + Sync>> {
-    let comms = with_unnamed(laws, &COMMS.map(|(name, settings, _)| (name, settings)));
-    let cells: Vec<_> =
-        comms.iter().flat_map(|comm| IMPAIRMENTS.iter().map(move |impairment| (comm, impairment))).collect();
-    cells
-        .into_par_iter()
-        .map(|((comm, settings), (impairment, network))| {
-            let passive = COMMS.iter().any(|(name, _, passive)| name == comm && *passive);
-            Ok(cell(&scene(laws, settings, network)?, comm, passive, impairment)?)
-        })
-        .collect()
+fn cells(laws: Laws, comms: &[Named], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
+    let comms = with_unnamed(laws, comms);
+    let cells: Vec<_> = comms.iter().flat_map(|comm| networks.iter().map(move |network| (comm, network))).collect();
+    let cell = |((comm, settings), (name, network)): (&(&str, Vec<String>), &Named)| {
+        let scene = scene(laws, settings, network)?;
+        let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+        let own_s = scene.peer.timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets);
+        let swing = if periods > 0 && outcome.bounded { Some(felt(&scene, periods)?) } else { None };
+        let swing = swing.map(|swing| Felt { delay_s: swing.delay_s - own_s, ..swing });
+        Ok(Cell { comm: (*comm).to_owned(), network: (*name).to_owned(), outcome, swing })
+    };
+    cells.into_par_iter().map(cell).collect()
 }
 
-fn cell(scene: &Scene, comm: &str, passive: bool, impairment: &str) -> Result<Cell, Refused<'static>> {
-    let outcome = run::<f64>(scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    Ok(Cell {
-        comm: comm.to_owned(),
-        passive,
-        impairment: impairment.to_owned(),
-        stable: outcome.bounded,
-        fault: outcome.fault.map(|(peer, fault)| format!("peer {peer}: {fault:?}")),
-        energy_out_over_in: outcome.energy_out_over_in(),
-        peak_force_n: outcome.peak_coordination_force_n,
-        largest_jump_n: outcome.largest_jump_n,
-        true_discrepancy_mm: outcome.true_discrepancy_mm,
-    })
+/// The campaign.
+pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
+    cells(laws, &COMMS.map(|(name, settings, _)| (name, settings)), &IMPAIRMENTS, 0)
+}
+
+/// What every way to hold the copies together costs, network by network.
+pub fn costs(laws: Laws) -> Result<Vec<Cell>, Failure> {
+    let mut cells = cells(laws, &CHOICES, &NETWORKS, PERIODS)?;
+    cells.sort_by_key(|cell| NETWORKS.iter().position(|(name, _)| *name == cell.network));
+    Ok(cells)
 }
 
 /// The campaign as a table.
 pub fn columns(cells: &[Cell]) -> Columns {
     Columns::of(cells)
         .value("comm", |cell| cell.comm.as_str())
-        .value("passive", |cell| cell.passive)
+        .value("passive", Cell::passive)
         .data_only()
-        .value("impairment", |cell| cell.impairment.as_str())
+        .value("impairment", |cell| cell.network.as_str())
         .head("network")
-        .value("stable", |cell| cell.stable)
-        .number("energy_out_over_in", 4, |cell| cell.energy_out_over_in)
+        .value("stable", |cell| cell.outcome.bounded)
+        .number("energy_out_over_in", 4, |cell| cell.outcome.energy_out_over_in())
         .head("energy out/in")
-        .number("peak_force_n", 2, |cell| cell.peak_force_n)
+        .number("peak_force_n", 2, |cell| cell.outcome.peak_coordination_force_n)
         .head("peak")
-        .number("largest_jump_n", 3, |cell| cell.largest_jump_n)
+        .number("largest_jump_n", 3, |cell| cell.outcome.largest_jump_n)
         .head("jump")
-        .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm)
+        .number("true_discrepancy_mm", 2, |cell| cell.outcome.true_discrepancy_mm)
         .head("true")
-        .value("fault", |cell| cell.fault.clone())
+        .value("fault", |cell| cell.outcome.fault.map(|(peer, fault)| format!("peer {peer}: {fault:?}")))
+        .done()
+}
+
+/// The costs as a table.
+pub fn cost_columns(costs: &[Cell]) -> Columns {
+    Columns::of(costs)
+        .value("network", |cost| cost.network.as_str())
+        .value("choice", |cost| cost.comm.as_str())
+        .head("comm")
+        .value("stable", |cost| cost.outcome.bounded)
+        .number("energy_out_over_in", 4, |cost| cost.outcome.energy_out_over_in())
+        .head("energy out/in")
+        .number("added_delay_ms", 1, |cost| cost.swing.map(|swing| 1e3 * swing.delay_s))
+        .number("true_discrepancy_mm", 2, |cost| cost.outcome.true_discrepancy_mm)
+        .head("true")
+        .number("apparent_mass_kg", 3, |cost| cost.swing.map(|swing| swing.mass_kg))
+        .head("mass")
+        .number("drag_n_s_per_m", 2, |cost| cost.swing.map(|swing| swing.drag_n_s_per_m))
         .done()
 }

@@ -6,10 +6,7 @@ use haptic_sim::run::Outcome;
 
 /// One column of a table over time, scaled.
 fn over_time(outcome: &Outcome, column: &str, scale: f64) -> Vec<(f64, f64)> {
-    let (Some(time), Some(values)) = (outcome.table.column("time_s"), outcome.table.column(column)) else {
-        return Vec::new();
-    };
-    time.iter().zip(values).map(|(time, value)| (*time, scale * value)).collect()
+    outcome.table.points("time_s", column, scale)
 }
 
 /// Position of local and remote copy, coordination force, discrepancy and energy ledger: one column of a sheet.
@@ -70,17 +67,19 @@ fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first
     ]
 }
 
-/// Columns side by side, each a run, on equal axes.
-fn side_by_side(title: &str, caption: &str, columns: &[(String, &Outcome)], window: (f64, f64)) -> Figure {
-    let sheets: Vec<[Panel; 4]> =
-        columns.iter().enumerate().map(|(at, (title, outcome))| column(title, outcome, 2, window, at == 0)).collect();
-    let panels = (0..4).flat_map(|row| sheets.iter().map(move |sheet| sheet[row].clone())).collect();
+/// A column of a figure: its title, the run, and which peer's.
+type OfPeer<'a> = (String, &'a Outcome, usize);
+
+/// Columns side by side on equal axes.
+fn side_by_side(title: &str, caption: &str, columns: &[OfPeer<'_>], window: (f64, f64)) -> Figure {
+    let sheet = |(at, (title, outcome, peer)): (usize, &OfPeer<'_>)| column(title, outcome, *peer, window, at == 0);
+    let sheets: Vec<[Panel; 4]> = columns.iter().enumerate().map(sheet).collect();
     Figure {
         title: title.to_owned(),
         caption: caption.to_owned(),
         columns: columns.len(),
         share_y: ShareY::Rows,
-        panels,
+        panels: (0..4).flat_map(|row| sheets.iter().map(move |sheet| sheet[row].clone())).collect(),
         ..Figure::default()
     }
 }
@@ -88,19 +87,13 @@ fn side_by_side(title: &str, caption: &str, columns: &[(String, &Outcome)], wind
 /// The sheet of one run.
 pub fn run(name: &str, outcome: &Outcome) -> Figure {
     let end = outcome.table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
-    let columns = [1, 2].map(|peer| column(&format!("{name}, peer {peer}"), outcome, peer, (0.0, end), peer == 1));
-    Figure {
-        title: format!("Two peers, one object: {name}"),
-        columns: 2,
-        share_y: ShareY::Rows,
-        panels: (0..4).flat_map(|row| columns.iter().map(move |sheet| sheet[row].clone())).collect(),
-        ..Figure::default()
-    }
+    let columns = [1, 2].map(|peer| (format!("{name}, peer {peer}"), outcome, peer));
+    side_by_side(&format!("Two peers, one object: {name}"), "", &columns, (0.0, end))
 }
 
 /// How a figure calls one kind of communications.
 fn title(experiment: &Experiment) -> String {
-    let name = match experiment.comm.as_str() {
+    let name = match experiment.comm {
         "power" => "Power-domain",
         "wave" => "Traditional wave",
         "passive-wave" => "Passive wave",
@@ -110,12 +103,12 @@ fn title(experiment: &Experiment) -> String {
 }
 
 /// Figures 6 to 9 of the cooperation paper and one of position coherency, each with its name.
-pub fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
+pub(crate) fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
     let of = |section: &str, round_trip_ms: f64| -> Vec<&Experiment> {
         experiments.iter().filter(|one| one.section == section && one.round_trip_ms == round_trip_ms).collect()
     };
     let gains = |number, round_trip_ms| {
-        let columns: Vec<_> = of("5.1", round_trip_ms).into_iter().map(|one| (title(one), &one.outcome)).collect();
+        let columns: Vec<_> = of("5.1", round_trip_ms).into_iter().map(|one| (title(one), &one.outcome, 2)).collect();
         let heading = format!("Figure {number}: largest coordination gains, {round_trip_ms} ms round trip (peer 2)");
         let caption = "Each user pushes 0.1 N toward the other; user 1 adds 1 N for 25 ms every 2.5 s. The paper plots the \
                        remote copy as decoded at the same peer; the true one stands beside it. An unstable run is shown \
@@ -125,8 +118,8 @@ pub fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
     };
     let runs = of("5.2", 16.0);
     let matched = experiments.iter().filter(|one| one.section == "matched-line");
-    let matched = matched.map(|one| ("Matched line".to_owned(), &one.outcome));
-    let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome)).chain(matched).collect();
+    let matched = matched.map(|one| ("Matched line".to_owned(), &one.outcome, 2));
+    let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome, 2)).chain(matched).collect();
     let caption = "Each user pushes 1 N toward the other; user 2 adds 0.25 sin 3t N. The matched line puts the object's mass \
                    into the wave line (b = 40 N s/m) and leaves 20 g to each copy.";
     let heading = "Section 5.2: position coherency, 16 ms round trip (peer 2)";
@@ -179,8 +172,8 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
             categories: runs.iter().map(|one| title(one)).collect(),
             series: vec![
                 bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
-                bars("decoded |x_o - x_d|", 1, &|one| one.decoded_discrepancy_mm),
-                bars("true |x_o1 - x_o2|", 2, &|one| one.true_discrepancy_mm),
+                bars("decoded |x_o - x_d|", 1, &|one| one.outcome.decoded_discrepancy_mm),
+                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.true_discrepancy_mm),
             ],
             ..Panel::default()
         }],

@@ -3,8 +3,10 @@
 pub mod accuracy;
 pub mod architectures;
 pub mod campaign;
-pub mod costs;
 pub mod figures;
-pub mod paper;
-pub mod precision;
+pub(crate) mod paper;
+pub(crate) mod precision;
 pub mod record;
+
+/// What a study may fail with.
+type Failure = Box<dyn std::error::Error + Send + Sync>;

@@ -6,15 +6,16 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Effort, Range};
-use haptic_sim::measure::{Statistics, apparent_mass};
+use haptic_analysis::{Effort, Range, Verdict};
+use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
+use super::Failure;
+
 /// Simulated time of every experiment, s.
-pub const DURATION_S: f64 = 20.0;
+pub(crate) const DURATION_S: f64 = 20.0;
 
 /// What the paper says of one kind of communications.
 #[derive(Clone, Copy, Debug)]
@@ -34,143 +35,115 @@ const PRINTED: [Printed; 3] = [
 
 /// One experiment and what came of it.
 #[derive(Clone, Debug)]
-pub struct Experiment {
+pub(crate) struct Experiment {
     /// Scene, without the folder.
-    pub scene: String,
+    scene: &'static str,
     /// Section of the paper, or "matched-line".
-    pub section: String,
+    pub(super) section: &'static str,
     /// What is sent.
-    pub comm: String,
-    /// Round trip, ms.
-    pub round_trip_ms: f64,
-    /// K_T, N/m.
-    pub coordination_stiffness_n_per_m: f64,
+    pub(super) comm: &'static str,
+    pub(super) round_trip_ms: f64,
+    /// K_T.
+    pub(super) coordination_stiffness_n_per_m: f64,
+    verdict: Verdict,
+    /// What Fig. 9 prints for the decoded discrepancy.
+    pub(super) paper_discrepancy_mm: Option<f64>,
+    /// Where the scene is stable.
+    apparent_object_mass_kg: Option<f64>,
+    pub(super) outcome: Outcome,
+}
+
+impl Experiment {
     /// Nothing faulted or grew, and no eigenvalue lies outside the unit circle.
-    pub stable: bool,
-    /// Largest eigenvalue but the rest modes.
-    pub spectral_radius: f64,
-    /// Mean |x_o − x_d| at peer 2 over the last half, mm.
-    pub decoded_discrepancy_mm: f64,
-    /// What Fig. 9 prints for it, mm.
-    pub paper_discrepancy_mm: Option<f64>,
-    /// Mean |x_o1 − x_o2| over the last half, mm.
-    pub true_discrepancy_mm: f64,
-    /// The same over the mean contact force, mm/N.
-    pub true_discrepancy_mm_per_n: f64,
-    /// F_T at peer 2 over the last half.
-    pub coordination_force_n: Statistics,
-    /// Apparent mass of the shared object, kg, where the scene is stable.
-    pub apparent_object_mass_kg: Option<f64>,
-    /// What was recorded.
-    pub outcome: Outcome,
+    fn stable(&self) -> bool {
+        self.outcome.bounded && self.verdict.stable
+    }
 }
 
 /// Largest coordination gain of one kind of communications at 16 ms round trip.
 #[derive(Clone, Debug)]
-pub struct Gain {
-    /// What is sent.
-    pub comm: String,
-    /// What the paper's experiments reached, N/m.
-    pub paper_n_per_m: f64,
+pub(crate) struct Gain {
+    printed: Printed,
     /// Where this model crosses its stability boundary up to 12,000 N/m, pockets included, N/m.
-    pub crossings_n_per_m: Vec<f64>,
+    crossings_n_per_m: Vec<f64>,
 }
 
 /// Runs every experiment of the paper and the matched line, in parallel.
-pub fn experiments() -> Result<Vec<Experiment>, Box<dyn std::error::Error + Send + Sync>> {
-    let names: Vec<&str> = scenes::ALL.iter().map(|(name, _)| *name).filter(|name| section(name).is_some()).collect();
-    names.into_par_iter().map(experiment).collect()
+pub(crate) fn experiments() -> Result<Vec<Experiment>, Failure> {
+    let names = scenes::ALL.iter().filter_map(|(name, _)| Some((*name, section(name)?)));
+    names.collect::<Vec<_>>().into_par_iter().map(experiment).collect()
 }
 
-fn section(name: &str) -> Option<&str> {
-    name.strip_prefix("paper-")
-        .and_then(|rest| rest.split('-').next())
-        .or_else(|| (name == "matched-line").then_some(name))
+fn section(name: &'static str) -> Option<&'static str> {
+    let paper = name.strip_prefix("paper-").and_then(|rest| rest.split('-').next());
+    paper.or_else(|| (name == "matched-line").then_some(name))
 }
 
-fn experiment(name: &str) -> Result<Experiment, Box<dyn std::error::Error + Send + Sync>> {
+fn experiment((name, section): (&'static str, &'static str)) -> Result<Experiment, Failure> {
     let scene = scenes::load(haptic_sim::Laws::built_in(), name)?;
     let timing = &scene.peer.timing;
-    let packet_s = timing.packet_period_s();
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
     let verdict = haptic_analysis::verdict(&scene)?;
-    let section = section(name).unwrap_or(name);
-    let comm = comm(&scene);
+    let comm = scene.peer.coordination.comm;
+    let printed = PRINTED.iter().find(|printed| printed.comm == comm && section == "5.2");
     Ok(Experiment {
-        scene: name.to_owned(),
-        section: section.to_owned(),
-        round_trip_ms: 2e3 * packet_s * f64::from(scene.world.network.one_way_delay_packets),
-        coordination_stiffness_n_per_m: scene.peer.coordination.stiffness_n_per_m,
-        stable: outcome.bounded && verdict.stable,
-        spectral_radius: verdict.spectral_radius,
-        decoded_discrepancy_mm: outcome.decoded_discrepancy_mm,
-        paper_discrepancy_mm: PRINTED
-            .iter()
-            .find(|printed| printed.comm == comm && section == "5.2")
-            .map(|printed| printed.discrepancy_mm),
-        true_discrepancy_mm: outcome.true_discrepancy_mm,
-        true_discrepancy_mm_per_n: outcome.true_discrepancy_mm / outcome.contact_force_n,
-        coordination_force_n: outcome.coordination_force_n,
-        apparent_object_mass_kg: if verdict.stable { Some(apparent_mass::measure(&scene)?) } else { None },
+        scene: name,
+        section,
         comm,
+        round_trip_ms: 2e3 * timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets),
+        coordination_stiffness_n_per_m: scene.peer.coordination.stiffness_n_per_m,
+        paper_discrepancy_mm: printed.map(|printed| printed.discrepancy_mm),
+        apparent_object_mass_kg: if verdict.stable { Some(apparent_mass::measure(&scene)?) } else { None },
+        verdict,
         outcome,
     })
 }
 
-fn comm(scene: &Scene) -> String {
-    scene.peer.coordination.comm.to_owned()
-}
-
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.
-pub fn gains() -> Result<Vec<Gain>, Box<dyn std::error::Error + Send + Sync>> {
-    PRINTED
-        .iter()
-        .map(|printed| {
-            let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.comm))?;
-            let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
-            let limit = haptic_analysis::limit(&scene, range, Effort::default())?;
-            Ok(Gain {
-                comm: printed.comm.to_owned(),
-                paper_n_per_m: printed.gain_n_per_m,
-                crossings_n_per_m: limit.crossings,
-            })
-        })
-        .collect()
+pub(crate) fn gains() -> Result<Vec<Gain>, Failure> {
+    let gain = |printed: &Printed| {
+        let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.comm))?;
+        let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
+        let limit = haptic_analysis::limit(&scene, range, Effort::default())?;
+        Ok(Gain { printed: *printed, crossings_n_per_m: limit.crossings })
+    };
+    PRINTED.iter().map(gain).collect()
 }
 
 /// The experiments as a table.
-pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
+pub(crate) fn experiment_columns(experiments: &[Experiment]) -> Columns {
+    let per_n = |one: &Experiment| one.outcome.true_discrepancy_mm / one.outcome.contact_force_n;
     Columns::of(experiments)
-        .value("scene", |one| one.scene.as_str())
+        .value("scene", |one| one.scene)
         .data_only()
-        .value("section", |one| one.section.as_str())
+        .value("section", |one| one.section)
         .head("experiment")
-        .value("comm", |one| one.comm.as_str())
+        .value("comm", |one| one.comm)
         .number("round_trip_ms", 0, |one| one.round_trip_ms)
         .number("coordination_stiffness_n_per_m", 0, |one| one.coordination_stiffness_n_per_m)
         .head("K_T")
-        .value("stable", |one| one.stable)
-        .value("spectral_radius", |one| one.spectral_radius)
+        .value("stable", Experiment::stable)
+        .value("spectral_radius", |one| one.verdict.spectral_radius)
         .data_only()
-        .number("decoded_discrepancy_mm", 4, |one| one.decoded_discrepancy_mm)
+        .number("decoded_discrepancy_mm", 4, |one| one.outcome.decoded_discrepancy_mm)
         .head("decoded")
-        .where_true(|one| one.stable)
+        .where_true(Experiment::stable)
         .means("|x_o - x_d| at peer 2, what the paper plots")
         .value("paper_discrepancy_mm", |one| one.paper_discrepancy_mm)
         .head("paper")
-        .number("true_discrepancy_mm", 4, |one| one.true_discrepancy_mm)
+        .number("true_discrepancy_mm", 4, |one| one.outcome.true_discrepancy_mm)
         .head("true")
-        .where_true(|one| one.stable)
+        .where_true(Experiment::stable)
         .means("|x_o1 - x_o2| at one instant")
-        .number("true_discrepancy_mm_per_n", 3, |one| one.true_discrepancy_mm_per_n)
+        .number("true_discrepancy_mm_per_n", 3, per_n)
         .head("true")
-        .where_true(|one| one.stable)
-        .number("coordination_force_n.mean", 3, |one| one.coordination_force_n.mean)
+        .where_true(Experiment::stable)
+        .number("coordination_force_n.mean", 3, |one| one.outcome.coordination_force_n.mean)
         .head("F_T N")
-        .where_true(|one| one.stable)
-        .number("coordination_force_n.sd", 3, |one| one.coordination_force_n.sd)
+        .where_true(Experiment::stable)
+        .number("coordination_force_n.sd", 3, |one| one.outcome.coordination_force_n.sd)
         .head("sd N")
-        .where_true(|one| one.stable)
+        .where_true(Experiment::stable)
         .number("apparent_object_mass_kg", 3, |one| one.apparent_object_mass_kg)
         .head("object")
         .means("apparent mass of the shared object, copies and line together")
@@ -178,10 +151,10 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
 }
 
 /// The gains as a table.
-pub fn gain_columns(gains: &[Gain]) -> Columns {
+pub(crate) fn gain_columns(gains: &[Gain]) -> Columns {
     Columns::of(gains)
-        .value("comm", |gain| gain.comm.as_str())
-        .number("paper_n_per_m", 0, |gain| gain.paper_n_per_m)
+        .value("comm", |gain| gain.printed.comm)
+        .number("paper_n_per_m", 0, |gain| gain.printed.gain_n_per_m)
         .head("paper's experiment")
         .number("crossings_n_per_m", 0, |gain| gain.crossings_n_per_m.clone())
         .head("this model's boundaries")

@@ -15,38 +15,34 @@ use haptic_sim::scene::Scene;
 
 /// Largest differences from f64 over a run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Differences {
+pub(crate) struct Differences {
     /// Largest difference of either copy's position, m.
-    pub position_m: f64,
+    pub(crate) position_m: f64,
     /// Largest difference of either coordination force, N.
-    pub force_n: f64,
+    pub(crate) force_n: f64,
     /// Step of the number type at the largest position seen, m.
-    pub position_step_m: f64,
+    pub(crate) position_step_m: f64,
     /// K_T times that step: what one step of position is worth in force, N.
-    pub force_step_n: f64,
+    pub(crate) force_step_n: f64,
 }
 
 /// What a run of a scene in three number types gave.
 #[derive(Clone, Debug)]
-pub struct Precision {
-    /// Which scene.
-    pub scene: String,
-    /// Simulated time, s.
-    pub duration_s: f64,
+pub(crate) struct Precision {
+    pub(crate) scene: String,
+    pub(crate) duration_s: f64,
     /// Largest position of either copy in f64, m.
-    pub largest_position_m: f64,
-    /// f32 against f64.
-    pub f32: Differences,
-    /// I32F32 against f64.
-    pub i32f32: Differences,
+    pub(crate) largest_position_m: f64,
+    pub(crate) f32: Differences,
+    pub(crate) i32f32: Differences,
     /// Where f64 itself faulted: differences were taken until then.
-    pub faulted_after_s: Option<f64>,
+    pub(crate) faulted_after_s: Option<f64>,
     /// Why the differences are what they are.
-    pub explanation: String,
+    pub(crate) explanation: String,
 }
 
 /// Runs the scene for `duration_s` in f64, f32 and I32F32.
-pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, Refused<'static>> {
+pub(crate) fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, Refused<'static>> {
     let (mut double, mut single, mut fixed) =
         (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
     let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
@@ -119,7 +115,7 @@ fn explain(scene: &Scene, f32: &Differences, i32f32: &Differences, faulted_after
 }
 
 /// The table of these scenes.
-pub fn columns(rows: &[Precision]) -> Columns {
+pub(crate) fn columns(rows: &[Precision]) -> Columns {
     let mut columns = Columns::of(rows)
         .value("scene", |row| row.scene.as_str())
         .value("duration_s", |row| row.duration_s)

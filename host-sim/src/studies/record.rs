@@ -1,9 +1,10 @@
 //! Records what one peer of a scene reads, for [`haptic_cases::replay`] on another processor, and the hash of what it computes.
 
 use haptic_core::device::Reading;
-use haptic_core::settings::{Settings, Value};
+use haptic_core::settings::{Key, Settings};
 
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
+use haptic_sim::board::calibrate::settings_file::plain;
 use haptic_sim::pair::{Pair, Seen};
 use haptic_sim::scene::Scene;
 
@@ -22,13 +23,8 @@ pub struct Recording {
 fn lines(settings: &Settings) -> String {
     let defaults = Settings::default();
     let changed = Settings::keys().filter(|key| settings.get(key.name) != defaults.get(key.name));
-    let line = |name: &str| match settings.get(name) {
-        Some(Value::Number(number)) => format!("{name}={number:?}\n"),
-        Some(Value::Flag(flag)) => format!("{name}={flag}\n"),
-        Some(Value::Text(text)) => format!("{name}={text}\n"),
-        None => String::new(),
-    };
-    changed.map(|key| line(key.name)).collect()
+    let line = |key: Key| settings.get(key.name).map(|value| format!("{}={}\n", key.name, plain(value)));
+    changed.filter_map(line).collect()
 }
 
 /// Peer `number` (1 or 2) of a scene in f32 for so many ticks.
@@ -75,49 +71,5 @@ fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
         bytes
             .extend([packet.motion.position, packet.motion.velocity, packet.wave].iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([packet.energy_j, packet.wave_integral].iter().flat_map(|x| x.to_le_bytes()));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use haptic_cases::replay;
-    use haptic_sim::scenes;
-
-    fn replayed(bytes: &[u8]) -> Result<(u64, u64), replay::Unreadable> {
-        let mut left = bytes;
-        let read = |into: &mut [u8]| {
-            let (Some(front), Some(rest)) = (left.get(..into.len()), left.get(into.len()..)) else { return false };
-            into.copy_from_slice(front);
-            left = rest;
-            true
-        };
-        replay::run(read, |_, _| ())
-    }
-
-    /// Every built-in scene, either peer: alone with the recording it computes what it did in the scene.
-    #[test]
-    fn a_replay_is_the_scene_again() {
-        for (name, _) in scenes::ALL {
-            let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
-            for number in [1, 2] {
-                let recording = record(&scene, number, 500).expect("a good scene");
-                assert_eq!(replayed(&recording.bytes), Ok((500, recording.hash)), "{name}, peer {number}");
-            }
-        }
-    }
-
-    #[test]
-    fn one_count_in_one_tick_changes_the_hash() {
-        let scene = scenes::load(haptic_sim::Laws::built_in(), "real-device").expect("a built-in scene");
-        let recording = record(&scene, 1, 20).expect("a good scene");
-        let mut broken = recording.bytes.clone();
-        // Settings, home, and the first tick: flags and counts.
-        let second = 4 + u32::from_le_bytes(std::array::from_fn(|at| broken[at])) as usize + 8 + 5;
-        broken[second + 1] ^= 1;
-        let (ticks, hash) = replayed(&broken).expect("a recording all the same");
-        assert!(ticks == 20 && hash != recording.hash);
-        assert_eq!(replayed(&recording.bytes[..3]), Err(replay::Unreadable::Short));
-        assert_eq!(replayed(&recording.bytes[..second + 3]), Err(replay::Unreadable::Short));
     }
 }

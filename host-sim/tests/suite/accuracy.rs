@@ -17,7 +17,7 @@ use host_sim::studies::accuracy::counts::{Processor, parse};
 use host_sim::studies::accuracy::filters::{Exact, Filter};
 use host_sim::studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
 use host_sim::studies::accuracy::{
-    Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair, pareto,
+    Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair, pareto_front,
 };
 use proptest::prelude::{prop, prop_assert, proptest};
 use serde_json::Value;
@@ -39,24 +39,24 @@ fn comparison(name: &str, title: &str, unit: &str) -> &'static Comparison {
 #[test]
 fn a_front_holds_what_nobody_beats() {
     let points = [(1.0, 100.0), (0.1, 200.0), (0.5, 300.0), (0.01, 250.0), (2.0, 100.0), (f64::NAN, 1.0)];
-    assert_eq!(pareto::front(&points), [true, true, false, true, false, false]);
-    assert!(pareto::front(&[]).is_empty());
+    assert_eq!(pareto_front(&points), [true, true, false, true, false, false]);
+    assert!(pareto_front(&[]).is_empty());
 }
 
 /// A tenth of a per cent is no reason to pay more, nor to be thrown out.
 #[test]
 fn equals_are_equal() {
-    assert_eq!(pareto::front(&[(1.0, 100.0), (0.999, 100.5)]), [true, true]);
-    assert_eq!(pareto::front(&[(1.0, 100.0), (0.999, 150.0)]), [true, false]);
-    assert_eq!(pareto::front(&[(0.0, 22.0), (1e-9, 21.0)]), [true, true]);
-    assert_eq!(pareto::front(&[(0.0, 22.0), (0.0, 22.0)]), [true, true]);
+    assert_eq!(pareto_front(&[(1.0, 100.0), (0.999, 100.5)]), [true, true]);
+    assert_eq!(pareto_front(&[(1.0, 100.0), (0.999, 150.0)]), [true, false]);
+    assert_eq!(pareto_front(&[(0.0, 22.0), (1e-9, 21.0)]), [true, true]);
+    assert_eq!(pareto_front(&[(0.0, 22.0), (0.0, 22.0)]), [true, true]);
 }
 
 proptest! {
     /// Someone is always on the front, and who is not, is beaten by someone.
     #[test]
     fn a_front_is_never_empty(points in prop::collection::vec((1e-3..1.1e-3_f64, 100.0..110.0_f64), 1..40)) {
-        let front = pareto::front(&points);
+        let front = pareto_front(&points);
         prop_assert!(front.iter().any(|on_front| *on_front));
         for (point, on_front) in points.iter().zip(front) {
             let beaten = points.iter().any(|other| other.0 < point.0 / 1.02 && other.1 < point.1 / 1.03);

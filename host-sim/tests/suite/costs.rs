@@ -1,6 +1,6 @@
 //! What passivity costs, against closed forms: how late a sample is, and that a late line is heavy.
 
-use host_sim::studies::costs::{CHOICES, Cost, costs};
+use host_sim::studies::campaign::{CHOICES, Cell, costs};
 
 const PACKET_MS: f64 = 8.0;
 const TICK_MS: f64 = 1.0;
@@ -13,46 +13,51 @@ fn close(got: Option<f64>, want: f64, within: f64, what: &str) {
     assert!(got.is_some_and(|got| (got - want).abs() <= within), "{what}: {got:?}, not {want}");
 }
 
+/// How much later than the network a peer acts on the other, ms.
+fn added_ms(cost: &Cell) -> Option<f64> {
+    cost.swing.map(|swing| 1e3 * swing.delay_s)
+}
+
 #[test]
 fn every_cost_is_what_its_mechanism_must_cost() {
     let mut costs = costs(haptic_sim::Laws::built_in()).expect("the table");
     // Closed forms are known for the choices that are named there, not for a law that is only in core's list.
-    costs.retain(|cost| CHOICES.iter().any(|(name, _)| *name == cost.choice));
+    costs.retain(|cost| CHOICES.iter().any(|(name, _)| *name == cost.comm));
     assert_eq!(costs.len(), 2 * CHOICES.len());
-    let find = |choice: &str, network: &str| -> &Cost {
-        costs.iter().find(|cost| cost.choice == choice && cost.network == network).expect("the row")
+    let find = |choice: &str, network: &str| -> &Cell {
+        costs.iter().find(|cost| cost.comm == choice && cost.network == network).expect("the row")
     };
-    assert!(costs.iter().all(|cost| cost.stable), "{costs:?}");
+    assert!(costs.iter().all(|cost| cost.outcome.bounded), "{costs:?}");
 
     // Held for M ticks: (M − 1)/2 late on average. The mean of M samples: as much again. A wave leaves the tick after.
     let hold = (PACKET_MS - TICK_MS) / 2.0;
-    let power = find("power", "no loss").added_delay_ms;
+    let power = added_ms(find("power", "no loss"));
     close(power, hold, 0.1, "power");
     let mean = 2.0 * hold + TICK_MS;
     for choice in ["passive-mean", "passive-mean + ledger", "passive-mean + ledger + correction"] {
-        close(find(choice, "no loss").added_delay_ms, mean, 0.1, choice);
+        close(added_ms(find(choice, "no loss")), mean, 0.1, choice);
     }
     let played = "passive-mean + ledger + correction + play-out";
-    close(find(played, "no loss").added_delay_ms, mean + 2.0 * PACKET_MS, 0.1, played);
+    close(added_ms(find(played, "no loss")), mean + 2.0 * PACKET_MS, 0.1, played);
 
     // A sample that is lost leaves the one before: p/(1 − p) packet periods older on average.
     let older = 0.2 / 0.8 * PACKET_MS;
     for cost in costs.iter().filter(|cost| cost.network == "20 % lost") {
-        let good = find(&cost.choice, "no loss").added_delay_ms.expect("stable");
-        close(cost.added_delay_ms, good + older, 0.4, &cost.choice);
+        let good = added_ms(find(&cost.comm, "no loss")).expect("stable");
+        close(added_ms(cost), good + older, 0.4, &cost.comm);
     }
 
     // THEORY §4: a line of impedance b and transit time T weighs b·T more than the copies.
-    for cost in costs.iter().filter(|cost| cost.choice != "power") {
-        let transit_s = 1e-3 * (PACKET_MS + cost.added_delay_ms.expect("stable"));
-        close(cost.apparent_mass_kg, COPIES_KG + IMPEDANCE * transit_s, 0.01, &cost.choice);
+    for cost in costs.iter().filter(|cost| cost.comm != "power") {
+        let transit_s = 1e-3 * (PACKET_MS + added_ms(cost).expect("stable"));
+        close(cost.swing.map(|swing| swing.mass_kg), COPIES_KG + IMPEDANCE * transit_s, 0.01, &cost.comm);
     }
 
     // The ledger is what makes a comm passive; correction is what brings the copies together again.
-    for cost in costs.iter().filter(|cost| cost.choice.contains("ledger")) {
-        assert!(cost.energy_out_over_in <= 1.0 + 1e-9, "{cost:?}");
+    for cost in costs.iter().filter(|cost| cost.comm.contains("ledger")) {
+        assert!(cost.outcome.energy_out_over_in() <= 1.0 + 1e-9, "{cost:?}");
     }
     let [drifting, corrected] = ["passive-mean + ledger", "passive-mean + ledger + correction"]
-        .map(|choice| find(choice, "20 % lost").true_discrepancy_mm);
+        .map(|choice| find(choice, "20 % lost").outcome.true_discrepancy_mm);
     assert!(corrected < 0.5 * drifting, "{corrected} mm, {drifting} mm without correction");
 }

@@ -16,6 +16,7 @@ mod lifted;
 mod live;
 mod operator;
 mod program;
+mod record;
 mod restarts;
 mod signals;
 mod squash;

@@ -9,7 +9,7 @@ use std::time::Instant;
 use firmware_parts::record::{RECEIVED, Record, SENT};
 use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
-use haptic_sim::measure::Statistics;
+use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome, PortEnergy};
@@ -165,15 +165,17 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
         let [x1, x2] = [seen_1, seen_2].map(|seen| f64::from(seen.object.position));
         [(x1 - x2).abs(), (x2 - f64::from(seen_2.desired.position)).abs()]
     };
-    let mean = |of: &dyn Fn(&Record, &Record) -> f64| {
-        pairs().skip(ticks / 2).map(|(one, two)| of(one, two)).sum::<f64>() / (ticks - ticks / 2).max(1) as f64
-    };
     let forces = |record: &Record| {
         let Observed { contact_force, coordination_force, .. } = record.observed();
         [contact_force, coordination_force].map(f64::from)
     };
-    let force = mean(&|_, two| forces(two)[1]);
-    let variance = mean(&|_, two| (forces(two)[1] - force).powi(2));
+    let mut halves = LastHalf::new(ticks as u64);
+    for (tick, (one, two)) in (0..).zip(pairs()) {
+        let ([true_m, decoded_m], [[contact_1, _], [contact_2, force]]) =
+            (discrepancies(one, two), [one, two].map(forces));
+        halves.see(tick, [true_m, decoded_m, force, force * force, 0.5 * (contact_1.abs() + contact_2.abs())]);
+    }
+    let [true_m, decoded_m, force, force_squared, contact_force_n] = halves.means();
     let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
         (1..).zip([one, two]).find_map(|(peer, record)| match record.mode() {
             Mode::Faulted(fault) => Some((tick, peer, fault)),
@@ -191,10 +193,10 @@ fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
         bounded: fault.is_none(),
         fault: fault.map(|(_, peer, fault)| (peer, fault)),
         fault_time_s: fault.map(|(tick, ..)| tick as f64 * 1e-3),
-        true_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[0]),
-        decoded_discrepancy_mm: 1e3 * mean(&|one, two| discrepancies(one, two)[1]),
-        coordination_force_n: Statistics { mean: force, sd: variance.sqrt() },
-        contact_force_n: mean(&|one, two| 0.5 * (forces(one)[0].abs() + forces(two)[0].abs())),
+        true_discrepancy_mm: 1e3 * true_m,
+        decoded_discrepancy_mm: 1e3 * decoded_m,
+        coordination_force_n: Statistics::of_moments(force, force_squared),
+        contact_force_n,
         peak_coordination_force_n: pairs()
             .flat_map(|(one, two)| [forces(one)[1], forces(two)[1]])
             .fold(0.0, |peak, force| force.abs().max(peak)),

@@ -123,11 +123,9 @@ impl Plant {
         }
         self.motor_before = motor;
     }
-}
 
-/// State of the plant as the analyser needs it: motion of the free axis and the motor force that still acts.
-impl Plant {
-    /// Motion of the free axis and the motor force of the tick before, N.
+    /// State of the plant as the analyser needs it: motion of the free axis and the motor force of the tick before, N, which still
+    /// acts.
     pub fn free_axis(&mut self) -> (&mut Motion<f64>, &mut f64) {
         (&mut self.motions[0], &mut self.motor_before[0])
     }

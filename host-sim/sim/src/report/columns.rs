@@ -1,4 +1,4 @@
-//! Columns: what a table holds, declared once, as aligned text, Markdown, CSV, Parquet and JSON.
+//! Columns: what a table holds, declared once, as aligned text, CSV, Parquet and JSON.
 //!
 //! A study declares its columns over a slice of its rows; name, digits and meaning stand in one place:
 //!
@@ -43,7 +43,8 @@
 use std::fmt;
 
 use haptic_plot::significant;
-use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
+use serde::ser::{Serialize, Serializer};
+use serde_json::Value;
 
 /// What stands at one place of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,6 +108,8 @@ enum Digits {
     Power(usize),
     /// With its sign.
     Signed,
+    /// As many as it takes where those are few, else six that count.
+    Short,
 }
 
 impl Digits {
@@ -117,6 +120,7 @@ impl Digits {
             Self::Significant(digits) => significant(number, digits),
             Self::Power(digits) => format!("{number:.digits$e}"),
             Self::Signed => format!("{number:+}"),
+            Self::Short => Some(number.to_string()).filter(|all| all.len() < 7).unwrap_or(significant(number, 6)),
         }
     }
 }
@@ -355,6 +359,24 @@ impl Columns {
         Rows { rows, columns: Self::default() }
     }
 
+    /// Columns of documents, an object each: a column for every field that is filled anywhere, in the order of their coming; one of
+    /// an object within is called by both names, with a dot between.
+    pub fn of_documents(documents: &[Value]) -> Self {
+        let rows: Vec<Vec<(String, Cell)>> = documents.iter().map(|document| fields("", document)).collect();
+        let mut names: Vec<&String> = Vec::new();
+        for (name, _) in rows.iter().flatten().filter(|(_, cell)| *cell != Cell::Empty) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let cell = |row: &Vec<(String, Cell)>, wanted: &String| {
+            row.iter().find(|(name, _)| name == wanted).map_or(Cell::Empty, |(_, cell)| cell.clone())
+        };
+        let cells = |name: &String| Values::Cells(rows.iter().map(|row| cell(row, name)).collect());
+        let column = |name: &String| Column::new(name.clone(), Digits::Short, cells(name));
+        Self { columns: names.into_iter().map(column).collect() }
+    }
+
     /// Columns of numbers without rows yet, to be filled with [`Self::push_row`].
     pub fn named<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
         Self { columns: names.into_iter().map(|name| Column::numbers(name, Vec::new())).collect() }
@@ -396,6 +418,18 @@ impl Columns {
         })
     }
 
+    /// The points of a curve: a column of numbers, times `scale`, over another; none where either is missing.
+    pub fn points(&self, x: &str, y: &str, scale: f64) -> Vec<(f64, f64)> {
+        let [x, y] = [x, y].map(|name| self.column(name).unwrap_or_default());
+        x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
+    }
+
+    /// One row as an object.
+    pub fn row(&self, row: usize) -> impl Serialize + '_ {
+        let fields = self.data().map(|column| (column.name.as_str(), column)).collect();
+        Node { fields, row }
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, Column::len)
@@ -435,18 +469,6 @@ impl Columns {
         let told = self.shown().filter(|column| !column.meaning.is_empty());
         told.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
     }
-
-    /// As a Markdown table, ending with a line break.
-    pub fn markdown(&self) -> String {
-        let escape = |cell: String| cell.replace('|', "\\|").replace('\n', "<br>");
-        let grid: Vec<Vec<String>> = self.grid().into_iter().map(|row| row.into_iter().map(escape).collect()).collect();
-        let layout = layout(&grid);
-        let rule: Vec<String> =
-            layout.iter().map(|(width, right)| "-".repeat(width + 1) + if *right { ":" } else { "-" }).collect();
-        let line = |row: &Vec<String>| format!("| {} |\n", padded(row, &layout).join(" | "));
-        let [head, rows @ ..] = &grid[..] else { return String::new() };
-        format!("{}|{}|\n{}", line(head), rule.join("|"), rows.iter().map(line).collect::<String>())
-    }
 }
 
 impl fmt::Display for Columns {
@@ -455,8 +477,8 @@ impl fmt::Display for Columns {
     }
 }
 
-/// Width of every column of a grid, and whether it is set to the right.
-fn layout(grid: &[Vec<String>]) -> Vec<(usize, bool)> {
+/// The rows of a grid with aligned columns, those of numbers to the right, and a rule below the first.
+fn aligned(grid: &[Vec<String>]) -> String {
     let number = |cell: &String| {
         let cell = cell.trim_end_matches('%').trim();
         cell == "-" || cell.parse::<f64>().is_ok()
@@ -466,45 +488,67 @@ fn layout(grid: &[Vec<String>]) -> Vec<(usize, bool)> {
         let mut filled = grid.iter().skip(1).filter_map(|row| row.get(at)).filter(|cell| !cell.is_empty()).peekable();
         (width, filled.peek().is_some() && filled.all(number))
     };
-    (0..grid.iter().map(Vec::len).max().unwrap_or(0)).map(column).collect()
-}
-
-fn padded(row: &[String], layout: &[(usize, bool)]) -> Vec<String> {
-    let cell = |(cell, (width, right)): (&String, &(usize, bool))| {
-        if *right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+    let layout: Vec<_> = (0..grid.iter().map(Vec::len).max().unwrap_or(0)).map(column).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&layout).map(|(cell, (width, right))| match right {
+            true => format!("{cell:>width$}"),
+            false => format!("{cell:<width$}"),
+        });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
-    row.iter().zip(layout).map(cell).collect()
-}
-
-/// The rows of a grid with aligned columns, a rule below the first.
-fn aligned(grid: &[Vec<String>]) -> String {
-    let layout = layout(grid);
     let rule = layout.iter().map(|(width, _)| "-".repeat(*width)).collect::<Vec<_>>().join("  ");
-    let mut lines = grid.iter().map(|row| padded(row, &layout).join("  ").trim_end().to_owned() + "\n");
+    let mut lines = grid.iter().map(line);
     let head = lines.next().unwrap_or_default();
     format!("{head}{rule}\n{}", lines.collect::<String>())
 }
 
+/// A value as a word, or several.
+pub fn word(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Array(items) => items.iter().map(word).collect::<Vec<_>>().join("  "),
+        _ => value.to_string(),
+    }
+}
+
+/// The cells of a value, named: of an object each field, of a list of objects each of theirs, else the value itself; of a list of
+/// lists how many there are.
+fn fields(name: &str, value: &Value) -> Vec<(String, Cell)> {
+    let within = |own: &str| [name, own].join(".").trim_start_matches('.').to_owned();
+    let cell = match value {
+        Value::Object(inner) => return inner.iter().flat_map(|(own, value)| fields(&within(own), value)).collect(),
+        Value::Array(items) if items.iter().any(Value::is_object) => {
+            return items.iter().enumerate().flat_map(|(at, item)| fields(&within(&at.to_string()), item)).collect();
+        }
+        Value::Array(items) => match items.iter().map(Value::as_f64).collect() {
+            _ if items.is_empty() => Cell::Empty,
+            Some(numbers) => Cell::List(numbers),
+            None if items.iter().any(Value::is_array) => items.len().into(),
+            None => Cell::Text(items.iter().map(word).collect::<Vec<_>>().join(", ")),
+        },
+        Value::Null => Cell::Empty,
+        Value::Bool(flag) => (*flag).into(),
+        Value::Number(number) => number.as_i64().map_or_else(|| number.as_f64().into(), Cell::Whole),
+        Value::String(text) => text.as_str().into(),
+    };
+    vec![(name.to_owned(), cell)]
+}
+
 impl Serialize for Columns {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let fields: Vec<(&str, &Column)> = self.data().map(|column| (column.name.as_str(), column)).collect();
-        let mut rows = serializer.serialize_seq(Some(self.len()))?;
-        for row in 0..self.len() {
-            rows.serialize_element(&Node { fields: &fields, row })?;
-        }
-        rows.end()
+        serializer.collect_seq((0..self.len()).map(|row| self.row(row)))
     }
 }
 
 /// One row of these fields, the names of which are relative to where they stand.
 struct Node<'a> {
-    fields: &'a [(&'a str, &'a Column)],
+    fields: Vec<(&'a str, &'a Column)>,
     row: usize,
 }
 
 impl Serialize for Node<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if let [("", column)] = self.fields {
+        if let [("", column)] = self.fields[..] {
             return column.cell(self.row).serialize(serializer);
         }
         let parts: Vec<(&str, (&str, &Column))> = self
@@ -515,21 +559,14 @@ impl Serialize for Node<'_> {
                 (own, (rest, *column))
             })
             .collect();
-        let groups = parts
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|group| (group[0].0, group.iter().map(|(_, field)| *field).collect::<Vec<_>>()));
+        let nodes = parts.chunk_by(|a, b| a.0 == b.0).map(|group| {
+            let fields = group.iter().map(|(_, field)| *field).collect();
+            (group[0].0, Node { fields, row: self.row })
+        });
         if parts.iter().all(|(own, _)| own.parse::<usize>().is_ok()) && !parts.is_empty() {
-            let mut list = serializer.serialize_seq(None)?;
-            for (_, fields) in groups {
-                list.serialize_element(&Node { fields: &fields, row: self.row })?;
-            }
-            return list.end();
+            return serializer.collect_seq(nodes.map(|(_, node)| node));
         }
-        let mut map = serializer.serialize_map(None)?;
-        for (own, fields) in groups {
-            map.serialize_entry(own, &Node { fields: &fields, row: self.row })?;
-        }
-        map.end()
+        serializer.collect_map(nodes)
     }
 }
 

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use chrono::{DateTime, SecondsFormat};
 use haptic_plot::{Figure, ReportError, png, svg, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -44,7 +45,9 @@ impl Made {
     /// By this version and commit, beginning now.
     pub fn now(version: &str, commit: &str) -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let facts = [("version", version.to_owned()), ("commit", commit.to_owned()), ("started", utc(since.as_secs()))];
+        let started = DateTime::from_timestamp(since.as_secs() as i64, 0).unwrap_or_default();
+        let started = started.to_rfc3339_opts(SecondsFormat::Secs, true);
+        let facts = [("version", version.to_owned()), ("commit", commit.to_owned()), ("started", started)];
         Self { facts: facts.map(|(name, text)| (name.to_owned(), text.into())).to_vec(), settings: Vec::new() }
     }
 
@@ -96,18 +99,6 @@ impl Serialize for Made {
         map.serialize_entry("settings", &settings)?;
         map.end()
     }
-}
-
-/// Seconds since 1970 as date and time of day, UTC (RFC 3339); the date after Hinnant's `civil_from_days`.
-fn utc(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let (day, month) = (of_year - (153 * shifted + 2) / 5 + 1, (shifted + 2) % 12 + 1);
-    let year = year + 400 * era + u64::from(month <= 2);
-    format!("{year}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
 }
 
 /// Files of one run, collected and then written together.
@@ -287,15 +278,4 @@ fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ParquetError> {
         group.close()?;
     }
     writer.into_inner()
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn instants_are_told_as_the_calendar_has_them() {
-        assert_eq!(super::utc(0), "1970-01-01T00:00:00Z");
-        assert_eq!(super::utc(951_782_399), "2000-02-28T23:59:59Z");
-        assert_eq!(super::utc(951_782_400), "2000-02-29T00:00:00Z");
-        assert_eq!(super::utc(4_107_542_399), "2100-02-28T23:59:59Z");
-    }
 }

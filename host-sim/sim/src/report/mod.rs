@@ -6,8 +6,7 @@
 
 mod columns;
 pub mod files;
-pub mod text;
 
-pub use columns::{Cell, Column, Columns, Rows};
+pub use columns::{Cell, Column, Columns, Rows, word};
 pub use files::{Files, Made};
 pub use haptic_plot::{ReportError, significant};

@@ -1,8 +1,10 @@
 //! Runs against an independent oracle, calibration of a simulated board, recordings, and reports.
 
 mod calibrate;
+mod double_double;
 mod engine;
 mod link;
+mod measure;
 mod oracle;
 mod recording;
 mod report;

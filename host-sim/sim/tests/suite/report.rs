@@ -1,4 +1,4 @@
-//! Columns as text, Markdown, JSON, CSV and Parquet; files of a run, and what they say of it.
+//! Columns as text, JSON, CSV and Parquet; files of a run, and what they say of it.
 
 use haptic_plot::Figure;
 use haptic_sim::report::files::{ROW_GROUP_ROWS, write_csv};
@@ -6,6 +6,7 @@ use haptic_sim::report::{Column, Columns, Files, Made, ReportError};
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
+use serde_json::json;
 use tempfile::tempdir;
 
 struct Gain {
@@ -50,14 +51,6 @@ a|b           -  1.0, 2.5              -  x
 }
 
 #[test]
-fn markdown_escapes_and_marks_number_columns() {
-    let markdown = gains().markdown();
-    let lines: Vec<&str> = markdown.lines().collect();
-    assert_eq!(lines[1], "|-------|---------:|----------------|--------:|------|");
-    assert!(lines[3].starts_with("| a\\|b  |        - | 1.0, 2.5"), "{markdown}");
-}
-
-#[test]
 fn one_row_stands_upright() {
     let rows = [(true, 0.5, None::<f64>)];
     let facts = Columns::of(&rows)
@@ -80,6 +73,28 @@ fn json_keeps_order_nests_and_has_no_nan() {
     let pair = Columns::of(&[()]).value("energy.0.j", |()| 1_u8).value("energy.1.j", |()| 2_u8).done();
     assert_eq!(serde_json::to_string(&pair).unwrap(), r#"[{"energy":[{"j":1},{"j":2}]}]"#);
     assert_eq!(serde_json::to_string(&Columns::default()).unwrap(), "[]");
+}
+
+/// What a document says is a table as well: fields within are named by both, what is nowhere filled is no column.
+#[test]
+fn documents_are_rows() {
+    let one = json!({ "line": 1, "energy": { "sent_j": 0.1234567 }, "said": null, "log": [[0.5, "up"]], "names": ["a", "b"] });
+    let two = json!({ "line": 2, "energy": { "sent_j": 2.0 }, "said": null, "up": true, "score": [1, 2] });
+    let expected = "\
+line  energy sent J  log  names  up   score
+----  -------------  ---  -----  ---  -----
+   1       0.123457    1  a, b   -    -
+   2              2    -  -      yes  1, 2
+";
+    assert_eq!(Columns::of_documents(&[one, two]).to_string(), expected);
+}
+
+#[test]
+fn curves_are_columns_over_another() {
+    let mut columns = Columns::named(["time_s", "x_m"]);
+    columns.push_row(&[0.5, 2.0]);
+    assert_eq!(columns.points("time_s", "x_m", 1e3), [(0.5, 2000.0)]);
+    assert_eq!(columns.points("time_s", "y_m", 1e3), []);
 }
 
 #[test]

@@ -8,7 +8,6 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use serde::Serialize;
 
 use super::operator;
 use crate::cli::{Failure, SceneArgs, Ui};
@@ -19,15 +18,8 @@ use haptic_sim::board::calibrate::motor::{self, Known};
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 
-/// Arguments of `calibrate`.
-#[derive(Debug, Args)]
-pub(in crate::cli) struct Calibrate {
-    #[command(subcommand)]
-    what: What,
-}
-
 #[derive(Debug, Subcommand)]
-enum What {
+pub(in crate::cli) enum Calibrate {
     /// Counts per metre (or revolution) and sign of an encoder: you move the joint by a known distance.
     Counts {
         #[command(flatten)]
@@ -40,10 +32,7 @@ enum What {
         revolutions: Option<f64>,
     },
     /// Sign of a motor: a weak push both ways. After `counts`.
-    Sign {
-        #[command(flatten)]
-        at: At,
-    },
+    Sign(At),
     /// Motor constant, against a force gauge that you read, or with a known mass that you fasten. After `sign`.
     Motor {
         #[command(flatten)]
@@ -56,20 +45,14 @@ enum What {
         added_mass_kg: Option<f64>,
     },
     /// Viscous and dry friction, from how the joint moves. After `motor`.
-    Friction {
-        #[command(flatten)]
-        at: At,
-    },
+    Friction(At),
     /// Moving mass and delay of the force, from how the joint moves. After `motor`.
-    Inertia {
-        #[command(flatten)]
-        at: At,
-    },
+    Inertia(At),
 }
 
 /// Which joint of which board, and where the result goes.
 #[derive(Clone, Debug, Args)]
-struct At {
+pub(in crate::cli) struct At {
     /// The board's address; its port is 7702 unless another is given. Or `simulated`: a software device, to practise.
     #[arg(long, value_name = "ADDRESS[:PORT]")]
     board: String,
@@ -114,13 +97,6 @@ impl Person for Terminal {
     }
 }
 
-#[derive(Serialize)]
-struct Row<'a> {
-    key: &'a str,
-    value: &'a toml::Value,
-    said: &'a str,
-}
-
 /// Who takes part.
 type Parties = (Box<dyn Board>, Box<dyn Person>);
 
@@ -157,21 +133,16 @@ impl At {
         let found = find(&mut *board, &mut *person)?;
         settings_file::add(&self.settings, &found)?;
         settings_file::give(&mut *board, &self.settings)?;
-        let rows: Vec<Row<'_>> = found.iter().map(|Found { key, value, said }| Row { key, value, said }).collect();
-        ui.document(&rows)?;
-        for Found { key, said, .. } in &found {
-            writeln!(ui, "{key} = {said}");
-        }
+        ui.report("", &found)?;
         writeln!(ui, "added to {}", self.settings.display());
         Ok(())
     }
 }
 
 impl Calibrate {
-    /// Finds one quantity.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        match &self.what {
-            What::Counts { at, distance_m, revolutions } => {
+        match self {
+            Self::Counts { at, distance_m, revolutions } => {
                 let distance = match (distance_m, revolutions) {
                     (Some(metres), _) => Distance::Metres(*metres),
                     (_, Some(turns)) => Distance::Revolutions(*turns),
@@ -179,8 +150,8 @@ impl Calibrate {
                 };
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
-            What::Sign { at } => at.run(ui, |board, _| motor::sign(board, at.joint)),
-            What::Motor { at, gauge, added_mass_kg } => {
+            Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
+            Self::Motor { at, gauge, added_mass_kg } => {
                 let known = match (gauge, added_mass_kg) {
                     (true, _) => Known::Gauge,
                     (_, Some(kilograms)) => Known::Mass(*kilograms),
@@ -188,8 +159,8 @@ impl Calibrate {
                 };
                 at.run(ui, |board, person| motor::calibrate(board, person, at.joint, known))
             }
-            What::Friction { at } => at.run(ui, |board, _| motion::friction(board, at.joint)),
-            What::Inertia { at } => at.run(ui, |board, _| motion::inertia(board, at.joint)),
+            Self::Friction(at) => at.run(ui, |board, _| motion::friction(board, at.joint)),
+            Self::Inertia(at) => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }
     }
 }

@@ -2,16 +2,53 @@
 
 mod calibrate;
 mod operator;
-mod record;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::flags::{Time, number};
+use crate::cli::{Failure, SceneArgs, Ui};
+use crate::studies::record::record;
 
 super::commands! {
-    /// What is done with a board.
     Board {
         /// Say lines to a board: arm, stop, set up; sealed.
         Operator(operator::Operate),
         /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
+        #[command(subcommand)]
         Calibrate(calibrate::Calibrate),
         /// What one peer of a scene reads, for the same peer on another processor.
-        Record(record::Record),
+        Record(Record),
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("scene", |arg| arg.alias("built-in")))]
+#[command(mut_arg("seconds", |arg| arg.default_value("5").value_parser(number(1e-5..=3600.0, "s"))))]
+pub(in crate::cli) struct Record {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Which peer, 1 or 2.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    number: u8,
+    #[command(flatten)]
+    time: Time,
+    /// File to write.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+impl Record {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
+        let recording = record(&scene, usize::from(self.number), ticks)?;
+        std::fs::write(&self.file, &recording.bytes)
+            .map_err(|cause| format!("cannot write {}: {cause}", self.file.display()))?;
+        writeln!(ui, "{} ticks {:016x}", recording.ticks, recording.hash);
+        let hash = format!("{:016x}", recording.hash);
+        ui.document(&json!({ "ticks": recording.ticks, "hash": hash, "files": [&self.file] }))
     }
 }

@@ -22,7 +22,6 @@ use haptic_sim::report::files::write_csv;
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Arguments of `operator`.
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |arg| {
     arg.help("Scene file (TOML) or the name of a built-in scene: what it says of a board is given to the board first; the rest stays")

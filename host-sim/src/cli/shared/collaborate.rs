@@ -6,9 +6,7 @@ use serde::Serialize;
 use crate::cli::flags::choice;
 use crate::cli::{Failure, Ui};
 use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
-use haptic_sim::report::Columns;
 
-/// Arguments of `collaborate`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Collaborate {
     /// Who says whose turn it is.
@@ -37,7 +35,6 @@ struct Row {
 }
 
 impl Collaborate {
-    /// Runs and prints what the checker says.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let schemes: &[Scheme] = match self.scheme.as_str() {
             "lock" => &[Scheme::Lock],
@@ -51,38 +48,15 @@ impl Collaborate {
         }
         let users = self.users.map_or_else(|| vec![2, 3, 5, 8], |users| vec![users]);
         let each = self.runs / users.len() as u64 + u64::from(!self.runs.is_multiple_of(users.len() as u64));
-        let bar = ui.progress(each * (users.len() * schemes.len()) as u64, "collaborate");
-        let rows: Vec<Row> = schemes
-            .iter()
-            .flat_map(|scheme| users.iter().map(move |users| (*scheme, *users)))
-            .map(|(scheme, users)| {
+        let trials: Vec<_> =
+            schemes.iter().flat_map(|scheme| users.iter().map(move |users| (*scheme, *users))).collect();
+        let (rows, _) = ui.work(each as usize * trials.len(), "collaborate", |step| -> Result<Vec<_>, Failure> {
+            let row = |(scheme, users)| {
                 let trial = Trial { scheme, users, seed: self.seed, mistake };
-                Row { scheme, users, verdict: collaborative::campaign(&trial, each, &|| bar.inc(1)) }
-            })
-            .collect();
-        bar.finish_and_clear();
-        ui.document(&rows)?;
-        let table = Columns::of(&rows)
-            .value("scheme", |row| if row.scheme == Scheme::Lock { "lock" } else { "ring" })
-            .value("users", |row| row.users)
-            .value("runs", |row| row.verdict.runs)
-            .value("two_owners", |row| row.verdict.two_owners)
-            .value("lost_update", |row| row.verdict.lost_update)
-            .value("no_progress", |row| row.verdict.no_progress)
-            .value("published", |row| row.verdict.published)
-            .value("interrupted", |row| row.verdict.interrupted)
-            .value("crashes", |row| row.verdict.crashes)
-            .value("messages", |row| row.verdict.messages)
-            .value("lost", |row| row.verdict.lost)
-            .number("wait_ms", 0, |row| row.verdict.longest_wait_ms)
-            .number("bound_ms", 0, |row| row.verdict.wait_bound_ms)
-            .done();
-        ui.table(&table);
-        for Row { scheme, users, verdict } in &rows {
-            if let Some((seed, what)) = &verdict.first_failure {
-                writeln!(ui, "{scheme:?}, {users} users, seed {seed}: {what}");
-            }
-        }
-        Ok(())
+                Row { scheme, users, verdict: collaborative::campaign(&trial, each, &step) }
+            };
+            Ok(trials.into_iter().map(row).collect())
+        })?;
+        ui.report("", &rows)
     }
 }

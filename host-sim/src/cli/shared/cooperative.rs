@@ -2,17 +2,17 @@
 
 mod picture;
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use haptic_core::names::Choice;
 use rayon::prelude::*;
 use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::{Out, Time, choice, number, switch};
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::shared::cooperative::limits::{self, Stiffest, bounded_radius};
+use crate::shared::cooperative::limits::{self, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
 use crate::shared::cooperative::waves::{self, Waves};
 use crate::shared::cooperative::{Collision, Engine, Setup};
@@ -35,7 +35,6 @@ const WAVES: [&str; 6] = [
     "object.force_delay_ticks=0",
 ];
 
-/// Arguments of `cooperative`.
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |arg| {
     arg.help("Scene file (TOML) or the name of a built-in scene; without it, packets each tick, prompt forces, a device of 5 N·s/m")
@@ -92,15 +91,6 @@ struct WaveRow {
     outcome: waves::Outcome,
 }
 
-#[derive(Debug, Serialize)]
-struct Report {
-    rows: Vec<Row>,
-    /// The paper's limits without the bounder; of a sweep only.
-    limits: Vec<Stiffest>,
-    wall_s: f64,
-    files: Vec<PathBuf>,
-}
-
 impl Cooperative {
     /// The scene, on top of these keys where none is named, with this delay.
     fn load(&self, ui: &Ui, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
@@ -130,7 +120,6 @@ impl Cooperative {
         Ok(Row { users: self.users, one_way_ms, bounder, collision, engine, spectral_radius: radius, outcome })
     }
 
-    /// One run, or the sweep.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let period_s = self.setup(ui, self.delay_ms.unwrap_or(0.0), true)?.scene.peer.timing.control_period_s;
@@ -152,33 +141,32 @@ impl Cooperative {
         let delays = self.delay_ms.map_or_else(|| DELAYS_MS.to_vec(), |delay| vec![delay]);
         let points: Vec<(bool, f64)> =
             switches.iter().flat_map(|switch| delays.iter().map(|delay| (*switch, *delay))).collect();
-        // What is wrong with one is wrong with all: said before the work.
-        let bar = ui.progress(points.len() as u64, "cooperative");
-        let rows = points
-            .into_par_iter()
-            .map(|(bounder, delay)| {
-                let row = self.row(ui, delay, bounder).map_err(|failure| failure.to_string());
-                bar.inc(1);
+        let (rows, _) = ui.work(points.len(), "cooperative", |step| {
+            let row = |(bounder, delay)| {
+                let row = self.row(ui, delay, bounder);
+                step();
                 row
-            })
-            .collect::<Result<Vec<_>, String>>()?;
-        bar.finish_and_clear();
-        let limits =
-            if self.delay_ms.is_none() { limits::table().map_err(|error| error as Failure)? } else { Vec::new() };
+            };
+            points.into_par_iter().map(row).collect::<Result<Vec<_>, _>>()
+        })?;
+        let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
         let made = self.made(ui)?;
-        let written =
-            ui.files(ui.folder(self.out.folder(), "out/cooperative").as_deref(), "cooperative", &made, |files| {
-                match &rows[..] {
-                    [row] => {
-                        files.csv(&row.outcome.table)?;
-                        files.figure(None, &picture::over_time(row))
-                    }
-                    rows => files.figure(None, &picture::sweep(rows)),
-                }
-            })?;
-        let report = Report { rows, limits, wall_s: start.elapsed().as_secs_f64(), files: written };
-        ui.document_of(&made, &report)?;
-        report.print(ui);
+        let files = ui.files(&self.out, "cooperative", "cooperative", &made, |files| match &rows[..] {
+            [row] => {
+                files.csv(&row.outcome.table)?;
+                files.figure(None, &picture::over_time(row))
+            }
+            rows => files.figure(None, &picture::sweep(rows)),
+        })?;
+        let wall_s = start.elapsed().as_secs_f64();
+        ui.document_of(&made, &json!({ "rows": rows, "limits": limits, "wall_s": wall_s, "files": files }))?;
+        ui.table(&columns(&rows));
+        if !limits.is_empty() {
+            let paper = "the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones";
+            writeln!(ui, "\nStiffest object without the bounder; {paper}\n");
+            ui.text("", &limits)?;
+        }
+        ui.wrote(&files);
         Ok(())
     }
 
@@ -190,75 +178,42 @@ impl Cooperative {
             let outcome = Waves::new(&self.load(ui, one_way_ms, &WAVES)?, self.users)?.run(self.time.seconds);
             rows.push(WaveRow { users: self.users, one_way_ms, outcome });
         }
-        ui.document(&rows)?;
-        let table = Columns::of(&rows)
-            .value("users", |row| row.users)
-            .value("one_way_ms", |row| row.one_way_ms)
-            .value("stable", |row| row.outcome.stable)
-            .significant("true_mm", 3, |row| row.outcome.true_discrepancy_mm)
-            .significant("felt_n", 3, |row| row.outcome.felt_n)
-            .significant("peak_n", 3, |row| row.outcome.peak_n)
-            .number("node_energy_out/in", 12, |row| row.outcome.node_out_over_in)
-            .number("out/put_in", 6, |row| row.outcome.node_out_over_put_in)
-            .done();
-        ui.table(&table);
-        Ok(())
+        ui.report("", &rows)
     }
 
     fn made(&self, ui: &Ui) -> Result<Made, Failure> {
         let scene = self.load(ui, self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
         let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
-        let places = [("collision", format!("{:?}", self.collision)), ("engine", format!("{:?}", self.engine))];
-        Ok(places.into_iter().fold(made, |made, (name, place)| made.with(name, place.to_lowercase())))
+        Ok(made.with("collision", self.collision.name()).with("engine", self.engine.name()))
     }
 }
 
-impl Report {
-    fn print(&self, ui: &Ui) {
-        let stable = |row: &Row| row.outcome.stable;
-        let table = Columns::of(&self.rows)
-            .value("users", |row| row.users)
-            .value("one_way_ms", |row| row.one_way_ms)
-            .value("bounder", |row| if row.bounder { "on" } else { "off" })
-            .value("stable", |row| row.outcome.stable)
-            .number("radius", 6, |row| row.spectral_radius)
-            .number("round_trip_ms", 1, |row| row.outcome.round_trip_ms)
-            .significant("stiffness_n_per_m", 3, |row| row.outcome.stiffness_n_per_m)
-            .head("K")
-            .significant("drag_n_s_per_m", 3, |row| row.outcome.drag_n_s_per_m)
-            .significant("true_mm", 3, |row| row.outcome.true_discrepancy_mm)
-            .where_true(stable)
-            .significant("felt_n", 3, |row| row.outcome.felt_n)
-            .where_true(stable)
-            .significant("peak_n", 3, |row| row.outcome.peak_n)
-            .where_true(stable)
-            .significant("jump_n", 3, |row| row.outcome.largest_jump_n)
-            .where_true(stable)
-            .number("engine_at_client", 0, |row| row.outcome.engine_ticks[2] as f64 / row.outcome.ticks.max(1) as f64)
-            .shown_in("%", 1e2)
-            .significant("up_bytes_per_s", 3, |row| row.outcome.up_bytes_per_s)
-            .shown_in("kB/s", 1e-3)
-            .significant("down_bytes_per_s", 3, |row| row.outcome.down_bytes_per_s)
-            .shown_in("kB/s", 1e-3)
-            .done();
-        ui.table(&table);
-        if !self.limits.is_empty() {
-            writeln!(
-                ui,
-                "\nStiffest object without the bounder; the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones\n"
-            );
-            let table = Columns::of(&self.limits)
-                .value("round_trip_ms", |row| row.round_trip_ms)
-                .value("object", |row| row.kind)
-                .value("contact_at", |row| row.collision.name())
-                .value("users", |row| row.users)
-                .significant("closed_form_n_per_m", 3, |row| row.closed_form_n_per_m)
-                .significant("simulated_n_per_m", 3, |row| row.simulated_n_per_m)
-                .significant("eigenvalues_n_per_m", 3, |row| row.eigenvalues_n_per_m)
-                .done();
-            ui.table(&table);
-        }
-        ui.wrote(&self.files);
-    }
+fn columns(rows: &[Row]) -> Columns {
+    let stable = |row: &Row| row.outcome.stable;
+    Columns::of(rows)
+        .value("users", |row| row.users)
+        .value("one_way_ms", |row| row.one_way_ms)
+        .value("bounder", |row| if row.bounder { "on" } else { "off" })
+        .value("stable", |row| row.outcome.stable)
+        .number("radius", 6, |row| row.spectral_radius)
+        .number("round_trip_ms", 1, |row| row.outcome.round_trip_ms)
+        .significant("stiffness_n_per_m", 3, |row| row.outcome.stiffness_n_per_m)
+        .head("K")
+        .significant("drag_n_s_per_m", 3, |row| row.outcome.drag_n_s_per_m)
+        .significant("true_mm", 3, |row| row.outcome.true_discrepancy_mm)
+        .where_true(stable)
+        .significant("felt_n", 3, |row| row.outcome.felt_n)
+        .where_true(stable)
+        .significant("peak_n", 3, |row| row.outcome.peak_n)
+        .where_true(stable)
+        .significant("jump_n", 3, |row| row.outcome.largest_jump_n)
+        .where_true(stable)
+        .number("engine_at_client", 0, |row| row.outcome.engine_ticks[2] as f64 / row.outcome.ticks.max(1) as f64)
+        .shown_in("%", 1e2)
+        .significant("up_bytes_per_s", 3, |row| row.outcome.up_bytes_per_s)
+        .shown_in("kB/s", 1e-3)
+        .significant("down_bytes_per_s", 3, |row| row.outcome.down_bytes_per_s)
+        .shown_in("kB/s", 1e-3)
+        .done()
 }

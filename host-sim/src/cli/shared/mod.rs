@@ -6,7 +6,6 @@ mod squash;
 mod world;
 
 super::commands! {
-    /// Which environment.
     Shared {
         /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
         Cooperative(cooperative::Cooperative),

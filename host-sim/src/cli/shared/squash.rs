@@ -1,20 +1,21 @@
 //! `host-sim shared squash`: Force Feedback Multi-player Squash, played by bots.
 
-mod live;
-
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
 use haptic_protocol::roles::squash::RALLIES;
 use serde::Serialize;
 
-use crate::cli::flags::{Out, Time, number, switch};
+use crate::cli::flags::{KeyFile, Out, Time, number, switch};
 use crate::cli::{Failure, SceneArgs, Ui};
+use crate::live::endpoint::Stop;
+use crate::live::squash as live;
 use crate::shared::squash::{Cell, Options, Report, picture, play, sweep};
 use haptic_sim::report::Columns;
 
 /// What a game goes by, simulated or live.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Copy, Debug, Args, Serialize)]
 #[command(mut_arg("seconds", |arg| arg.default_value("60")))]
 struct Rules {
     /// Bounds the speed of the ball; live, the server's word.
@@ -24,10 +25,10 @@ struct Rules {
     #[arg(long, default_value = "on", action = ArgAction::Set, value_parser = switch())]
     motion_bounder: bool,
     #[command(flatten)]
+    #[serde(flatten)]
     time: Time,
 }
 
-/// Arguments of `squash`.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(in crate::cli) struct Squash {
@@ -57,16 +58,15 @@ pub(in crate::cli) struct Squash {
 #[derive(Debug, Subcommand)]
 enum Question {
     /// The game in real time over UDP, sealed: this process is its server or one of its players.
-    Live(live::Live),
+    Live(Live),
 }
 
 #[derive(Serialize)]
 struct Document {
     players: u8,
     rtt_ms: f64,
-    bounder: bool,
-    motion_bounder: bool,
-    seconds: f64,
+    #[serde(flatten)]
+    rules: Rules,
     seed: u64,
     #[serde(flatten)]
     report: Report,
@@ -74,7 +74,6 @@ struct Document {
 }
 
 impl Squash {
-    /// Plays and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if let Some(Question::Live(live)) = &self.question {
             return live.run(ui);
@@ -113,29 +112,24 @@ impl Squash {
             print_sweep(ui, &cells);
             return Ok(());
         }
-        let folder = ui.folder(self.out.folder(), "out/squash");
-        options.record_every = if folder.is_some() { 5 } else { 0 };
+        options.record_every = if ui.writes(&self.out) { 5 } else { 0 };
         let game = play(&options);
         let made = ui.made().settings(scene.settings()).with("players", options.players);
         let made = made.with("round_trip_ms", self.rtt_ms).with("seconds", seconds);
         let made = made.with("bounder", bounder).with("motion_bounder", motion_bounder);
         let name = self.scene.run_name(&scene);
-        let files = ui.files(folder.as_deref(), &format!("squash-{name}"), &made, |files| {
+        let files = ui.files(&self.out, "squash", &format!("squash-{name}"), &made, |files| {
             files.figure(None, &picture::figure(&game, &options))
         })?;
         let document = Document {
             players: options.players,
             rtt_ms: self.rtt_ms,
-            bounder,
-            motion_bounder,
-            seconds,
+            rules: self.rules,
             seed: network.seed.into(),
             report: game.report,
             files,
         };
-        ui.document_of(&made, &document)?;
-        document.print(ui);
-        Ok(())
+        ui.report_of(&made, "squash", &document)
     }
 }
 
@@ -155,30 +149,31 @@ fn print_sweep(ui: &Ui, cells: &[Cell]) {
     ui.table(&table);
 }
 
-impl Document {
-    fn print(&self, ui: &Ui) {
-        let games = std::slice::from_ref(&self.report);
-        let game = Columns::of(games)
-            .value("rallies, strokes, longest", |game| {
-                format!("{}, {}, {}", game.rallies, game.strokes, game.longest_rally)
-            })
-            .value("lost, played again", |game| format!("{}, {}", game.lost, game.unseen + game.broken))
-            .value("score", |game| game.score.iter().map(u8::to_string).collect::<Vec<_>>().join(" : "))
-            .value("ball left the court before the next player knew", |game| game.left_the_court)
-            .value("all agree on every rally and the score", |game| game.agreed)
-            .value("first disagreement", |game| game.disagreement.clone())
-            .number("longest_round_trip_by_the_server_ms", 1, |game| game.round_trip_ms)
-            .number("fastest_ball_m_per_s", 1, |game| game.fastest_m_per_s)
-            .value("hits made softer", |game| game.bounded)
-            .number("farthest_flight_before_the_next_player_knew_m", 2, |game| game.farthest_before_news_m)
-            .number("largest_correction_of_a_reckoned_ball_m", 2, |game| game.largest_correction_m)
-            .number("farthest_move_of_a_hand_in_a_round_trip_m", 2, |game| game.hand_travel_m)
-            .number("largest_error_of_a_hand_at_another_player_m", 2, |game| game.hand_error_m)
-            .significant("largest_pulse_on_a_device_n", 3, |game| game.largest_pulse_n)
-            .number("sent_by_a_player_bytes_per_s", 0, |game| game.bytes_per_s)
-            .value("state hash", |game| game.state_hash.clone())
-            .done();
-        writeln!(ui, "{}", game.down(&["squash"]));
-        ui.wrote(&self.files);
+#[derive(Debug, Args)]
+struct Live {
+    /// Which one: 0 is the server, 1, 2 … the players.
+    #[arg(long, value_name = "N")]
+    number: u8,
+    /// Where each of them listens, in order, the server first; the same for all.
+    #[arg(long, value_name = "ADDRESS:PORT,…", value_delimiter = ',', required = true)]
+    addresses: Vec<SocketAddr>,
+    #[command(flatten)]
+    key: KeyFile,
+    #[command(flatten)]
+    rules: Rules,
+}
+
+impl Live {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let Rules { bounder, motion_bounder, time: Time { seconds } } = self.rules;
+        for (at, address) in self.addresses.iter().enumerate() {
+            if self.addresses[..at].contains(address) {
+                return Err(format!("--addresses has {address} twice: each of them has one of its own").into());
+            }
+        }
+        let key = self.key.read()?;
+        let addresses = self.addresses.clone();
+        let options = live::Options { number: self.number, addresses, bounder, motion_bounder, seconds };
+        ui.report("squash", &live::run(&key, &options, &Stop::on_signals()?)?)
     }
 }

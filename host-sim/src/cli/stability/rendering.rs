@@ -1,14 +1,13 @@
 //! `host-sim stability rendering`: the architectures paper's Figure 4, for any device.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::Out;
 use crate::cli::{Failure, Ui};
-use haptic_analysis::rendering::identify::{Identified, Needs, STIFFNESS_N_PER_M, identify, needs};
+use haptic_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
 use haptic_core::num::Scalar;
@@ -17,7 +16,6 @@ use haptic_sim::report::{Cell, Columns, significant};
 /// Masses for which the paper's device is found, kg.
 const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];
 
-/// Arguments of `stability rendering`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Rendering {
     /// Mass of the haptic device, kg.
@@ -45,23 +43,7 @@ pub(in crate::cli) struct Rendering {
     out: Out,
 }
 
-#[derive(Serialize)]
-struct Report {
-    device: Body,
-    object: Body,
-    contact_damping_n_s_per_m: f64,
-    computing_ticks: f64,
-    /// What the stiffness of the paper's statement asks of this device.
-    needs_for_1000_n_per_m: Needs,
-    /// Devices for which the paper's two statements hold at once.
-    identified: Vec<Identified>,
-    curves: Vec<Curve>,
-    wall_s: f64,
-    files: Vec<PathBuf>,
-}
-
 impl Rendering {
-    /// Both maps, the paper's device, the files.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let start = Instant::now();
         let mut setup = Setup {
@@ -83,12 +65,10 @@ impl Rendering {
         }
         let identified = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
         let sweeps = maps::sweeps(&setup);
-        let bar = ui.progress((sweeps.len() * POINTS) as u64, "maps");
-        let curves = sweeps
-            .into_iter()
-            .map(|(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, || bar.inc(1)))
-            .collect::<Result<Vec<_>, _>>()?;
-        bar.finish_and_clear();
+        let (curves, _) = ui.work(sweeps.len() * POINTS, "maps", |step| {
+            let curve = |(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, step);
+            sweeps.into_iter().map(curve).collect::<Result<Vec<_>, _>>()
+        })?;
         let made = ui.made().with("number_type", f64::NAME).with("device_mass_kg", setup.device.mass_kg);
         let made = made.with("device_damping_n_s_per_m", setup.device.damping_n_s_per_m);
         let made = made.with("object_mass_kg", self.object_mass_kg);
@@ -96,88 +76,62 @@ impl Rendering {
         let made = made.with("contact_damping_n_s_per_m", setup.contact_damping_n_s_per_m);
         let made =
             made.with("computing_ticks", setup.computing_ticks).with("sampling_period_s", self.sampling_period_s);
-        let folder = ui.folder(self.out.folder(), "out/stability");
-        let files = ui.files(folder.as_deref(), "rendering", &made, |files| {
+        let files = ui.files(&self.out, "stability", "rendering", &made, |files| {
             files.csv(&maps::table(&curves))?;
             files.figure(None, &picture::figure(&setup, &curves))
         })?;
-        let report = Report {
-            device: setup.device,
-            object: setup.object.unwrap_or(setup.device),
-            contact_damping_n_s_per_m: setup.contact_damping_n_s_per_m,
-            computing_ticks: setup.computing_ticks,
-            needs_for_1000_n_per_m: needs(&setup)?,
-            identified,
-            curves,
-            wall_s: start.elapsed().as_secs_f64(),
-            files,
-        };
-        ui.document_of(&made, &report)?;
-        report.print(ui);
-        ui.wrote(&report.files);
+        let (contact_damping, computing_ticks) = (setup.contact_damping_n_s_per_m, setup.computing_ticks);
+        let wall_s = start.elapsed().as_secs_f64();
+        // What the stiffness of the paper's statement asks of this device; devices for which its two statements hold at once.
+        let asked = needs(&setup)?;
+        ui.document_of(&made, &json!({
+            "device": setup.device, "object": setup.object.unwrap_or(setup.device),
+            "contact_damping_n_s_per_m": contact_damping, "computing_ticks": computing_ticks,
+            "needs_for_1000_n_per_m": asked, "identified": identified, "curves": curves, "wall_s": wall_s, "files": files,
+        }))?;
+        let Body { mass_kg, damping_n_s_per_m } = setup.device;
+        writeln!(
+            ui,
+            "Device {mass_kg} kg, {damping_n_s_per_m:.3} N·s/m; object {} kg, {} N·s/m; contact damping {contact_damping} N·s/m; \
+             computing {computing_ticks:.3} of a period\n\n\
+             Largest stable stiffness (N/m), where it is stable again and ends behind it, at these delays or periods (ms)\n",
+            self.object_mass_kg, self.object_damping_n_s_per_m
+        );
+        ui.table(&curve_table(&curves));
+        let or_none = |number: Option<f64>| number.map_or_else(|| "none".to_owned(), |number| significant(number, 3));
+        writeln!(
+            ui,
+            "\nA wall of {STIFFNESS_N_PER_M} N/m needs at least {} Hz without delay, and a delay below {} ms.\n\n\
+             Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n",
+            or_none(asked.sampling_hz),
+            or_none(asked.delay_s.map(|delay_s| 1e3 * delay_s))
+        );
+        ui.text("", &identified)?;
+        writeln!(ui, "{wall_s:.1} s");
+        ui.wrote(&files);
         Ok(())
     }
 }
 
-impl Report {
-    fn print(&self, ui: &Ui) {
-        writeln!(
-            ui,
-            "Device {} kg, {:.3} N·s/m; object {} kg, {} N·s/m; contact damping {} N·s/m; computing {:.3} of a period\n",
-            self.device.mass_kg,
-            self.device.damping_n_s_per_m,
-            self.object.mass_kg,
-            self.object.damping_n_s_per_m,
-            self.contact_damping_n_s_per_m,
-            self.computing_ticks
-        );
-        self.curve_table(ui);
-        let Needs { sampling_hz, delay_s } = self.needs_for_1000_n_per_m;
-        let or_none = |number: Option<f64>| number.map_or_else(|| "none".to_owned(), |number| significant(number, 3));
-        writeln!(
-            ui,
-            "\nA wall of {STIFFNESS_N_PER_M} N/m needs at least {} Hz without delay, and a delay below {} ms.\n",
-            or_none(sampling_hz),
-            or_none(delay_s.map(|delay_s| 1e3 * delay_s))
-        );
-        writeln!(ui, "Devices for which the paper's two statements (200 Hz, 5 ms) hold at once:\n");
-        let table = Columns::of(&self.identified)
-            .value("mass_kg", |found| found.mass_kg)
-            .number("damping_n_s_per_m", 3, |found| found.damping_n_s_per_m)
-            .number("computing_ticks", 3, |found| found.computing_ticks)
-            .head("computing (periods)")
-            .number("at_200_hz_n_per_m", 1, |found| found.at_200_hz_n_per_m)
-            .head("K at 200 Hz")
-            .number("at_5_ms_n_per_m", 1, |found| found.at_5_ms_n_per_m)
-            .head("K at 5 ms")
-            .done();
-        writeln!(ui, "{table}\n{:.1} s", self.wall_s);
-    }
-
-    /// Every fifth point of the curves: largest stiffness, and further crossings if there are any.
-    fn curve_table(&self, ui: &Ui) {
-        let name = |curve: &Curve| {
-            let against = if curve.wall { "wall" } else { "object" };
-            match curve.sweep {
-                Sweep::Delay(place) => format!("delay {}, {against}", place.name()),
-                Sweep::Period => format!("period, {against}"),
-            }
-        };
-        writeln!(
-            ui,
-            "Largest stable stiffness (N/m), where it is stable again and ends behind it, at these delays or periods (ms)\n"
-        );
-        let crossings = |curve: &Curve, at: usize| match curve.points.get(at) {
-            Some(point) if point.largest_stiffness_n_per_m.is_none() => Cell::from("all"),
-            Some(point) => point.edges().into(),
-            None => Cell::Empty,
-        };
-        let mut table = Columns::of(&self.curves).value("", name);
-        let points = self.curves.first().map_or(&[][..], |curve| &curve.points);
-        for (at, point) in points.iter().enumerate().step_by(5) {
-            let head = significant(1e3 * point.time_s, 3);
-            table = table.significant(head.clone(), 3, |curve| crossings(curve, at)).head(&head);
+/// Every fifth point of the curves: largest stiffness, and further crossings if there are any.
+fn curve_table(curves: &[Curve]) -> Columns {
+    let name = |curve: &Curve| {
+        let against = if curve.wall { "wall" } else { "object" };
+        match curve.sweep {
+            Sweep::Delay(place) => format!("delay {}, {against}", place.name()),
+            Sweep::Period => format!("period, {against}"),
         }
-        ui.table(&table.done());
-    }
+    };
+    let crossings = |curve: &Curve, at: usize| match curve.points.get(at) {
+        Some(point) if point.largest_stiffness_n_per_m.is_none() => Cell::from("all"),
+        Some(point) => point.edges().into(),
+        None => Cell::Empty,
+    };
+    let points = curves.first().map_or(&[][..], |curve| &curve.points);
+    let every_fifth = points.iter().enumerate().step_by(5);
+    let table = every_fifth.fold(Columns::of(curves).value("", name), |table, (at, point)| {
+        let head = significant(1e3 * point.time_s, 3);
+        table.significant(head.clone(), 3, |curve| crossings(curve, at)).head(&head)
+    });
+    table.done()
 }

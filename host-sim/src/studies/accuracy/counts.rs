@@ -9,13 +9,18 @@
 //! call (loading the parameters, storing the state and the call itself included) or, for `tick/…`, per tick of a whole
 //! peer, an eighth of its exchange included.
 //!
+//! **Cost per scene**: a scene carries only the models it needs, so cost is a sum that a user can read off: every row is a scene,
+//! the row it is compared with, and the instructions between them. The list of scenes is [`haptic_cases::scenes`].
+//!
 //! Limits: instructions are not cycles. In particular f64 takes as many instructions as f32 on both, but not everywhere as
 //! few cycles; what a scheme or a model adds carries over, the price of a number type must be timed on the hardware.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use haptic_cases::scenes::{NAMED, SCENES, Scene};
 use haptic_core::names::Choice;
+use haptic_sim::report::Columns;
 use serde::Serialize;
 
 /// What instructions are instructions of.
@@ -78,4 +83,48 @@ pub fn parse(text: &str) -> BTreeMap<&str, [u64; 3]> {
         Some((case, counts.try_into().ok()?))
     };
     text.lines().filter(|line| !line.starts_with('#')).filter_map(row).collect()
+}
+
+/// What a scene costs, in the order of [`SCALARS`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cost {
+    /// The scene.
+    pub scene: &'static str,
+    /// What it adds.
+    pub adds: &'static str,
+    /// To which scene.
+    pub over: Option<&'static str>,
+    /// Instructions of one tick.
+    pub instructions: [u64; 3],
+    /// More than the scene it is compared with; for the first, all.
+    pub added: [i64; 3],
+}
+
+/// The table, in instructions of this processor; scenes that nobody has counted are not in it.
+pub fn costs(processor: Processor) -> Vec<Cost> {
+    let of = |name: &str| -> Option<[u64; 3]> {
+        let case = format!("tick/{name}");
+        let [a, b, c] = SCALARS.map(|scalar| processor.count(&case, scalar));
+        Some([a?, b?, c?])
+    };
+    let row = |scene: &Scene| {
+        let instructions = of(scene.name)?;
+        let base = scene.over.map_or(Some([0; 3]), of)?;
+        let added = [0, 1, 2].map(|column: usize| instructions[column] as i64 - base[column] as i64);
+        Some(Cost { scene: scene.name, adds: scene.adds, over: scene.over, instructions, added })
+    };
+    SCENES.iter().chain([&NAMED]).filter_map(row).collect()
+}
+
+/// The table for people.
+pub fn cost_columns(costs: &[Cost]) -> Columns {
+    let mut columns = Columns::of(costs).value("scene", |cost| cost.scene).value("adds", |cost| cost.adds);
+    columns = columns.value("over", |cost| cost.over).head("to");
+    for (at, scalar) in SCALARS.into_iter().enumerate() {
+        columns = columns.value(scalar, move |cost| cost.instructions[at]);
+    }
+    for (at, scalar) in SCALARS.into_iter().enumerate() {
+        columns = columns.signed(format!("added.{at}"), move |cost| cost.added[at]).head(&format!("+{scalar}"));
+    }
+    columns.done()
 }

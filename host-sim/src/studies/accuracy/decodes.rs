@@ -16,7 +16,7 @@ use super::counts::Processor;
 use super::{Comparison, Family, rms};
 use haptic_cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};
 pub use haptic_cases::line::{input, settings, ticks};
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
 /// Coordination stiffnesses, N/m: those the paper found for the two wave communications.
 const STIFFNESSES: [f64; 2] = [1590.0, 10_620.0];
@@ -80,11 +80,8 @@ pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
             })
             .collect::<Vec<_>>();
         let title = format!("K_T {stiffness} N/m");
-        let pick = |pick: fn((f64, f64)) -> f64| {
-            measured.iter().map(|(name, errors, count)| (name.clone(), pick(*errors), *count)).collect()
-        };
-        comparisons.push(Comparison::new(&title, "RMS error of F_T", "N", pick(|errors| errors.1)));
-        comparisons.push(Comparison::new(&title, "RMS error of x_d", "m", pick(|errors| errors.0)));
+        comparisons.push(Comparison::of(&title, "RMS error of F_T", "N", &measured, |errors| errors.1));
+        comparisons.push(Comparison::of(&title, "RMS error of x_d", "m", &measured, |errors| errors.0));
     }
     let (soft, stiff) = (&comparisons[0], &comparisons[2]);
     let insight = format!(

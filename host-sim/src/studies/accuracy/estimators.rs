@@ -17,7 +17,7 @@ use haptic_core::settings::{Choice, Refused, Settings};
 use super::counts::Processor;
 use super::{Comparison, Family, rms};
 pub use haptic_cases::reach::{RESOLUTIONS, case, readings, settings};
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
 pub const CUTOFFS_HZ: [f64; 18] =

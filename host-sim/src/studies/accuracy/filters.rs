@@ -61,23 +61,22 @@ pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut quick = paper;
     (quick.timing.ticks_per_packet, quick.coordination.cutoff_hz) = (2, 250.0);
     let measure = |settings: &Settings| {
+        let count = |name: &str| processor.count(&format!("filter/{name}"), "f32");
         [
             (Exact::<f32>::NAME, errors::<f32, Exact<f32>>(settings)),
             (ForwardEuler::<f32>::NAME, errors::<f32, ForwardEuler<f32>>(settings)),
             (Bilinear::<f32>::NAME, errors::<f32, Bilinear<f32>>(settings)),
         ]
+        .map(|(name, errors)| (name.to_owned(), errors, count(name)))
     };
-    let compare = |title: &str, error: &str, settings: &Settings, pick: fn((f64, f64)) -> f64| {
-        let points = measure(settings)
-            .map(|(name, errors)| (name.to_owned(), pick(errors), processor.count(&format!("filter/{name}"), "f32")));
-        Comparison::new(title, error, "1", points.to_vec())
+    let both = |title: &str, measured: &[(String, (f64, f64), Option<u64>)]| {
+        [
+            Comparison::of(title, "RMS gain error", "1", measured, |errors| errors.1),
+            Comparison::of(title, "RMS error of gain and phase", "1", measured, |errors| errors.0),
+        ]
     };
-    let comparisons = vec![
-        compare("cutoff 60 Hz, M = 8", "RMS gain error", &paper, |errors| errors.1),
-        compare("cutoff 60 Hz, M = 8", "RMS error of gain and phase", &paper, |errors| errors.0),
-        compare("cutoff 250 Hz, M = 2", "RMS gain error", &quick, |errors| errors.1),
-        compare("cutoff 250 Hz, M = 2", "RMS error of gain and phase", &quick, |errors| errors.0),
-    ];
+    let comparisons = [both("cutoff 60 Hz, M = 8", &measure(&paper)), both("cutoff 250 Hz, M = 2", &measure(&quick))];
+    let comparisons = comparisons.concat();
     let (gain, sent, quick) = (&comparisons[0], &comparisons[1], &comparisons[2]);
     let all = |comparison: &Comparison| {
         ["exact", "bilinear", "forward-euler"]

@@ -17,7 +17,7 @@ use super::counts::Processor;
 use super::{Comparison, Family, largest, rms};
 use haptic_cases::contact::{PUSH_N, RELEASE_M};
 pub use haptic_cases::contact::{Test, run, settings};
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
 /// Position (m) and velocity (m/s) at `time_s`, in closed form.
 pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> {

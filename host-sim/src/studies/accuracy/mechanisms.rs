@@ -16,7 +16,7 @@ use super::counts::Processor;
 use super::{Comparison, Family, largest};
 pub use haptic_cases::workspace::{case, joints, settings};
 use haptic_sim::double_double::DoubleDouble;
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
 /// Hand (m) and Jacobian (m/rad) of a pose.
 pub type Truth = ([DoubleDouble; 2], [[DoubleDouble; 2]; 2]);
@@ -103,11 +103,9 @@ pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
             let count = processor.count(&case(model, Maths::Micromath), "f32");
             measured.insert(0, ("f32, micromath".to_owned(), errors::<f32>(&fast, &truths), count));
         }
-        let pick = |pick: fn((f64, f64)) -> f64| {
-            measured.iter().map(|(name, errors, count)| (name.clone(), pick(*errors), *count)).collect()
-        };
-        comparisons.push(Comparison::new(model.name(), "largest error of the hand", "m", pick(|errors| errors.0)));
-        comparisons.push(Comparison::new(model.name(), "largest error of J", "m/rad", pick(|errors| errors.1)));
+        let title = model.name();
+        comparisons.push(Comparison::of(title, "largest error of the hand", "m", &measured, |errors| errors.0));
+        comparisons.push(Comparison::of(title, "largest error of J", "m/rad", &measured, |errors| errors.1));
     }
     let hand = &comparisons[0];
     let defaults = Settings::default();

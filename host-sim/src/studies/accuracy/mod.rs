@@ -10,31 +10,20 @@
 //! | [`mechanisms`] | micromath, libm; f32, f64, I32F32 | loop closure by Newton's method in double-double |
 //! | [`estimators`] | measured, difference, filtered, adaptive | the motion itself |
 //!
-//! | module | serves |
-//! |---|---|
-//! | `haptic_cases` | what is counted, on a PC and on the microcontroller's processor |
-//! | [`counts`] | instructions, counted and reviewed, of the board's processor and of a PC's |
-//! | [`pareto`] | which choices nobody beats |
-//! | [`cost`] | what each model adds to a scene's tick |
-//! | [`continuous`], [`pair`] | references, the latter in [`haptic_sim::double_double`] |
-//! | [`picture`] | error against instructions, drawn |
-//!
 //! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
 //! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
 
 pub mod continuous;
-pub mod cost;
 pub mod counts;
 pub mod decodes;
 pub mod estimators;
 pub mod filters;
 pub mod integrators;
 pub mod mechanisms;
-pub mod numbers;
+mod numbers;
 pub mod pair;
-pub mod pareto;
-pub mod picture;
-pub mod whole_peer;
+pub(crate) mod picture;
+mod whole_peer;
 
 use haptic_core::settings::Refused;
 use haptic_sim::report::Columns;
@@ -83,7 +72,7 @@ impl Comparison {
     ) -> Self {
         let counted = |(_, error, count): &(String, f64, Option<u64>)| count.map(|count| (*error, count as f64));
         let front =
-            pareto::front(&measured.iter().map(|one| counted(one).unwrap_or((f64::NAN, 0.0))).collect::<Vec<_>>());
+            pareto_front(&measured.iter().map(|one| counted(one).unwrap_or((f64::NAN, 0.0))).collect::<Vec<_>>());
         let points = measured
             .into_iter()
             .zip(front)
@@ -93,6 +82,18 @@ impl Comparison {
             })
             .collect();
         Self { title: title.into(), error: error.into(), unit, points }
+    }
+
+    /// Compares by one of several errors that were measured at once.
+    fn of<E>(
+        title: &str,
+        error: &str,
+        unit: &'static str,
+        measured: &[(String, E, Option<u64>)],
+        pick: impl Fn(&E) -> f64,
+    ) -> Self {
+        let points = measured.iter().map(|(choice, errors, count)| (choice.clone(), pick(errors), *count)).collect();
+        Self::new(title, error, unit, points)
     }
 
     /// The same comparison with choices that are named `SERIES, LABEL` drawn as series.
@@ -185,6 +186,27 @@ pub fn columns<'a>(families: impl IntoIterator<Item = &'a Family>, all: bool) ->
         .value("on_front", |row| row.2.on_front)
         .head("on Pareto front")
         .done()
+}
+
+/// Errors within this factor of each other are the same.
+const SAME_ERROR: f64 = 1.01;
+/// Instruction counts within this factor of each other are the same: the tolerance to which they are reviewed.
+const SAME_COUNT: f64 = 1.02;
+
+/// For every (error, instructions) whether nobody beats it: the Pareto front. What has no error to speak of (NaN) is not on it.
+///
+/// A choice is beaten where another one is no worse in both and clearly better in one. "Clearly" is what the numbers can
+/// carry: errors closer than [`SAME_ERROR`] and counts closer than [`SAME_COUNT`] are equal, so that f64 is not on a front
+/// for a hundredth of a per cent. Being beaten this way has no circles (log error / log 1.01 + log count / log 1.02 falls
+/// along it), so a front is never empty.
+pub fn pareto_front(points: &[(f64, f64)]) -> Vec<bool> {
+    points.iter().map(|point| !point.0.is_nan() && !points.iter().any(|other| beats(*other, *point))).collect()
+}
+
+/// Whether `a` is no worse than `b` in error and instructions, and clearly better in one.
+fn beats(a: (f64, f64), b: (f64, f64)) -> bool {
+    let no_worse = a.0 <= b.0 * SAME_ERROR && a.1 <= b.1 * SAME_COUNT;
+    no_worse && (a.0 * SAME_ERROR < b.0 || a.1 * SAME_COUNT < b.1)
 }
 
 /// Root of the mean square.

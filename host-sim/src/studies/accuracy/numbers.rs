@@ -14,13 +14,13 @@ use super::counts::Processor;
 use super::pair::{self, Apart, apart};
 use super::{Comparison, Family, continuous};
 use haptic_sim::double_double::DoubleDouble;
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
-/// The case whose ticks are counted: [`super::cost`].
+/// The case whose ticks are counted: [`super::counts`].
 const CASE: &str = "tick/implicit-semi-implicit";
 
 /// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
     let exact = continuous::run(&scene, pair::DURATION_S);
     let precise = pair::run::<DoubleDouble>(&scene, pair::DURATION_S)?;
@@ -29,17 +29,20 @@ pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
         (<f64 as Scalar>::NAME, pair::run::<f64>(&scene, pair::DURATION_S)?),
         (Fixed::NAME, pair::run::<Fixed>(&scene, pair::DURATION_S)?),
     ];
-    let measured: Vec<(&str, Apart, Apart)> =
-        runs.iter().map(|(name, run)| (*name, apart(run, &exact), apart(run, &precise))).collect();
-    let compare = |title: &str, error: &str, unit, pick: fn(&(&str, Apart, Apart)) -> f64| {
-        let points = measured.iter().map(|row| (row.0.to_owned(), pick(row), processor.count(CASE, row.0)));
-        Comparison::new(title, error, unit, points.collect())
+    let measured: Vec<_> = runs
+        .iter()
+        .map(|(name, run)| {
+            ((*name).to_owned(), [apart(run, &exact), apart(run, &precise)], processor.count(CASE, name))
+        })
+        .collect();
+    let compare = |title: &str, error: &str, unit, pick: fn(&[Apart; 2]) -> f64| {
+        Comparison::of(title, error, unit, &measured, pick)
     };
     let comparisons = vec![
-        compare("rounding, position", "largest error of x_o", "m", |row| row.2.position_largest_m),
-        compare("rounding, force", "largest error of F_T", "N", |row| row.2.force_largest_n),
-        compare("whole error, position", "RMS error of x_o", "m", |row| row.1.position_rms_m),
-        compare("whole error, force", "RMS error of F_T", "N", |row| row.1.force_rms_n),
+        compare("rounding, position", "largest error of x_o", "m", |[_, rounding]| rounding.position_largest_m),
+        compare("rounding, force", "largest error of F_T", "N", |[_, rounding]| rounding.force_largest_n),
+        compare("whole error, position", "RMS error of x_o", "m", |[whole, _]| whole.position_rms_m),
+        compare("whole error, force", "RMS error of F_T", "N", |[whole, _]| whole.force_rms_n),
     ];
     let [rounding, _, whole, _] = &comparisons[..] else { unreachable!("four comparisons were just made") };
     let insight = format!(

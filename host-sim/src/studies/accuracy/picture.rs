@@ -5,8 +5,7 @@
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
 //! error of exactly zero has no place on such an axis: a note says so. Nor has a choice whose instructions nobody has counted.
 
-use super::cost::Cost;
-use super::counts::Processor;
+use super::counts::{Cost, Processor};
 use super::{Comparison, Family, Point};
 use haptic_plot::{Dash, Figure, Panel, Series};
 
@@ -122,7 +121,7 @@ fn legend(curves: bool, processor: Processor) -> String {
 }
 
 /// All comparisons of a family.
-pub fn family(family: &Family, processor: Processor) -> Figure {
+fn family(family: &Family, processor: Processor) -> Figure {
     let panels = family.comparisons.iter().map(|comparison| panel(family, comparison, comparison.title.clone()));
     let curves =
         family.comparisons.iter().flat_map(|comparison| &comparison.points).all(|point| !point.series.is_empty());
@@ -156,7 +155,7 @@ fn bars(costs: &[Cost], scenes: &[(&str, &str)], title: &str, columns: &[(usize,
 }
 
 /// Every scene's tick, in f32 and I32F32.
-pub fn costs(costs: &[Cost], processor: Processor) -> Figure {
+fn costs(costs: &[Cost], processor: Processor) -> Figure {
     let names: Vec<String> = costs.iter().map(|cost| cost.scene.replace('-', " ")).collect();
     let scenes: Vec<(&str, &str)> = costs.iter().map(|cost| cost.scene).zip(names.iter().map(String::as_str)).collect();
     let row = |scenes| bars(costs, scenes, "", &[(0, "f32"), (2, "I32F32")]);
@@ -170,7 +169,7 @@ pub fn costs(costs: &[Cost], processor: Processor) -> Figure {
 }
 
 /// The comparison of every family that says most, and the cost of the main scenes.
-pub fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Figure {
+fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Figure {
     let headline = |family: &Family| {
         let comparison = family.comparisons.get(family.headline)?;
         Some(panel(family, comparison, format!("{}: {}", family.title, comparison.title)))
@@ -187,7 +186,7 @@ pub fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Fi
 }
 
 /// All of them, each with its name.
-pub fn all(families: &[Family], table: &[Cost], processor: Processor) -> Vec<(&'static str, Figure)> {
+pub(crate) fn all(families: &[Family], table: &[Cost], processor: Processor) -> Vec<(&'static str, Figure)> {
     let each = families.iter().map(|one| (one.name, family(one, processor)));
     let first = std::iter::once(("speed-against-error", overview(families, table, processor)));
     first.chain(each).chain([("cost-per-scene", costs(table, processor))]).collect()

@@ -12,54 +12,32 @@ use rayon::prelude::*;
 use super::counts::Processor;
 use super::pair::{self, Apart, apart};
 use super::{Comparison, Family, continuous};
-use haptic_sim::report::text::significant;
+use haptic_sim::report::significant;
 
 /// Control rates, ticks each millisecond.
-pub const RATES: [u32; 4] = [1, 2, 4, 8];
-
-/// One of the choices.
-#[derive(Clone, Copy, Debug)]
-struct Scheme {
-    integrator: IntegratorName,
-    decode: Decode,
-    ticks_per_ms: u32,
-}
-
-impl Scheme {
-    fn name(self) -> String {
-        format!("{}, {}, {} kHz", self.integrator.name(), self.decode.name(), self.ticks_per_ms)
-    }
-
-    /// The case whose ticks are counted: [`super::cost`].
-    fn case(self) -> String {
-        format!("tick/{}-{}", self.decode.name(), self.integrator.name())
-    }
-}
-
-/// Every integrator with every decode at every rate.
-fn schemes() -> Vec<Scheme> {
-    let pairs =
-        IntegratorName::ALL.iter().flat_map(|&integrator| Decode::ALL.iter().map(move |&decode| (integrator, decode)));
-    pairs
-        .flat_map(|(integrator, decode)| RATES.map(|ticks_per_ms| Scheme { integrator, decode, ticks_per_ms }))
-        .collect()
-}
+const RATES: [u32; 4] = [1, 2, 4, 8];
 
 /// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
-    let measured = schemes()
+    let schemes: Vec<_> = IntegratorName::ALL
+        .iter()
+        .flat_map(|&integrator| Decode::ALL.iter().map(move |&decode| (integrator, decode)))
+        .flat_map(|(integrator, decode)| RATES.map(|ticks_per_ms| (integrator, decode, ticks_per_ms)))
+        .collect();
+    let measured = schemes
         .into_par_iter()
-        .map(|scheme| {
-            let scene = pair::scene(scheme.integrator, scheme.decode, scheme.ticks_per_ms);
-            let run = pair::run::<f32>(&scene, pair::DURATION_S)?;
-            let per_ms = processor.count(&scheme.case(), "f32").map(|count| count * u64::from(scheme.ticks_per_ms));
-            Ok((scheme.name(), apart(&run, &exact), per_ms))
+        .map(|(integrator, decode, ticks_per_ms)| {
+            let run = pair::run::<f32>(&pair::scene(integrator, decode, ticks_per_ms), pair::DURATION_S)?;
+            let (by, from) = (integrator.name(), decode.name());
+            // The case whose ticks are counted: [`super::counts`].
+            let count = processor.count(&format!("tick/{from}-{by}"), "f32");
+            let per_ms = count.map(|count| count * u64::from(ticks_per_ms));
+            Ok((format!("{by}, {from}, {ticks_per_ms} kHz"), apart(&run, &exact), per_ms))
         })
         .collect::<Result<Vec<_>, Refused<'static>>>()?;
     let compare = |title: &str, error: &str, unit, pick: fn(&Apart) -> f64| {
-        let points = measured.iter().map(|(name, apart, count)| (name.clone(), pick(apart), *count)).collect();
-        Comparison::new(title, error, unit, points).in_series()
+        Comparison::of(title, error, unit, &measured, pick).in_series()
     };
     let comparisons = vec![
         compare("position of the copies", "RMS error of x_o", "m", |apart| apart.position_rms_m),

@@ -18,13 +18,6 @@
 //! **Measured**: coherency, the distance between the body as the two users are shown it, at one instant; force and stiffness
 //! felt; stability, in the run and by the eigenvalues of one packet period; bytes a second, headers and tags of the sealed
 //! datagrams included. Not counted: addresses, sessions being set up, and a world that is downloaded once.
-//!
-//! | module | holds |
-//! |---|---|
-//! | [`together`] | both users at the same time |
-//! | [`turns`], [`hand`] | one user at a time: roles and the line between them; the users |
-//! | `account` | what is measured in either |
-//! | [`picture`] | the figure |
 
 mod account;
 pub mod hand;
@@ -32,12 +25,9 @@ pub mod picture;
 pub mod together;
 pub mod turns;
 
-use haptic_core::settings::Refused;
-use haptic_protocol::roles::collaborative::OutOfRange;
 use rayon::prelude::*;
 
-use crate::shared::cooperative::world::WorldError;
-use haptic_analysis::AnalysisError;
+use super::Failure;
 use haptic_sim::report::Columns;
 use haptic_sim::scene::{Scene, SceneError};
 
@@ -113,33 +103,26 @@ impl Architecture {
 
     /// For programs.
     pub fn key(self) -> &'static str {
-        match self {
-            Self::Static => "static",
-            Self::CollaborativeLock => "collaborative-lock",
-            Self::CollaborativeRing => "collaborative-ring",
-            Self::CooperativeServer => "cooperative-server",
-            Self::CooperativeServerUnbounded => "cooperative-server-unbounded",
-            Self::CooperativeClient => "cooperative-client",
-            Self::DistributedPower => "distributed-power",
-            Self::DistributedWave => "distributed-wave",
-            Self::DistributedPassiveWave => "distributed-passive-wave",
-            Self::DistributedPassiveMean => "distributed-passive-mean",
-        }
+        self.names()[0]
     }
 
     /// For tables and legends.
     pub fn name(self) -> &'static str {
+        self.names()[1]
+    }
+
+    fn names(self) -> [&'static str; 2] {
         match self {
-            Self::Static => "static",
-            Self::CollaborativeLock => "collaborative, lock",
-            Self::CollaborativeRing => "collaborative, ring",
-            Self::CooperativeServer => "cooperative, engine at server",
-            Self::CooperativeServerUnbounded => "the same without bounder",
-            Self::CooperativeClient => "cooperative, engine at client",
-            Self::DistributedPower => "distributed, power",
-            Self::DistributedWave => "distributed, wave",
-            Self::DistributedPassiveWave => "distributed, passive wave",
-            Self::DistributedPassiveMean => "distributed, passive mean",
+            Self::Static => ["static"; 2],
+            Self::CollaborativeLock => ["collaborative-lock", "collaborative, lock"],
+            Self::CollaborativeRing => ["collaborative-ring", "collaborative, ring"],
+            Self::CooperativeServer => ["cooperative-server", "cooperative, engine at server"],
+            Self::CooperativeServerUnbounded => ["cooperative-server-unbounded", "the same without bounder"],
+            Self::CooperativeClient => ["cooperative-client", "cooperative, engine at client"],
+            Self::DistributedPower => ["distributed-power", "distributed, power"],
+            Self::DistributedWave => ["distributed-wave", "distributed, wave"],
+            Self::DistributedPassiveWave => ["distributed-passive-wave", "distributed, passive wave"],
+            Self::DistributedPassiveMean => ["distributed-passive-mean", "distributed, passive mean"],
         }
     }
 }
@@ -177,26 +160,6 @@ pub struct Row {
     pub server_bytes_per_s: f64,
 }
 
-/// What may go wrong.
-#[derive(Debug, thiserror::Error)]
-pub enum ArchitectureError {
-    /// In a scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// In a peer.
-    #[error(transparent)]
-    Refused(#[from] Refused<'static>),
-    /// In a cooperative world.
-    #[error(transparent)]
-    World(#[from] WorldError),
-    /// In the analysis.
-    #[error(transparent)]
-    Analysis(#[from] AnalysisError),
-    /// In a collaborative role.
-    #[error(transparent)]
-    Lease(#[from] OutOfRange),
-}
-
 /// The scene of the task with these keys: both users reach together, from the left and from the right.
 pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
     let user = |index: usize| {
@@ -218,7 +181,7 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
 }
 
 /// One architecture at one delay.
-pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     match architecture {
         Architecture::CollaborativeLock | Architecture::CollaborativeRing => turns::row(architecture, delay_ms),
         Architecture::CooperativeServer
@@ -229,7 +192,7 @@ pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Architectur
 }
 
 /// Every architecture at every delay, in parallel; the same on any number of threads.
-pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, ArchitectureError> {
+pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
     let points: Vec<_> =
         Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();
     points

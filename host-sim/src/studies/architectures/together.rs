@@ -3,14 +3,14 @@
 use haptic_protocol::wire::{Flow, SEAL_LEN};
 
 use super::account::{Account, End, presence_bytes_per_s};
-use super::{Architecture, ArchitectureError, Row, TASK, scene};
+use super::{Architecture, Failure, Row, TASK, scene};
 use crate::shared::cooperative::world::World;
 use crate::shared::cooperative::{Engine, Setup, lifted};
 use haptic_analysis::verdict;
 use haptic_sim::pair::Pair;
 
 /// Two peers: static (no coordination law) or distributed.
-pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     // The gains of the fault campaign.
     let (comm, stiffness) = match architecture {
         Architecture::DistributedPower => ("power", 310.0),
@@ -52,7 +52,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
 }
 
 /// One dynamics engine.
-pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     // Half of the way to the server.
     let scene = scene(&[format!("network.extra_delay_s={}", 0.5e-3 * delay_ms)])?;
     let mut setup = Setup::new(scene);
@@ -86,7 +86,7 @@ fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// The spectral radius of one packet period of the engine at the server, without delay and bounder, with a packet every so
 /// many ticks: how slow packets may be for the scene's contact.
-pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, ArchitectureError> {
+pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, Failure> {
     let scene = scene(&[format!("timing.ticks_per_packet={ticks_per_packet}")])?;
     let mut setup = Setup::new(scene);
     setup.bounder = false;

@@ -11,7 +11,7 @@ use haptic_sim::network::link::Route;
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Doing, Hand};
-use super::{Architecture, ArchitectureError, Row, TASK, scene};
+use super::{Architecture, Failure, Row, TASK, scene};
 use crate::shared::said;
 use haptic_analysis::verdict;
 
@@ -147,7 +147,7 @@ fn counted<'a>(
 }
 
 /// The roles of a scheme in the order of their numbers, which of them is the first user's, and the delay of a message, µs.
-fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize, u64), ArchitectureError> {
+fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize, u64), Failure> {
     let lease = Lease::new(LEASE_US)?;
     if architecture == Architecture::CollaborativeLock {
         let client = |incarnation| Part::Client(Box::new(lock::Client::new(SERVER, lease, incarnation, value(0.0))));
@@ -163,7 +163,7 @@ fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize,
 }
 
 /// One run.
-pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, ArchitectureError> {
+pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
     let (parts, first, delay_us) = parts(architecture, (1e3 * delay_ms) as u64)?;

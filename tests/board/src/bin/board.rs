@@ -10,7 +10,6 @@ use clap::Parser;
 use haptic_sim::Laws;
 use haptic_sim::report::{Columns, Files};
 use haptic_sim::run::Outcome;
-use haptic_sim::scene::{Scene, SceneError};
 use haptic_sim::scenes;
 use host_sim::made;
 use host_sim::studies::figures;
@@ -40,20 +39,6 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
-impl Arguments {
-    /// The scene, checked: the file of that name, or the built-in scene.
-    fn load(&self) -> Result<Scene, SceneError> {
-        if self.scene.exists() {
-            return Scene::load(Laws::built_in(), Some(&self.scene), &self.set);
-        }
-        let name = self.scene.to_string_lossy();
-        let mut scene = scenes::load(Laws::built_in(), &name)?;
-        self.set.iter().try_for_each(|text| scene.apply_override(text))?;
-        scene.check(&name)?;
-        Ok(scene)
-    }
-}
-
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -70,7 +55,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()
         );
     }
-    let scene = arguments.load()?;
+    let scene = scenes::find(Laws::built_in(), Some(&arguments.scene), &arguments.set)?;
     let name = arguments.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let firmware = Arc::new(Firmware::release());
     let trial = trial::run(&firmware, &scene, arguments.seconds)?;

@@ -56,6 +56,15 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     }
 }
 
+/// What a line says of a value.
+pub(super) fn value(text: &str) -> Value<'_> {
+    match text {
+        "true" => Value::Flag(true),
+        "false" => Value::Flag(false),
+        _ => text.parse().map_or(Value::Text(text), Value::Number),
+    }
+}
+
 /// The settings that a calibration depends on, as the board has them.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
@@ -63,13 +72,8 @@ pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
         let answer = say(board, &format!("get {}", key.name))?;
         let text = answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"');
-        let value = match text {
-            "true" => Value::Flag(true),
-            "false" => Value::Flag(false),
-            _ => text.parse().map_or(Value::Text(text), Value::Number),
-        };
         settings
-            .set(key.name, value)
+            .set(key.name, value(text))
             .map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
     }
     Ok(settings)

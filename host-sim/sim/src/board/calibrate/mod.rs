@@ -32,13 +32,13 @@ impl Estimate {
 
 impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = |number: f64| crate::report::text::significant(number, 4);
+        let digits = |number: f64| crate::report::significant(number, 4);
         write!(f, "{} ± {}", digits(self.value), digits(self.within))
     }
 }
 
 /// What a calibration found: a key of the settings file and its value, as TOML.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Found {
     /// `table.key`.
     pub key: &'static str,

@@ -39,6 +39,15 @@ pub fn named(text: &str) -> Vec<String> {
     document.iter().flat_map(keys).collect()
 }
 
+/// A value as a board's lines and recordings spell it: numbers exactly, names without quotes.
+pub fn plain(value: Value<'_>) -> String {
+    match value {
+        Value::Number(number) => format!("{number:?}"),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Text(text) => text.to_owned(),
+    }
+}
+
 /// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
     let scene = Scene::load(crate::Laws::built_in(), Some(path), &[]).map_err(|error| error.to_string())?;
@@ -47,18 +56,11 @@ pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
 }
 
 /// The same of a scene, these keys only.
-///
-/// # Errors
-/// What the board says against it.
 pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, String> {
     let mut given = 0;
     for key in Settings::keys().filter(|key| named.iter().any(|name| name == key.name)) {
-        let line = match scene.peer.get(key.name) {
-            Some(Value::Number(number)) => format!("set {} {number:?}", key.name),
-            Some(Value::Flag(flag)) => format!("set {} {flag}", key.name),
-            Some(Value::Text(text)) => format!("set {} {text}", key.name),
-            None => continue,
-        };
+        let Some(value) = scene.peer.get(key.name) else { continue };
+        let line = format!("set {} {}", key.name, plain(value));
         say(board, &line)?;
         given += 1;
     }

@@ -12,9 +12,9 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::Motion;
 use haptic_core::safety::Mode;
-use haptic_core::settings::{Choice, Settings, Value};
+use haptic_core::settings::{Choice, Settings};
 
-use super::board::{Board, Tick};
+use super::board::{Board, Tick, value};
 use super::{Person, Task};
 use crate::peers::{DynPeer, Laws};
 use crate::plant::Plant;
@@ -127,17 +127,10 @@ impl Simulated {
         let words: Vec<&str> = line.split_whitespace().collect();
         Some(match words.as_slice() {
             ["get", key] => format!("ok {key} = {}", self.settings.get(key)?),
-            ["set", key, text] => {
-                let value = match *text {
-                    "true" => Value::Flag(true),
-                    "false" => Value::Flag(false),
-                    _ => text.parse().map_or(Value::Text(text), Value::Number),
-                };
-                match self.settings.set(key, value) {
-                    Ok(()) => format!("ok {key} = {text}"),
-                    Err(error) => format!("error {error:?}"),
-                }
-            }
+            ["set", key, text] => match self.settings.set(key, value(text)) {
+                Ok(()) => format!("ok {key} = {text}"),
+                Err(error) => format!("error {error:?}"),
+            },
             ["apply"] => match Laws::built_in().peer(&self.settings, [Motion::REST; AXES]) {
                 Ok(peer) => {
                     self.peer = peer;

@@ -7,11 +7,7 @@ use haptic_plot::{Figure, Panel, Series};
 
 /// A run over time.
 pub(super) fn over_time(row: &Row) -> Figure {
-    let time = row.outcome.table.column("time_s").unwrap_or(&[]);
-    let column = |name: &str, factor: f64| {
-        let values = row.outcome.table.column(name).unwrap_or(&[]);
-        time.iter().copied().zip(values.iter().map(|value| factor * value)).collect::<Vec<_>>()
-    };
+    let column = |name: &str, factor: f64| row.outcome.table.points("time_s", name, factor);
     let panel = |y_label: &str, series| Panel {
         x_label: "Time (s)".to_owned(),
         y_label: y_label.to_owned(),

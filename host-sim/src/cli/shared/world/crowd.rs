@@ -1,7 +1,7 @@
 //! `host-sim shared world crowd`: how many clients a server holds.
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
@@ -10,14 +10,12 @@ use crate::shared::world;
 use crate::shared::world::PACKET_US;
 use crate::shared::world::host::MOST_LINES;
 use crate::trials::crowd;
-use haptic_sim::report::Columns;
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;
 /// Packets of a client a second.
 const RATE_HZ: f64 = 1e6 / PACKET_US as f64;
 
-/// Arguments of `crowd`.
 #[derive(Debug, Args)]
 #[command(mut_arg("world", |arg| arg.help("World file (TOML) [default: the two rooms of scenes/worlds]")))]
 #[command(mut_arg("seconds", |arg| arg.default_value("10")))]
@@ -35,15 +33,7 @@ pub(in crate::cli) struct Crowd {
     world: WorldArgs,
 }
 
-/// What the machine was while it was measured.
-#[derive(Debug, Serialize)]
-struct Machine {
-    processor: String,
-    cores: usize,
-    /// Processes that ran or wanted to, mean over the last minute, before and after.
-    load: [Option<f64>; 2],
-}
-
+/// Processes that ran or wanted to, mean over the last minute.
 fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
@@ -54,18 +44,6 @@ fn processor() -> String {
     name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
-    machine: Machine,
-    packets_per_s_each: f64,
-    limit_us: f64,
-    /// The most clients of the runs up to the first that was over the limit, or lost answers.
-    holds: Option<u32>,
-    /// The fewest clients over the limit.
-    bends: Option<u32>,
-    runs: Vec<crowd::Report>,
-}
-
 /// Within the limit at the full rate, and hardly anything unanswered.
 fn holds(run: &crowd::Report) -> bool {
     let full = run.rate_hz > 0.99 * RATE_HZ && run.answered_share() > 0.999 && run.complete == run.clients;
@@ -73,7 +51,6 @@ fn holds(run: &crowd::Report) -> bool {
 }
 
 impl Crowd {
-    /// Measures and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let world = match self.world.load()? {
             Some((world, _)) => world,
@@ -83,77 +60,35 @@ impl Crowd {
         clients.sort_unstable();
         clients.dedup();
         let before = load();
-        let progress = ui.progress(clients.len() as u64, "crowds");
         let (stop, mut runs) = (Stop::on_signals()?, Vec::new());
-        for count in clients {
-            runs.push(crowd::run(&world, count, self.warm_up_s, self.time.seconds, &stop)?);
-            if stop.is_asked() {
-                break;
+        ui.work(clients.len(), "crowds", |step| -> Result<(), Failure> {
+            for count in clients.iter().take_while(|_| !stop.is_asked()) {
+                runs.push(crowd::run(&world, *count, self.warm_up_s, self.time.seconds, &stop)?);
+                step();
             }
-            progress.inc(1);
-        }
-        progress.finish_and_clear();
-        let machine = Machine {
-            processor: processor(),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
-            load: [before, load()],
-        };
-        let document = Document {
-            machine,
-            packets_per_s_each: RATE_HZ,
-            limit_us: LIMIT_US,
-            holds: runs.iter().take_while(|run| holds(run)).last().map(|run| run.clients),
-            bends: runs.iter().find(|run| !holds(run)).map(|run| run.clients),
-            runs,
-        };
-        ui.document(&document)?;
-        print(ui, &document);
+            Ok(())
+        })?;
+        // The most clients of the runs up to the first that was over the limit, or lost answers; the fewest over the limit.
+        let most = runs.iter().take_while(|run| holds(run)).last().map(|run| run.clients);
+        let bends = runs.iter().find(|run| !holds(run)).map(|run| run.clients);
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        ui.report(
+            "crowd",
+            &json!({
+                "machine": { "processor": processor(), "cores": cores, "load": [before, load()] },
+                "packets_per_s_each": RATE_HZ, "limit_us": LIMIT_US, "holds": most, "bends": bends, "runs": runs,
+            }),
+        )?;
+        writeln!(
+            ui,
+            "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
+             more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the\n\
+             system to the last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays\n\
+             included. Where the rate falls the load is short of a core: what bends first then is the load, not the server.\n\
+             Beyond one core or one machine, split the world: each region names its server, a server holds its region and the\n\
+             margin around it, and clients move from one to the next by themselves (`serve --region`, `visit --server`). Clients\n\
+             are aware of those at the same server only, so servers say nothing to each other."
+        );
         Ok(())
     }
-}
-
-fn print(ui: &Ui, document: &Document) {
-    let Machine { processor, cores, load } = &document.machine;
-    let [before, after] = load.map(|load| load.map_or_else(|| "?".to_owned(), |load| format!("{load:.2}")));
-    writeln!(
-        ui,
-        "{processor}, {cores} cores, load {before} before and {after} after; loopback UDP, {RATE_HZ} packets/s a client\n"
-    );
-    let table = Columns::of(&document.runs)
-        .value("clients", |run| run.clients)
-        .number("rate_hz", 1, |run| run.rate_hz)
-        .number("answered", 2, |run| run.answered_share())
-        .shown_in("%", 1e2)
-        .number("turnaround_p50_us", 1, |run| run.server.turnaround.p50_us)
-        .number("p99_us", 1, |run| run.server.turnaround.p99_us)
-        .number("p99.9_us", 1, |run| run.server.turnaround.p999_us)
-        .number("answer_p50_us", 1, |run| run.server.answer.p50_us)
-        .number("p99_us", 1, |run| run.server.answer.p99_us)
-        .number("round_trip_p50_us", 1, |run| run.round_trip.p50_us)
-        .number("p99_us", 1, |run| run.round_trip.p99_us)
-        .number("server_core", 0, |run| run.server.cpu_share)
-        .shown_in("%", 1e2)
-        .number("load_core", 0, |run| run.load_cpu_share)
-        .shown_in("%", 1e2)
-        .number("load_late_p99_us", 1, |run| run.load_late.p99_us)
-        .done();
-    ui.table(&table);
-    match (document.holds, document.bends) {
-        (Some(holds), None) => writeln!(ui, "The server holds {holds} clients, the most that were tried."),
-        (Some(holds), Some(bends)) => writeln!(ui, "The server holds {holds} clients and bends by {bends}."),
-        (None, _) => writeln!(ui, "The server holds none of these crowds within the limit."),
-    }
-    writeln!(
-        ui,
-        "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
-         more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the\n\
-         system to the last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays\n\
-         included. Where the rate falls the load is short of a core: what bends first then is the load, not the server."
-    );
-    writeln!(
-        ui,
-        "Beyond one core or one machine, split the world: each region names its server, a server holds its region and the\n\
-         margin around it, and clients move from one to the next by themselves (`serve --region`, `visit --server`). Clients\n\
-         are aware of those at the same server only, so servers say nothing to each other."
-    );
 }

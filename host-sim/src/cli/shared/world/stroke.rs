@@ -1,19 +1,14 @@
 //! `host-sim shared world stroke`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use haptic_protocol::world::{Block, Shape};
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::{Out, WorldArgs, number};
 use crate::cli::{Failure, Ui};
 use crate::shared::world::picture;
-use crate::shared::world::stroke::{Energy, Options, Part, stroke};
-use haptic_sim::report::Columns;
-use haptic_sim::report::significant;
+use crate::shared::world::stroke::{Options, stroke};
 
-/// Arguments of `stroke`.
 #[derive(Debug, Args)]
 #[command(mut_arg("world", |arg| {
     arg.requires("object").help("World file (TOML) with the object; without it, a block of 80 mm with a corner that points inwards")
@@ -40,16 +35,6 @@ pub(in crate::cli) struct Stroke {
     out: Out,
 }
 
-#[derive(Serialize)]
-struct Report {
-    parts: Vec<Part>,
-    energy: Energy,
-    remainder_j: f64,
-    /// How far the object was pushed at most along either axis, m.
-    largest_way_of_the_object_m: f64,
-    files: Vec<PathBuf>,
-}
-
 /// The block that is stroked without a world: a dart.
 fn dart() -> Shape {
     let (a, b, c, d) = ([-0.03, -0.03], [0.0, -0.02], [0.03, -0.03], [0.0, 0.05]);
@@ -68,63 +53,26 @@ impl Stroke {
         Ok(object.shape)
     }
 
-    /// Strokes, prints and draws.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let Self { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, .. } = *self;
         let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
         let stroke = stroke(&self.shape()?, &options)?;
         let made = ui.made().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
         let made = made.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
-        let files = ui.files(ui.folder(self.out.folder(), "out/shape").as_deref(), "shape", &made, |files| {
+        let files = ui.files(&self.out, "shape", "shape", &made, |files| {
             files.csv(&stroke.table)?;
             files.figure(None, &picture::figure(&stroke))
         })?;
+        // How far the object was pushed at most along either axis.
         let object = ["object_x_m", "object_y_m"].into_iter().filter_map(|name| stroke.table.column(name)).flatten();
-        let way = object.fold(0.0_f64, |most, at| most.max(at.abs()));
-        let report = Report {
-            remainder_j: stroke.energy.remainder_j(),
-            parts: stroke.parts,
-            energy: stroke.energy,
-            largest_way_of_the_object_m: way,
-            files,
-        };
-        ui.document_of(&made, &report)?;
-        report.print(ui);
-        ui.wrote(&report.files);
-        Ok(())
-    }
-}
-
-impl Report {
-    fn print(&self, ui: &Ui) {
-        let parts = Columns::of(&self.parts)
-            .value("side", |part| part.side.clone())
-            .number("corner_before_it", 1, |part| part.corner_deg)
-            .shown_in("°", 1.0)
-            .number("lets_go_at_m", 3, |part| part.leaves_at_m)
-            .shown_in("mm", 1e3)
-            .number("largest_depth_m", 3, |part| part.largest_depth_m)
-            .shown_in("mm", 1e3)
-            .number("largest_force_n", 3, |part| part.largest_force_n)
-            .number("force_at_its_end_n", 3, |part| part.last_force_n)
-            .done();
-        ui.table(&parts);
-        let Energy { work_j, stored_j, moving_j, contact_j, drag_j, arm_j } = self.energy;
-        let energies = [
-            ("work of the person", work_j),
-            ("in springs at the end", stored_j),
-            ("in motion at the end", moving_j),
-            ("taken by the contact's damper", contact_j),
-            ("taken by the object's drag", drag_j),
-            ("taken by arm and hand", arm_j),
-            ("left open by the time step", self.remainder_j),
-        ];
-        let table = Columns::of(&energies)
-            .value("energy", |(name, _)| *name)
-            .number("energy_j", 4, |(_, energy_j)| *energy_j)
-            .head("")
-            .shown_in("mJ", 1e3)
-            .done();
-        writeln!(ui, "{table}\nThe object was pushed {} mm.", significant(1e3 * self.largest_way_of_the_object_m, 3));
+        let way_m = object.fold(0.0_f64, |most, at| most.max(at.abs()));
+        ui.report_of(
+            &made,
+            "stroke",
+            &json!({
+                "parts": stroke.parts, "energy": stroke.energy, "remainder_j": stroke.energy.remainder_j(),
+                "largest_way_of_the_object_m": way_m, "files": files,
+            }),
+        )
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::flags::{KeyFile, Time, number, seconds};
+use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::visit;
@@ -13,21 +13,18 @@ use crate::shared::world::host::MOST_LINES;
 use crate::shared::world::visitor::Setup;
 use haptic_sim::key_file;
 
-/// Arguments of `visit`.
 #[derive(Debug, Args)]
 #[command(mut_arg("seconds", |arg| arg.default_value("10")))]
+#[command(mut_arg("listen", |arg| arg.required(false).default_value("0.0.0.0:0")))]
 pub(in crate::cli) struct Visit {
     #[command(flatten)]
-    key: KeyFile,
+    end: End,
     /// This client's line.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_LINES)))]
     line: u32,
     /// A server and where it listens; one for each region, the first is where the visit begins.
     #[arg(long = "server", required = true, value_name = "NUMBER=ADDRESS:PORT", value_parser = server)]
     servers: Vec<(u8, SocketAddr)>,
-    /// Where this client listens; port 0 is any.
-    #[arg(long, default_value = "0.0.0.0:0", value_name = "ADDRESS:PORT")]
-    listen: SocketAddr,
     /// How far around the hand the world is wanted, m; without it, everything.
     #[arg(long, value_name = "M", value_parser = number(1e-3..=1000.0, "m"))]
     radius_m: Option<f64>,
@@ -40,8 +37,6 @@ pub(in crate::cli) struct Visit {
     /// In this time, s.
     #[arg(long, default_value = "2", value_name = "S", value_parser = seconds)]
     stroke_s: f64,
-    #[command(flatten)]
-    time: Time,
     /// Another client that is told straight where this one is, by its line and where it listens.
     #[arg(long, value_name = "LINE=ADDRESS:PORT", value_parser = friend, requires = "friend_key_file")]
     friend: Option<(u32, SocketAddr)>,
@@ -80,7 +75,6 @@ fn point(text: &str) -> Result<[f64; 2], String> {
 }
 
 impl Visit {
-    /// Visits until the time is over, and reports.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         for (at, (number, address)) in self.servers.iter().enumerate() {
             for (known, same) in &self.servers[..at] {
@@ -101,7 +95,7 @@ impl Visit {
             _ => None,
         };
         let setup = Setup {
-            key: self.key.read()?,
+            key: self.end.key.read()?,
             line: self.line,
             home: self.servers.first().map_or(1, |(number, _)| *number),
             reachable: self.servers.iter().map(|(number, _)| *number).collect(),
@@ -109,35 +103,14 @@ impl Visit {
         };
         let options = visit::Options {
             setup,
-            listen: self.listen,
+            listen: self.end.listen,
             servers: self.servers.clone(),
             from_m: self.from_m,
             to_m: self.to_m,
             stroke_s: self.stroke_s,
-            duration_s: self.time.seconds,
+            duration_s: self.end.time.seconds,
             friend,
         };
-        let report = visit::run(&options, &Stop::on_signals()?)?;
-        ui.document(&report)?;
-        match report.complete_after_s {
-            Some(after_s) => writeln!(
-                ui,
-                "{} objects of world {} held, complete after {after_s:.3} s; {} parts were broken",
-                report.objects,
-                report.world.as_deref().unwrap_or("?"),
-                report.corrupt
-            ),
-            None => writeln!(ui, "{} objects held, never complete", report.objects),
-        }
-        writeln!(
-            ui,
-            "largest force {:.3} N, largest change in 1 ms {:.3} N; {} of {} ticks in contact, {} of them without a server",
-            report.largest_force_n, report.largest_step_n, report.felt_ticks, report.ticks, report.felt_alone_ticks
-        );
-        writeln!(ui, "at home at server {} after {} moves; others:", report.home, report.moves);
-        for other in &report.others {
-            writeln!(ui, "  line {} at {:.3}, {:.3} m", other.line, other.position_m[0], other.position_m[1]);
-        }
-        Ok(())
+        ui.report("visit", &visit::run(&options, &Stop::on_signals()?)?)
     }
 }

@@ -1,0 +1,66 @@
+//! `host-sim peer` and `host-sim hub`: live peers, two of them or 2 to 16 around a hub.
+
+use std::net::SocketAddr;
+
+use clap::Args;
+
+use super::flags::{End, Patience};
+use super::{Failure, SceneArgs, Ui};
+use crate::live::endpoint::{Span, Stop};
+use crate::live::{hub, peer};
+use crate::shared::cooperative::MOST_USERS;
+
+#[derive(Debug, Args)]
+pub(super) struct Peer {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Which of the two: 1 (left) or 2 (right).
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
+    number: u8,
+    /// Where the other peer, or the hub, listens.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    connect: SocketAddr,
+    #[command(flatten)]
+    end: End,
+    #[command(flatten)]
+    patience: Patience,
+}
+
+impl Peer {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let key = self.end.key.read()?;
+        let span = span(&self.end, &self.patience);
+        let ends = [self.end.listen, self.connect];
+        let report = peer::run(&scene, key, self.number, ends, span, &Stop::on_signals()?)?;
+        ui.report(&format!("peer {}", self.number), &report)
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+pub(super) struct Hub {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// How many peers; the one on line n has its key by `key generate --line n --of`, and is number 1 where n is odd, 2 where even.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=MOST_USERS as i64))]
+    users: u8,
+    #[command(flatten)]
+    end: End,
+    #[command(flatten)]
+    patience: Patience,
+}
+
+impl Hub {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let key = self.end.key.read()?;
+        let (users, listen, span) = (self.users, self.end.listen, span(&self.end, &self.patience));
+        ui.status(format_args!("hub for {users} peers listens on {listen}"));
+        ui.report("hub", &hub::run(&scene, &key, users.into(), listen, span, &Stop::on_signals()?)?)
+    }
+}
+
+fn span(end: &End, patience: &Patience) -> Span {
+    Span { duration_s: end.time.seconds, patience_s: patience.patience_s }
+}

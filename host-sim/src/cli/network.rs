@@ -1,0 +1,118 @@
+//! `host-sim network`: bad networks, and peers that are tried on them.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::flags::{Time, number};
+use super::{Failure, SceneArgs, Ui};
+use crate::live::endpoint::Stop;
+use crate::live::relay;
+use crate::trials::{flood, restarts};
+use haptic_sim::network::link::Route;
+use haptic_sim::network::rule::{Direction, NetworkTrace};
+
+super::commands! {
+    Network {
+        /// A bad network between two live peers.
+        Relay(Relay),
+        /// Write down what a scene's network does to every packet.
+        Trace(Trace),
+        /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
+        Flood(Flood),
+        /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
+        Restarts(Restarts),
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("seconds", |arg| arg.default_value("60")))]
+pub(super) struct Relay {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where peer 1 sends to.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen_1: SocketAddr,
+    /// Where peer 2 sends to.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen_2: SocketAddr,
+    /// Recorded network (as `--set network.trace=FILE`).
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+    #[command(flatten)]
+    time: Time,
+}
+
+impl Relay {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let mut scene = self.scene.load(ui)?;
+        if let Some(trace) = &self.trace {
+            scene.network_trace = Some(NetworkTrace::read(trace)?.into());
+        }
+        let routes = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Route::of_scene(&scene, direction, 0));
+        let listen = [self.listen_1, self.listen_2];
+        let relayed = relay::run(routes, listen, self.time.seconds, &Stop::on_signals()?)?;
+        writeln!(ui, "Packets from peer 1 to 2, and from 2 to 1\n");
+        ui.report("", &relayed)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Trace {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    time: Time,
+    /// CSV file to write.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+impl Trace {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let packet_s = scene.peer.timing.packet_period_s();
+        NetworkTrace::record(&scene, (self.time.seconds / packet_s).ceil() as u64).write(&self.file)?;
+        ui.report("", &json!({ "files": [&self.file] }))
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("seconds", |arg| arg.default_value("5")))]
+pub(super) struct Flood {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Forged datagrams per second, both peers together.
+    #[arg(long, default_value = "100000", value_name = "PER_S", value_parser = number(1.0..=1e7, "per s"))]
+    rate: f64,
+    #[command(flatten)]
+    time: Time,
+}
+
+impl Flood {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        ui.report("flood", &flood::run(&scene, self.rate, self.time.seconds, &Stop::on_signals()?)?)
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| scene.default_value("paper-5.2-passive-wave-16ms")))]
+pub(super) struct Restarts {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// How many restarts.
+    #[arg(long, default_value_t = 10_000, value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    count: u32,
+}
+
+impl Restarts {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let report = restarts::run(&scene, u64::from(self.count), scene.world.network.seed.into())?;
+        ui.report("restarts", &report)
+    }
+}
