@@ -224,4 +224,5 @@ pub fn try_out<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -
 }
 
 #[cfg(test)]
+#[path = "../tests/inside/tune.rs"]
 mod tests;

@@ -79,14 +79,5 @@ fn value_text(value: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_carry_no_zeros_that_say_nothing() {
-        let cases = [(3.5, "3.5"), (0.099, "0.099"), (10620.0, "10620"), (-2.0, "−2"), (f64::NAN, "NaN"), (0.0, "0")];
-        for (value, text) in cases {
-            assert_eq!(value_text(value), text);
-        }
-    }
-}
+#[path = "../tests/inside/bars.rs"]
+mod tests;

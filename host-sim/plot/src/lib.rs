@@ -205,4 +205,5 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
 }
 
 #[cfg(test)]
+#[path = "../tests/inside/root.rs"]
 mod tests;

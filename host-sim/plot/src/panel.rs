@@ -115,25 +115,5 @@ pub(super) fn lattice(area: &Frame) -> Vec<Point> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_run_that_diverges_ends_where_it_leaves() {
-        let frame = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 10.0 };
-        let heights = [-90.0, 5.0, -4.0, 12.0, 25.0, 5.0];
-        let pixels: Vec<Point> = heights.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
-        assert_eq!(until_far(pixels.clone(), &frame), pixels[..5]);
-        assert_eq!(until_far(pixels[..4].to_vec(), &frame), pixels[..4]);
-    }
-
-    #[test]
-    fn a_lattice_leaves_no_hole_for_a_box() {
-        let area = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 3.0 };
-        let points = lattice(&area);
-        for left in 0..80 {
-            let other = Frame { left: f64::from(left), top: 0.0, right: f64::from(left) + 13.0, bottom: 13.0 };
-            assert!(points.iter().any(|p| other.contains(*p)), "{left}");
-        }
-    }
-}
+#[path = "../tests/inside/panel.rs"]
+mod tests;

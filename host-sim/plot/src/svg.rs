@@ -113,17 +113,5 @@ fn escape(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_relative_and_do_not_drift() {
-        assert_eq!(path(&[(1.0, 2.0), (1.5, 2.0), (1.5, 1.0), (11.54, 0.46), (12.0, 1.0)]), "M1 2h.5v-1l10-.5l.5 .5");
-        assert_eq!(path(&[]), "");
-    }
-
-    #[test]
-    fn reserved_and_forbidden_characters_do_not_break_the_document() {
-        assert_eq!(escape("a<b & \"c\">\u{1}d"), "a&lt;b &amp; &quot;c&quot;&gt;d");
-    }
-}
+#[path = "../tests/inside/svg.rs"]
+mod tests;

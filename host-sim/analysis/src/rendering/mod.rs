@@ -28,6 +28,7 @@ pub mod identify;
 pub mod maps;
 pub mod picture;
 #[cfg(test)]
+#[path = "../../tests/inside/rendering.rs"]
 mod tests;
 
 use serde::Serialize;
