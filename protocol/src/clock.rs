@@ -95,9 +95,8 @@ impl Clock {
     fn close_block(&mut self, point: Point) {
         self.fastest = None;
         self.line.rotate_left(1);
-        if let Some(last) = self.line.last_mut() {
-            *last = point;
-        }
+        let [.., last] = &mut self.line;
+        *last = point;
         self.points = (self.points + 1).min(LINE);
         self.offset = Some(point);
         if self.points >= LEAST

@@ -67,9 +67,7 @@ impl Key {
     /// A function of this key that takes in data piece by piece and ends as another key.
     pub(crate) fn derive(&self, label: &str) -> Derivation {
         let mut padded = [0; 16];
-        for (to, from) in padded.iter_mut().zip(label.bytes()) {
-            *to = from;
-        }
+        padded.iter_mut().zip(label.bytes()).for_each(|(to, from)| *to = from);
         let mut mac = Blake2sMac256::new(&Array(self.0));
         Update::update(&mut mac, &padded);
         Derivation(mac)

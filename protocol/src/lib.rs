@@ -101,7 +101,6 @@ pub mod playout;
 mod reliable;
 pub mod replay;
 pub mod roles;
-mod seal;
 mod session;
 pub mod wire;
 pub mod world;

@@ -17,14 +17,11 @@
 
 use crate::engagement::{APART_AFTER, Engagement};
 use crate::reliable::{Receiver, Sender};
+use crate::session::{Counter, Session};
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
-use crate::{
-    clock::Clock, ends::Ends, handshake::Handshake, key::Key, notices::Notices, parameters::Parameters, seal::Counter,
-    session::Session,
-};
+use crate::{clock::Clock, ends::Ends, handshake::Handshake, key::Key, notices::Notices, parameters::Parameters};
 
 mod incoming;
-mod progress;
 
 pub use crate::error::Refusal as Error;
 pub use crate::reliable::{Full, WINDOW as EVENTS};

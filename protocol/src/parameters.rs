@@ -95,9 +95,7 @@ impl Parameters {
     /// How many tables, and their hashes as a greeting carries them.
     pub(crate) fn hashes(&self) -> (u8, [u64; TABLES]) {
         let mut all = [0; TABLES];
-        for (to, from) in all.iter_mut().zip(&self.hashes) {
-            *to = *from;
-        }
+        all.iter_mut().zip(&self.hashes).for_each(|(to, from)| *to = *from);
         (u8::try_from(self.hashes.len()).unwrap_or(u8::MAX), all)
     }
 

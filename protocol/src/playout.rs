@@ -124,14 +124,8 @@ impl<P> Playout<P> {
     /// The newest packet whose time has come `now`; older ones are dropped.
     pub fn take(&mut self, now: u32) -> Option<P> {
         let late = self.anchor?.wrapping_add(self.depth);
-        let due = |tick: u32| !after(tick.wrapping_add(late), now);
-        let mut newest: Option<u32> = None;
-        for (tick, _) in &self.waiting {
-            if due(*tick) && newest.is_none_or(|newest| after(*tick, newest)) {
-                newest = Some(*tick);
-            }
-        }
-        let newest = newest?;
+        let due = self.waiting.iter().map(|(tick, _)| *tick).filter(|tick| !after(tick.wrapping_add(late), now));
+        let newest = due.reduce(|newest, tick| if after(tick, newest) { tick } else { newest })?;
         self.played = Some(newest);
         let at = self.waiting.iter().position(|(tick, _)| *tick == newest)?;
         let (_, packet) = self.waiting.swap_remove(at);

@@ -41,11 +41,11 @@ const _: () = assert!(Sample::MAX_LEN <= MAX_MESSAGE);
 pub type Datagram = [u8; MAX_DATAGRAM];
 
 macro_rules! kinds {
-    ($($(#[$doc:meta])* $Kind:ident,)+) => {
+    ($($Kind:ident, $meaning:literal;)+) => {
         /// What a sealed datagram holds; the first byte says which.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[allow(clippy::large_enum_variant)] // 92 bytes on the way to the caller, and nowhere else.
-        pub enum Message { $($(#[$doc])* $Kind($Kind),)+ }
+        pub enum Message { $(#[doc = $meaning] $Kind($Kind),)+ }
 
         impl Message {
             /// Reads one message, which must fill `bytes` exactly.
@@ -72,30 +72,17 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// The coordination flow, once each packet period.
-    Flow,
-    /// How the sender is doing.
-    Telemetry,
-    /// Something that happens once and must arrive.
-    Event,
-    /// Which events have arrived.
-    Ack,
-    /// What time is it at your end?
-    Probe,
-    /// The answer to a probe.
-    Reply,
-    /// The sender ends the session.
-    Goodbye,
-    /// A client wants parts of the world.
-    Ask,
-    /// A part of the world.
-    Part,
-    /// Where clients are.
-    Presence,
-    /// What an instrument saw.
-    Sample,
-    /// What a client does to the shared object.
-    Push,
-    /// The shared object as it is moved.
-    Moved,
+    Flow, "The coordination flow, once each packet period.";
+    Telemetry, "How the sender is doing.";
+    Event, "Something that happens once and must arrive.";
+    Ack, "Which events have arrived.";
+    Probe, "What time is it at your end?";
+    Reply, "The answer to a probe.";
+    Goodbye, "The sender ends the session.";
+    Ask, "A client wants parts of the world.";
+    Part, "A part of the world.";
+    Presence, "Where clients are.";
+    Sample, "What an instrument saw.";
+    Push, "What a client does to the shared object.";
+    Moved, "The shared object as it is moved.";
 }

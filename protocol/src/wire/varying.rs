@@ -1,47 +1,20 @@
 //! Messages of varying length: events and samples (numbers, and bytes whose meaning is the application's), and where clients are.
 
-use core::fmt;
-
 use crate::bytes::{Field, Reader, Writer, layout};
 use crate::error::Error;
-
-/// Up to `N` bytes.
-#[derive(Clone, Copy)]
-struct Bytes<const N: usize> {
-    bytes: [u8; N],
-    len: u8,
-}
-
-impl<const N: usize> Bytes<N> {
-    fn get(&self) -> &[u8] {
-        self.bytes.get(..usize::from(self.len)).unwrap_or(&[])
-    }
-}
-
-impl<const N: usize> PartialEq for Bytes<N> {
-    fn eq(&self, other: &Self) -> bool {
-        self.get() == other.get()
-    }
-}
-
-impl<const N: usize> Eq for Bytes<N> {}
-
-impl<const N: usize> fmt::Debug for Bytes<N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.get().fmt(f)
-    }
-}
 
 /// Kind, length of the payload, numbers, payload.
 macro_rules! with_payload {
     ($(#[$meta:meta])* $Name:ident($message:literal, kind $kind:literal, up to $most:literal bytes) {
-        $($(#[$field_meta:meta])* $field:ident: $ty:ty,)+
+        $($field:ident: $ty:ty, $meaning:literal;)+
     }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub struct $Name {
-            $($(#[$field_meta])* pub $field: $ty,)+
-            payload: Bytes<$most>,
+            $(#[doc = $meaning] pub $field: $ty,)+
+            /// Zeros beyond its length, so that equal payloads are equal bytes.
+            payload: [u8; $most],
+            len: u8,
         }
 
         impl $Name {
@@ -59,20 +32,20 @@ macro_rules! with_payload {
                 let message = concat!($message, " payload");
                 let too_long = Error::Length { message, wanted: $most, got: payload.len() };
                 let len = u8::try_from(payload.len()).map_err(|_| too_long)?;
-                let mut bytes = [0; $most];
-                bytes.get_mut(..payload.len()).ok_or(too_long)?.copy_from_slice(payload);
-                let empty = Self { $($field: <$ty>::default(),)+ payload: Bytes { bytes, len } };
-                Ok(Self { code, ..empty })
+                let mut new = Self { $($field: <$ty>::default(),)+ payload: [0; $most], len };
+                new.payload.get_mut(..payload.len()).ok_or(too_long)?.copy_from_slice(payload);
+                new.code = code;
+                Ok(new)
             }
 
             /// The payload.
             pub fn payload(&self) -> &[u8] {
-                self.payload.get()
+                self.payload.get(..usize::from(self.len)).unwrap_or(&[])
             }
 
             /// Bytes before it is sealed.
             pub fn emitted_len(&self) -> usize {
-                Self::HEAD + usize::from(self.payload.len)
+                Self::HEAD + usize::from(self.len)
             }
 
             /// Reads one, which must fill `bytes` exactly.
@@ -92,7 +65,7 @@ macro_rules! with_payload {
             /// Writes it to the front of `out` and gives its length.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
                 let mut writer = Writer::new(out, $message);
-                writer.bytes(&[Self::KIND, self.payload.len]);
+                writer.bytes(&[Self::KIND, self.len]);
                 $(writer.put(&self.$field);)+
                 writer.bytes(self.payload());
                 writer.end()
@@ -104,18 +77,15 @@ macro_rules! with_payload {
 with_payload! {
     /// Something that happens once (a hit, a lock, a change of settings), and must arrive, in order.
     Event("event", kind 3, up to 48 bytes) {
-        /// What the payload means, for the application to choose.
-        code: u16,
-        /// Place in the sender's order; the link sets it.
-        number: u32,
+        code: u16, "What the payload means, for the application to choose.";
+        number: u32, "Place in the sender's order; the link sets it.";
     }
 }
 
 with_payload! {
     /// What an instrument saw, once, and lost if it is lost.
     Sample("sample", kind 9, up to 88 bytes) {
-        /// What the payload means, for the application to choose.
-        code: u16,
+        code: u16, "What the payload means, for the application to choose.";
     }
 }
 

@@ -7,8 +7,7 @@ use crate::handshake::Handshake;
 use crate::key::Key;
 use crate::parameters::{Parameters, Table};
 use crate::roles::static_scene::Server;
-use crate::seal::{Counter, EPOCH_BITS};
-use crate::session::{Offer, Session};
+use crate::session::{Counter, EPOCH_BITS, Offer, Session};
 use crate::wire::{
     Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting, Topic,
 };

@@ -1,13 +1,16 @@
-//! Backward difference: v\[n\] = (x\[n\] − x\[n−1\])/T_c.
+//! Backward difference, as it is or through a one-pole low pass.
 //!
-//! Units: m and m/s, or rad and rad/s. Exact for uniform motion; otherwise the velocity of half a tick ago, to first
-//! order.
+//! v\[n\] = (x\[n\] − x\[n−1\])/T_c is exact for uniform motion; otherwise the velocity of half a tick ago, to first order. One
+//! encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the motion.
 //!
-//! Limits: one encoder count δ of rounding is δ/T_c of velocity noise (5 mm/s at the defaults), however slow the
-//! motion.
+//! Filtered: v ← e^(−ω·T_c)·v + (1 − e^(−ω·T_c))·(x\[n\] − x\[n−1\])/T_c, with ω = 2π·`axis.velocity_cutoff_hz`: discretised exactly
+//! for an input held over the tick, the same rule as the wave filter's (THEORY §2). Gain one at rest, stable for every cutoff, no
+//! overshoot. Lags a ramp by T_c/2 + T_c/(e^(ω·T_c) − 1), about 1/ω. A non-finite reading stays in the filter until `start`.
+//!
+//! Units: m and m/s, or rad and rad/s.
 
 use crate::num::{Motion, Scalar};
-use crate::settings::{Refused, Settings};
+use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::velocity::VelocityEstimator, model::Model};
 
 /// The control period and one over it.
@@ -35,5 +38,37 @@ impl<S: Scalar> VelocityEstimator<S> for Difference<S> {
         let velocity = (reading.position - *last) * self.rate_hz;
         *last = reading.position;
         velocity
+    }
+}
+
+/// The difference, and the share of it that a tick takes over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filtered<S> {
+    difference: Difference<S>,
+    gain: S,
+}
+
+impl<S: Scalar> Model<S> for Filtered<S> {
+    /// The last position (m or rad) and the filtered velocity (m/s or rad/s).
+    type State = (S, S);
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        // From half the sample rate on there is nothing left to cut off.
+        let max = 0.5 / settings.timing.control_period_s;
+        settings.within("axis.velocity_cutoff_hz", Allowed::Number { min: 0.1, max })?;
+        let angle = core::f64::consts::TAU * settings.axis.velocity_cutoff_hz * settings.timing.control_period_s;
+        Ok(Self { difference: Difference::build(settings)?, gain: S::from_f64(-libm::expm1(-angle)) })
+    }
+}
+
+impl<S: Scalar> VelocityEstimator<S> for Filtered<S> {
+    fn start(&self, (last, velocity): &mut (S, S), at: Motion<S>) {
+        self.difference.start(last, at);
+        *velocity = at.velocity;
+    }
+    #[inline]
+    fn step(&self, (last, velocity): &mut (S, S), reading: Motion<S>) -> S {
+        let raw = self.difference.step(last, reading);
+        *velocity = *velocity + self.gain * (raw - *velocity);
+        *velocity
     }
 }

@@ -14,7 +14,6 @@
 
 pub mod adaptive;
 pub mod difference;
-pub mod filtered;
 
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
@@ -54,7 +53,7 @@ list! {
     AnyVelocity, named by VelocityName in axis.velocity {
         Measured(Measured),
         Difference(difference::Difference<S>),
-        Filtered(filtered::Filtered<S>),
+        Filtered(difference::Filtered<S>),
         Adaptive(adaptive::Adaptive<S>),
     }
 }

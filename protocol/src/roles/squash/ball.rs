@@ -158,14 +158,12 @@ impl RoundTrips {
         let passed = slot.saturating_sub(self.slot).min(Self::SLOTS as u64);
         for _ in 0..passed {
             self.slots.rotate_right(1);
-            if let Some(first) = self.slots.first_mut() {
-                *first = 0;
-            }
+            let [first, ..] = &mut self.slots;
+            *first = 0;
         }
         self.slot = self.slot.max(slot);
-        if let Some(first) = self.slots.first_mut() {
-            *first = round_trip_us.max(*first);
-        }
+        let [first, ..] = &mut self.slots;
+        *first = round_trip_us.max(*first);
     }
 
     /// The longest, µs; 0 while there is none.

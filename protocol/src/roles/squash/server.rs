@@ -98,9 +98,7 @@ impl Server {
         let mut players = [SERVER; PLAYERS];
         let first = usize::from(rally - 1).checked_rem(count).unwrap_or(0);
         let order = here().map(|(player, _)| player).cycle().skip(first).take(count);
-        for (place, player) in players.iter_mut().zip(order) {
-            *place = player;
-        }
+        players.iter_mut().zip(order).for_each(|(place, player)| *place = player);
         self.game.players = players;
         self.game.rally = rally;
         self.game.phase = Phase::Rally;
