@@ -54,7 +54,7 @@ byte_enum! {
 }
 
 layout! {
-    /// One step of the handshake: what is declared here, then a tag over it of 16 bytes, 200 in all. [`crate::handshake`] makes and
+    /// One step of the handshake: what is declared here, then a tag over it of 16 bytes, 200 in all. The handshake makes and
     /// checks the tag and says what the two challenges do.
     pub struct Greeting(184 bytes, version VERSION) {
         1 => kind: GreetingKind, "Hello or welcome.";
