@@ -88,7 +88,8 @@ pub struct Ticker {
     period: Duration,
     /// How long there are ticks, s.
     seconds: f64,
-    kept: Punctuality,
+    /// How well they were kept so far.
+    pub kept: Punctuality,
 }
 
 impl Ticker {
@@ -114,11 +115,6 @@ impl Ticker {
 
     fn deadline(&self) -> Instant {
         self.start + self.period.saturating_mul(u32::try_from(self.kept.ticks).unwrap_or(u32::MAX))
-    }
-
-    /// How well they were kept so far.
-    pub fn kept(&self) -> Punctuality {
-        self.kept
     }
 
     /// Sleeps until the next tick, if that is still to come.
@@ -172,11 +168,12 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
 #[derive(Debug)]
 pub struct Endpoint {
     socket: UdpSocket,
-    address: SocketAddr,
+    /// Where it listens.
+    pub address: SocketAddr,
     answers: bool,
     start: Instant,
     /// Datagrams that the system did not take.
-    unsent: AtomicU64,
+    pub(crate) unsent: AtomicU64,
 }
 
 impl Endpoint {
@@ -204,11 +201,6 @@ impl Endpoint {
         Self { start, ..self }
     }
 
-    /// Where it listens.
-    pub fn address(&self) -> SocketAddr {
-        self.address
-    }
-
     /// Time since it was opened, ns.
     pub fn now_ns(&self) -> u64 {
         self.start.elapsed().as_nanos() as u64
@@ -219,11 +211,6 @@ impl Endpoint {
         let sent = self.socket.send_to(datagram, to).is_ok();
         self.unsent.fetch_add(u64::from(!sent), Ordering::Relaxed);
         sent
-    }
-
-    /// Datagrams that the system did not take.
-    pub fn unsent(&self) -> u64 {
-        self.unsent.load(Ordering::Relaxed)
     }
 
     /// Takes what has come, oldest first, until there is nothing left or it is `until`; an endpoint that answers waits until then.

@@ -85,9 +85,9 @@ impl Actor<SocketAddr> for Meeting {
     }
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
-        let waited = self.hub.packets().is_none();
+        let waited = self.hub.packets.is_none();
         self.hub.tick(now_ns / 1_000, out);
-        if waited && self.hub.packets().is_some() {
+        if waited && self.hub.packets.is_some() {
             eprintln!("all {} are there: arm the boards", self.hub.lines().count());
         }
     }
@@ -95,7 +95,7 @@ impl Actor<SocketAddr> for Meeting {
 
 impl Live for Meeting {
     fn end(&self) -> Option<Result<(), String>> {
-        match self.hub.packets() {
+        match self.hub.packets {
             Some(packets) => (packets >= self.packets).then_some(Ok(())),
             None => (1..)
                 .zip(self.hub.lines())
@@ -104,7 +104,7 @@ impl Live for Meeting {
     }
 
     fn missing(&self) -> Option<String> {
-        if self.hub.packets().is_some() {
+        if self.hub.packets.is_some() {
             return None;
         }
         let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
@@ -138,13 +138,13 @@ pub(crate) fn run(
     let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
     let punctuality = Endpoint::polled(listen)?.run(ticker, patience_s, stop, &mut meeting)?;
     let hub = meeting.hub;
-    let energy = hub.junction().energy();
+    let energy = hub.junction.energy();
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
     let copies = || lines.iter().filter_map(|line| line.copy_mm);
     Ok(Report {
-        packets: hub.packets().unwrap_or(0),
+        packets: hub.packets.unwrap_or(0),
         energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
-        object_mm: 1e3 * hub.junction().motion.position,
+        object_mm: 1e3 * hub.junction.motion.position,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
         datagrams_refused: hub.refused,
         lines,

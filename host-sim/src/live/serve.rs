@@ -7,6 +7,7 @@
 //! Real-time priority is asked for and reported; the thread is not pinned (`taskset` does that).
 
 use std::net::SocketAddr;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use haptic_sim::engine::{Actor, Out};
@@ -140,7 +141,7 @@ pub(crate) fn run(
         counts: serving.host.counts,
         answer: serving.answer.quantiles(),
         turnaround: serving.turnaround.quantiles(),
-        unsent: endpoint.unsent(),
+        unsent: endpoint.unsent.load(Ordering::Relaxed),
         cpu_share: serving.computed.and_then(|computed| computed.share()),
         realtime_priority: kept.realtime_priority,
     })

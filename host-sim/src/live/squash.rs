@@ -156,7 +156,7 @@ pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, S
     };
     let links = Links::new(key, number, &options.addresses)?;
     let endpoint = Endpoint::polled(own)?;
-    let (own, out, rallies) = (endpoint.address(), Outbox::new(), Vec::new());
+    let (own, out, rallies) = (endpoint.address, Outbox::new(), Vec::new());
     let mut process = Process { options, own, links, part, out, ticks: 0, rallies, strokes: 0, unseen: 0, up: 0 };
     let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S)).lasting(options.seconds);
     let punctuality = endpoint.run(ticker, f64::MAX, stop, &mut process)?;

@@ -93,7 +93,7 @@ pub(crate) fn run(world: &World, clients: u32, warm_up_s: f64, seconds: f64, sto
     std::thread::scope(|scope| {
         let options = serve::Options { duration_s: f64::MAX, warm_up_s, sent_ns };
         let serving = scope.spawn(|| serve::run(&server, &mut host, options, &done));
-        let load = Load::new(&load, server.address(), &key, &sent).and_then(|load| load.run(warm_up_s, seconds, stop));
+        let load = Load::new(&load, server.address, &key, &sent).and_then(|load| load.run(warm_up_s, seconds, stop));
         done.ask();
         let server = serving.join().map_err(|_| "the server's thread ended".to_owned())??;
         Ok(load?.report(server))

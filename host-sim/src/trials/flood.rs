@@ -103,7 +103,7 @@ struct Field {
 pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, String> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
-    let addresses = endpoints.each_ref().map(Endpoint::address);
+    let addresses = endpoints.each_ref().map(|endpoint| endpoint.address);
     let key = Key::new(entropy()?);
     let nodes = [Node::new(scene, 1, key.clone(), entropy()?)?, Node::new(scene, 2, key, entropy()?)?];
     let period = Duration::from_secs_f64(scene.peer.timing.control_period_s);

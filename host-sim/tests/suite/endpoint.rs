@@ -51,7 +51,7 @@ impl Live for Echo {
 /// What came of a run, and how many ticks and goodbyes there were.
 fn run(open: fn(SocketAddr) -> Result<Endpoint, String>, alone: bool, stop: &Stop) -> (Result<u64, String>, Echo) {
     let endpoint = open(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a socket on loopback");
-    let mut echo = Echo { own: endpoint.address(), heard: 0, ticks: 0, goodbyes: 0, alone };
+    let mut echo = Echo { own: endpoint.address, heard: 0, ticks: 0, goodbyes: 0, alone };
     let kept = endpoint.run(Ticker::new(Duration::from_millis(5)), 0.02, stop, &mut echo);
     (kept.map(|kept| kept.ticks), echo)
 }
@@ -60,15 +60,15 @@ fn run(open: fn(SocketAddr) -> Result<Endpoint, String>, alone: bool, stop: &Sto
 fn ticks_are_counted_and_so_is_their_lateness() {
     let mut ticker = Ticker::new(Duration::from_secs(60));
     ticker.wait();
-    assert_eq!((ticker.kept().ticks, ticker.kept().missed), (1, 0), "{ticker:?}");
+    assert_eq!((ticker.kept.ticks, ticker.kept.missed), (1, 0), "{ticker:?}");
     let mut ticker = Ticker::new(Duration::from_millis(10));
     ticker.wait();
     std::thread::sleep(Duration::from_millis(45));
     // Due at 10 ms and 20 ms, and not skipped.
     (0..2).for_each(|_| ticker.wait());
-    let Punctuality { ticks, missed, worst_us, .. } = ticker.kept();
+    let Punctuality { ticks, missed, worst_us, .. } = ticker.kept;
     assert!(ticks == 3 && (2..=3).contains(&missed) && worst_us >= 35_000, "{ticker:?}");
-    assert!(ticker.kept().mean_us() >= 20_000.0 && ticker.kept().mean_us() <= worst_us as f64, "{ticker:?}");
+    assert!(ticker.kept.mean_us() >= 20_000.0 && ticker.kept.mean_us() <= worst_us as f64, "{ticker:?}");
 }
 
 /// What the system says of this thread is what [`realtime`] says.
@@ -108,7 +108,7 @@ fn a_flood_holds_up_no_tick_and_every_end_has_its_goodbye() {
 fn a_planted_rule_decides_what_passes() {
     let every_other = |number: u64, _: u64| if number % 2 == 1 { Fate::Drop } else { Fate::Pass };
     let [one, two] = [(); 2].map(|()| Endpoint::polled(([127, 0, 0, 1], 0).into()).expect("a socket on loopback"));
-    let addresses = [(); 2].map(|()| Endpoint::polled(([127, 0, 0, 1], 0).into()).expect("a free port").address());
+    let addresses = [(); 2].map(|()| Endpoint::polled(([127, 0, 0, 1], 0).into()).expect("a free port").address);
     let stop = Stop::default();
     let (counts, came) = std::thread::scope(|scope| {
         let routes = [Route::new(0).with_rule(every_other), Route::new(0)];

@@ -50,12 +50,14 @@ pub fn number_on(line: u32) -> u8 {
 #[derive(Debug)]
 pub struct Hub<A> {
     ends: Vec<End<A>>,
-    junction: Junction,
+    /// Where the lines meet.
+    pub junction: Junction,
     ticks_per_packet: u32,
     telemetry_ticks: u32,
     /// Control periods since the start.
     ticks: u32,
-    packets: Option<u64>,
+    /// Packet periods since all were there; none before.
+    pub packets: Option<u64>,
     /// Datagrams that no line took.
     pub(crate) refused: u64,
 }
@@ -97,17 +99,7 @@ impl<A: Copy> Hub<A> {
 
     /// The lines, each with its port.
     pub fn lines(&self) -> impl Iterator<Item = (&End<A>, &Port)> {
-        self.ends.iter().zip(self.junction.ports())
-    }
-
-    /// Where the lines meet.
-    pub fn junction(&self) -> &Junction {
-        &self.junction
-    }
-
-    /// Packet periods since all were there; none before.
-    pub fn packets(&self) -> Option<u64> {
-        self.packets
+        self.ends.iter().zip(&self.junction.ports)
     }
 
     /// Takes a datagram that came from `from`, opened in place, and sends what the link answers at once.
@@ -179,7 +171,7 @@ impl<A: Copy> Hub<A> {
         }
         self.junction.exchange(came);
         self.packets = self.packets.map(|packets| packets + 1);
-        for (end, port) in self.ends.iter_mut().zip(self.junction.ports()) {
+        for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
             let flow = flow_of(port.back, true, self.ticks);
             end.say(now_us, flow, send);
         }
@@ -188,7 +180,7 @@ impl<A: Copy> Hub<A> {
     /// How the hub is doing, for the peers' people and logs: its own end of each line.
     fn tell(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
         let at = self.junction.motion.position as f32;
-        for (end, port) in self.ends.iter_mut().zip(self.junction.ports()) {
+        for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
             let mut telemetry = Telemetry {
                 mode: u8::from(self.packets.is_some()),
                 tick: self.ticks,

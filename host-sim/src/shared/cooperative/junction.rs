@@ -108,7 +108,8 @@ impl Port {
 /// Where up to [`MOST_USERS`] lines meet.
 #[derive(Clone, Debug)]
 pub struct Junction {
-    ports: Vec<Port>,
+    /// In the order of the lines.
+    pub ports: Vec<Port>,
     ladder: Ladder<f64>,
     credit: Option<Credit<f64>>,
     impedance: f64,
@@ -148,11 +149,6 @@ impl Junction {
             packet_s,
             motion: Motion::REST,
         })
-    }
-
-    /// The ports, in the order of the lines.
-    pub fn ports(&self) -> &[Port] {
-        &self.ports
     }
 
     /// Lets go of the peer on a line, which is not there yet, is gone, or began anew.

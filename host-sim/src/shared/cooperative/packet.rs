@@ -53,9 +53,8 @@ pub(super) fn body(object: Motion<f64>) -> Body {
     Body { axes: [[object.position, object.velocity], [0.0; 2]] }
 }
 
-pub(super) fn object(body: Body) -> Motion<f64> {
-    let [[position, velocity], _] = body.axes;
-    Motion { position, velocity }
+pub(super) fn motion([[position, velocity], _]: [[impl Into<f64>; 2]; 2]) -> Motion<f64> {
+    Motion { position: position.into(), velocity: velocity.into() }
 }
 
 impl Up {

@@ -49,7 +49,7 @@ impl Actor<usize> for Around {
             Self::Peer(side) => side.act(now_ns, out),
             Self::Server(Meeting { junction, lines, packet_ns }) if now_ns.is_multiple_of(*packet_ns) => {
                 junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)));
-                for (port, to) in junction.ports().iter().zip(1..) {
+                for (port, to) in junction.ports.iter().zip(1..) {
                     out(to, &Numbered { number: now_ns / *packet_ns, what: port.back });
                 }
             }

@@ -15,7 +15,7 @@ use haptic_sim::network::rule::Direction;
 
 use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
-use super::packet::{Down, Packet, Up, body, object, peer};
+use super::packet::{Down, Packet, Up, body, motion, peer};
 use super::{Collision, MOST_USERS, Setup, bounder};
 
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
@@ -53,13 +53,9 @@ impl Rules {
         self.tick(now_ns).is_multiple_of(self.ticks_per_packet)
     }
 
-    fn number(&self, now_ns: u64) -> u64 {
-        self.tick(now_ns) / self.ticks_per_packet
-    }
-
     /// Sends what a packet period brings.
-    fn send(&self, now_ns: u64, to: usize, packet: Packet, out: &mut Sends<'_>) {
-        out(to, &Numbered { number: self.number(now_ns), what: packet });
+    fn send(&self, now_ns: u64, to: usize, what: Packet, out: &mut Sends<'_>) {
+        out(to, &Numbered { number: self.tick(now_ns) / self.ticks_per_packet, what });
     }
 }
 
@@ -95,8 +91,7 @@ impl Seat {
         let pushed: [Option<Pushed>; MOST_USERS] =
             down.pushes.map_or([None; MOST_USERS], |all| all.map(|push| Some(self.rules.pushed(&push?, now_us))));
         if let Some(state) = down.state {
-            let [[position, velocity], _] = state.axes;
-            self.client.tell(state.version, Motion { position: position.into(), velocity: velocity.into() });
+            self.client.tell(state.version, motion(state.axes));
             if state.echo_us > 0 {
                 // A clock that is not believed is one that has nothing to say.
                 let _ = self.client.clock.sample(state.echo_us, state.came_us, state.sent_us, now_us);
@@ -111,7 +106,7 @@ impl Seat {
             self.role.receive(now_us, PeerId(0), &message, &mut |_, _| ());
         }
         match self.role.take_notice() {
-            Some(Notice::Came(body)) => self.engine.take_over(object(body)),
+            Some(Notice::Came(body)) => self.engine.take_over(motion(body.axes)),
             Some(Notice::Recalled) => self.role.give_back(now_us, body(self.engine.object)),
             None => {}
         }
@@ -199,7 +194,7 @@ impl Server {
         let mut recalled = None;
         self.role.poll(now_us, &mut |to, message| recalled = Some((to, message)));
         if let Some(body) = self.role.take_notice() {
-            self.engine.take_over(object(body));
+            self.engine.take_over(motion(body.axes));
         }
         let (here, lent_to, version) = (self.role.has_engine(), self.role.lent_to(), self.role.version());
         let pushes: [Option<Push>; MOST_USERS] = core::array::from_fn(|other| Some(self.users.get(other)?.up?.push));
@@ -225,9 +220,7 @@ impl Server {
         self.engine.users[index] = self.rules.pushed(&up.push, now_us);
         self.users[index].up = Some(up);
         if let Some(states) = up.states {
-            let [[position, velocity], _] = states[0].axes;
-            let told = Motion { position: position.into(), velocity: velocity.into() };
-            self.role.told(peer(index), states[0].version, body(told));
+            self.role.told(peer(index), states[0].version, body(motion(states[0].axes)));
             for (other, (user, state)) in self.users.iter_mut().zip(states).enumerate() {
                 user.passed_on = (other != index).then_some(state);
             }
@@ -237,7 +230,7 @@ impl Server {
             let answer = &mut self.users[index].answer;
             self.role.receive(now_us, peer(index), &message, &mut |_, message| *answer = Some(message));
             if let Some(body) = self.role.take_notice() {
-                self.engine.take_over(object(body));
+                self.engine.take_over(motion(body.axes));
             }
         }
     }

@@ -71,9 +71,8 @@ pub(super) struct Referee {
     hits: HashMap<(u16, u16), Hit>,
     verdicts: Vec<Verdict>,
     score: [u8; PLAYERS],
-    /// What each player was told: results, and the score after the last one.
+    /// The results that each player was told.
     told: Vec<Vec<Verdict>>,
-    scores: Vec<[u8; PLAYERS]>,
     pub(super) report: Report,
 }
 
@@ -86,7 +85,6 @@ impl Referee {
             verdicts: Vec::new(),
             score: [0; PLAYERS],
             told: vec![Vec::new(); usize::from(players)],
-            scores: vec![[0; PLAYERS]; usize::from(players)],
             report: Report { agreed: true, ..Report::default() },
         }
     }
@@ -136,7 +134,6 @@ impl Referee {
         let at = usize::from(by) - 1;
         self.report.results_before_hits += u32::from(seen < verdict.strokes);
         self.told[at].push(verdict);
-        self.scores[at] = score;
         if self.told[at].len() == self.verdicts.len() && score != self.score {
             self.disagree(format!("player {by} has the score {score:?}, the referee {:?}", self.score));
         }

@@ -90,7 +90,7 @@ impl Meeting {
 
     fn step(&mut self) {
         self.engine.step(&mut |_| ());
-        let energy = self.hub().junction().energy();
+        let energy = self.hub().junction.energy();
         assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.engine.tick());
     }
 
