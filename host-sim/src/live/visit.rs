@@ -15,20 +15,12 @@ use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use crate::shared::world::visitor::{Party, Setup, Visitor};
 use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS, TICKS_PER_PACKET, open_link};
 
-/// Another client that is told straight where this one is.
-pub(crate) struct Friend {
-    pub(crate) line: u32,
-    pub(crate) address: SocketAddr,
-    /// The key of the two.
-    pub(crate) key: Key,
-}
-
 /// Where to, how, and how long.
 pub(crate) struct Options {
     pub(crate) setup: Setup,
     pub(crate) listen: SocketAddr,
-    /// Servers by number.
-    pub(crate) servers: Vec<(u8, SocketAddr)>,
+    /// Servers and friend, and where they listen.
+    pub(crate) parties: Vec<(Party, SocketAddr)>,
     /// The hand goes from here …
     pub(crate) from_m: [f64; 2],
     /// … to here …
@@ -36,24 +28,13 @@ pub(crate) struct Options {
     /// … and back in this time, s.
     pub(crate) stroke_s: f64,
     pub(crate) duration_s: f64,
-    /// A client to tell straight.
-    pub(crate) friend: Option<Friend>,
+    /// The line of a client to tell straight, and the key of the two.
+    pub(crate) friend: Option<(u32, Key)>,
 }
 
 impl Options {
     fn address(&self, party: Party) -> Option<SocketAddr> {
-        match party {
-            Party::Server(number) => self.servers.iter().find(|(known, _)| *known == number).map(|(_, at)| *at),
-            Party::Client(line) => {
-                self.friend.as_ref().filter(|friend| friend.line == line).map(|friend| friend.address)
-            }
-        }
-    }
-
-    fn party(&self, from: SocketAddr) -> Option<Party> {
-        let server = self.servers.iter().find(|(_, at)| *at == from).map(|(number, _)| Party::Server(*number));
-        let friend = self.friend.as_ref().filter(|friend| friend.address == from);
-        server.or_else(|| friend.map(|friend| Party::Client(friend.line)))
+        self.parties.iter().find(|(known, _)| *known == party).map(|(_, at)| *at)
     }
 
     /// Where the hand is in this control period.
@@ -113,11 +94,11 @@ struct Visit<'a> {
 
 impl Visit<'_> {
     fn downloads(&self) -> impl Iterator<Item = &Download<OBJECTS>> {
-        self.options.servers.iter().filter_map(|(number, _)| self.visitor.download(*number))
+        self.options.setup.reachable.iter().filter_map(|number| self.visitor.download(*number))
     }
 
     fn hears_a_server(&self) -> bool {
-        let mut links = self.options.servers.iter().filter_map(|(number, _)| self.visitor.link(*number));
+        let mut links = self.options.setup.reachable.iter().filter_map(|number| self.visitor.link(*number));
         links.any(|link| link.session_number().is_some())
     }
 }
@@ -126,7 +107,8 @@ impl Actor<SocketAddr> for Visit<'_> {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
-        if let Some(party) = self.options.party(from) {
+        let known = self.options.parties.iter().find(|(_, at)| *at == from);
+        if let Some(&(party, _)) = known {
             self.visitor.receive(now_ns / 1_000, party, datagram, |_, bytes| out(from, bytes));
         }
     }
@@ -158,7 +140,8 @@ impl Live for Visit<'_> {
             || home.is_some_and(|link| link.clock().round_trip_us().is_some())
             || self.downloads().any(|download| download.objects_taken() > 0 || download.world().is_some())
             || self.visitor.others().next().is_some();
-        let addresses = || self.options.servers.iter().map(|(_, address)| address.to_string()).collect::<Vec<_>>();
+        let servers = self.options.parties.iter().filter(|(party, _)| matches!(party, Party::Server(_)));
+        let addresses = || servers.map(|(_, address)| address.to_string()).collect::<Vec<_>>();
         (!met).then(|| format!("nobody answered from {}, or nobody who holds the key", addresses().join(", ")))
     }
 
@@ -174,9 +157,9 @@ pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
     entropy()?;
     let line = options.setup.line;
     let mut visitor = Visitor::new(options.setup.clone(), || entropy().unwrap_or_default());
-    if let Some(friend) = &options.friend {
-        let low = u8::from(line < friend.line);
-        visitor.befriend(friend.line, open_link(friend.key.clone(), [2 - low, 1 + low], entropy()?)?);
+    if let Some((friend, key)) = &options.friend {
+        let low = u8::from(line < *friend);
+        visitor.befriend(*friend, open_link(key.clone(), [2 - low, 1 + low], entropy()?)?);
     }
     let mut visit = Visit { visitor, options, last: None, seen: Report { line, ..Report::default() } };
     let ticker = Ticker::realtime(Duration::from_secs_f64(CONTROL_PERIOD_S)).lasting(options.duration_s);

@@ -18,14 +18,14 @@ use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};
 /// An answer is taken to be lost after this many packet periods on top of the round trip.
 const PATIENCE_PACKETS: u64 = 3;
 
-/// A server and what is known from it.
+/// A server and what is known from it, or another client, from which nothing is downloaded.
 struct Contact {
     link: Link,
-    download: Box<Download<OBJECTS>>,
+    download: Option<Box<Download<OBJECTS>>>,
 }
 
 /// Who a datagram goes to or came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Party {
     /// The server with this number.
     Server(u8),
@@ -52,8 +52,7 @@ pub struct Setup {
 pub struct Visitor {
     setup: Setup,
     entropy: Box<dyn FnMut() -> [u8; Key::LEN] + Send>,
-    contacts: BTreeMap<u8, Contact>,
-    friends: BTreeMap<u32, Link>,
+    contacts: BTreeMap<Party, Contact>,
     roam: Roam,
     regions: Vec<Region>,
     manifest: Manifest,
@@ -76,7 +75,6 @@ impl Visitor {
             setup,
             entropy: Box::new(entropy),
             contacts: BTreeMap::new(),
-            friends: BTreeMap::new(),
             regions: Vec::new(),
             manifest: Manifest::default(),
             renderer: Renderer::default(),
@@ -90,7 +88,7 @@ impl Visitor {
 
     /// Tells the client on line `who` where this one is, straight and not by the server, over a link of the two's own.
     pub fn befriend(&mut self, who: u32, link: Link) {
-        self.friends.insert(who, link);
+        self.contacts.insert(Party::Client(who), Contact { link, download: None });
     }
 
     /// One control period: the force on the hand, N.
@@ -107,9 +105,10 @@ impl Visitor {
     /// Everything that is held from any server; of two versions of an object the higher one, and home's where they agree.
     fn known(&self) -> Vec<Object> {
         let mut known = BTreeMap::<u32, Object>::new();
-        let home = self.contacts.get(&self.roam.home());
-        let others = self.contacts.iter().filter(|(server, _)| **server != self.roam.home()).map(|(_, other)| other);
-        for object in home.into_iter().chain(others).flat_map(|contact| contact.download.objects()) {
+        let home = Party::Server(self.roam.home());
+        let others = self.contacts.iter().filter(|(party, _)| **party != home).map(|(_, other)| other);
+        let downloads = self.contacts.get(&home).into_iter().chain(others).filter_map(|one| one.download.as_ref());
+        for object in downloads.flat_map(|download| download.objects()) {
             let held = known.entry(object.id).or_insert(*object);
             if object.version > held.version {
                 *held = *object;
@@ -128,27 +127,22 @@ impl Visitor {
         let position = self.position();
         let velocity = self.hand.map(|axis| axis.velocity as f32);
         let presence = Presence::new(self.tick, [Sighting { who: self.setup.line, position, velocity }]);
-        for (server, contact) in &mut self.contacts {
-            let mut send = |bytes: &[u8]| send(Party::Server(*server), bytes);
-            if let Some(radius) = self.setup.radius_m {
-                look_around(&mut contact.download, position, radius);
+        let home = Party::Server(self.roam.home());
+        for (party, Contact { link, download }) in &mut self.contacts {
+            let mut send = |bytes: &[u8]| send(*party, bytes);
+            if let Some((download, radius)) = download.as_mut().zip(self.setup.radius_m) {
+                look_around(download, position, radius);
             }
-            if contact.link.is_up() {
-                let round_trip = u64::from(contact.link.clock().round_trip_us().unwrap_or(0));
-                let asked = contact.download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US);
-                if let Some(ask) = asked {
-                    contact.link.say(now, ask, &mut send);
-                }
-                // Only those at the same server know of each other.
-                if *server == self.roam.home() {
-                    contact.link.say(now, presence, &mut send);
+            if let Some(download) = download.as_mut().filter(|_| link.is_up()) {
+                let round_trip = u64::from(link.clock().round_trip_us().unwrap_or(0));
+                if let Some(ask) = download.poll(now, round_trip + PATIENCE_PACKETS * PACKET_US) {
+                    link.say(now, ask, &mut send);
                 }
             }
-            contact.link.say_due(now, send);
-        }
-        for (who, link) in &mut self.friends {
-            let mut send = |bytes: &[u8]| send(Party::Client(*who), bytes);
-            link.say(now, presence, &mut send);
+            // Of those at servers, only those at the same one know of each other.
+            if download.is_none() || *party == home && link.is_up() {
+                link.say(now, presence, &mut send);
+            }
             link.say_due(now, send);
         }
     }
@@ -157,7 +151,8 @@ impl Visitor {
     fn roam(&mut self, now: u64) {
         let position = self.position();
         let contacts = &self.contacts;
-        let ready = |server: u8| contacts.get(&server).is_some_and(|contact| contact.download.is_complete());
+        let of = |server| contacts.get(&Party::Server(server)).and_then(|contact| contact.download.as_ref());
+        let ready = |server| of(server).is_some_and(|download| download.is_complete());
         if self.roam.update(&self.regions, position, ready).is_some() {
             self.news = true;
             // Who was seen was seen at the server that was left.
@@ -165,13 +160,13 @@ impl Visitor {
         }
         let needed = self.roam.needs(&self.regions, self.manifest.margin_m, position);
         for server in &needed {
-            let new = self.setup.reachable.contains(server) && !self.contacts.contains_key(server);
+            let new = self.setup.reachable.contains(server) && !self.contacts.contains_key(&Party::Server(*server));
             if let Some(link) = new.then(|| self.call(*server)).flatten() {
-                self.contacts.insert(*server, Contact { link, download: Box::default() });
+                self.contacts.insert(Party::Server(*server), Contact { link, download: Some(Box::default()) });
             }
         }
         let before = self.contacts.len();
-        self.contacts.retain(|server, _| needed.contains(server));
+        self.contacts.retain(|party, _| !matches!(party, Party::Server(server) if !needed.contains(server)));
         self.news |= self.contacts.len() != before;
         self.others.retain(|_, (seen_us, _)| now.saturating_sub(*seen_us) < 1_000_000);
     }
@@ -183,16 +178,7 @@ impl Visitor {
 
     /// Takes a datagram, opened in place, and sends what it must be answered with at once.
     pub fn receive(&mut self, now: u64, from: Party, datagram: &mut [u8], mut send: impl FnMut(Party, &[u8])) {
-        let (link, download) = match from {
-            Party::Server(server) => match self.contacts.get_mut(&server) {
-                Some(contact) => (&mut contact.link, Some(&mut contact.download)),
-                None => return,
-            },
-            Party::Client(who) => match self.friends.get_mut(&who) {
-                Some(link) => (link, None),
-                None => return,
-            },
-        };
+        let Some(Contact { link, download }) = self.contacts.get_mut(&from) else { return };
         match (link.receive(now, datagram), download) {
             (Ok(Some(Message::Part(part))), Some(download)) => match download.take(&part) {
                 Taken::Nothing => {}
@@ -219,19 +205,19 @@ impl Visitor {
 
     /// Tells servers and friends that this one goes.
     pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
-        let servers = self.contacts.iter_mut().map(|(server, contact)| (Party::Server(*server), &mut contact.link));
-        let friends = self.friends.iter_mut().map(|(who, link)| (Party::Client(*who), link));
-        servers.chain(friends).for_each(|(party, link)| _ = link.say(now, Goodbye {}, |bytes| send(party, bytes)));
+        for (party, contact) in &mut self.contacts {
+            contact.link.say(now, Goodbye {}, |bytes| send(*party, bytes));
+        }
     }
 
     /// The link to a server.
     pub fn link(&self, server: u8) -> Option<&Link> {
-        self.contacts.get(&server).map(|contact| &contact.link)
+        self.contacts.get(&Party::Server(server)).map(|contact| &contact.link)
     }
 
     /// What is known from a server.
     pub fn download(&self, server: u8) -> Option<&Download<OBJECTS>> {
-        self.contacts.get(&server).map(|contact| contact.download.as_ref())
+        self.contacts.get(&Party::Server(server))?.download.as_deref()
     }
 
     /// Everything in scope is held from the server that is home.

@@ -10,7 +10,7 @@ use crate::cli::{Failure, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::visit;
 use crate::shared::world::host::MOST_LINES;
-use crate::shared::world::visitor::Setup;
+use crate::shared::world::visitor::{Party, Setup};
 use haptic_sim::key_file;
 
 #[derive(Debug, Args)]
@@ -91,7 +91,7 @@ impl Visit {
             (Some((line, _)), _) if line == self.line => {
                 return Err(format!("--friend {line} is not allowed: that is this client's own line").into());
             }
-            (Some((line, address)), Some(file)) => Some(visit::Friend { line, address, key: key_file::read(file)? }),
+            (Some((line, _)), Some(file)) => Some((line, key_file::read(file)?)),
             _ => None,
         };
         let setup = Setup {
@@ -101,10 +101,11 @@ impl Visit {
             reachable: self.servers.iter().map(|(number, _)| *number).collect(),
             radius_m: self.radius_m.map(|radius_m| radius_m as f32),
         };
+        let servers = self.servers.iter().map(|(number, address)| (Party::Server(*number), *address));
         let options = visit::Options {
             setup,
             listen: self.end.listen,
-            servers: self.servers.clone(),
+            parties: servers.chain(self.friend.map(|(line, address)| (Party::Client(line), address))).collect(),
             from_m: self.from_m,
             to_m: self.to_m,
             stroke_s: self.stroke_s,
