@@ -52,8 +52,6 @@ impl fmt::Display for Met {
 /// The links to everybody else.
 pub(super) struct Links {
     others: Vec<(Link, Met)>,
-    /// What has come and was not taken.
-    came: Vec<(PeerId, Message)>,
     /// Who else sent something, last, and how many datagrams came from such.
     stranger: Option<(SocketAddr, u32)>,
 }
@@ -77,11 +75,17 @@ impl Links {
             let met = Met { number, address, first_heard_s: None, last_heard_s: None, refused, refusal: None };
             Ok((link.map_err(|error| error.to_string())?, met))
         });
-        Ok(Self { others: others.collect::<Result<_, String>>()?, came: Vec::new(), stranger: None })
+        Ok(Self { others: others.collect::<Result<_, String>>()?, stranger: None })
     }
 
-    /// Takes a datagram. The address only tells which link to ask; whether it is true, the seal does.
-    pub(super) fn hear(&mut self, now: u64, address: SocketAddr, datagram: &mut [u8]) {
+    /// Takes a datagram; `each` gets what it brought. The address only tells which link to ask; whether it is true, the seal does.
+    pub(super) fn hear(
+        &mut self,
+        now: u64,
+        address: SocketAddr,
+        datagram: &mut [u8],
+        mut each: impl FnMut(PeerId, &Message),
+    ) {
         let Some((link, met)) = self.others.iter_mut().find(|(_, met)| met.address == address) else {
             self.stranger = Some((address, self.stranger.map_or(0, |(_, count)| count) + 1));
             return;
@@ -98,12 +102,7 @@ impl Links {
         }
         let events = std::iter::from_fn(|| link.take_event().map(wire::Message::Event));
         let read = events.chain(taken).filter_map(|message| Message::read(&message));
-        self.came.extend(read.map(|(_, message)| (PeerId(met.number), message)));
-    }
-
-    /// What has come, once.
-    pub(super) fn take(&mut self) -> Vec<(PeerId, Message)> {
-        std::mem::take(&mut self.came)
+        read.for_each(|(_, message)| each(PeerId(met.number), &message));
     }
 
     /// Says what a role wants to say, and what the links themselves have to.

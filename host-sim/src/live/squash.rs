@@ -46,7 +46,7 @@ impl From<Verdict> for Rally {
 }
 
 /// What one process saw.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Default, Serialize)]
 pub(crate) struct Report {
     /// 0 is the server, 1 … the players.
     pub(crate) number: u8,
@@ -73,42 +73,38 @@ struct Process<'a> {
     part: Part,
     out: Outbox<Message, 64>,
     ticks: u64,
-    rallies: Vec<Rally>,
-    strokes: u32,
-    unseen: u32,
-    /// Links that were up in the end.
-    up: usize,
+    seen: Report,
 }
 
 impl Actor<SocketAddr> for Process<'_> {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
-        self.links.hear(now_ns / 1_000, from, datagram);
+        let (now, Self { links, part, out, .. }) = (now_ns / 1_000, self);
+        links.hear(now, from, datagram, |from, message| part.receive(now, from, message, out));
     }
 
     fn act(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
         let now = now_ns / 1_000;
-        let Self { options, links, part, out, rallies, .. } = self;
-        links.take().into_iter().for_each(|(from, message)| part.receive(now, from, &message, out));
+        let Self { options, links, part, out, seen, .. } = self;
         match part {
             Part::Server(server) => {
                 server.poll(now, out);
                 let last = server.game().last;
-                if rallies.last().map_or(0, |rally| rally.rally) < last.rally {
-                    self.unseen += u32::from(last.ending == Ending::Unseen);
-                    rallies.push(last.into());
+                if seen.rallies.last().map_or(0, |rally| rally.rally) < last.rally {
+                    seen.unseen += u32::from(last.ending == Ending::Unseen);
+                    seen.rallies.push(last.into());
                 }
             }
             Part::Player(contestant) => {
                 contestant.hears(now, |_, notice| {
                     if let Notice::Ends { verdict, .. } = notice {
                         let own = verdict.loser.0 == options.number;
-                        self.unseen += u32::from(verdict.ending == Ending::Unseen && own);
-                        rallies.push(verdict.into());
+                        seen.unseen += u32::from(verdict.ending == Ending::Unseen && own);
+                        seen.rallies.push(verdict.into());
                     }
                 });
-                self.strokes += u32::from(contestant.tick(now, options.motion_bounder, out).is_some());
+                seen.strokes += u32::from(contestant.tick(now, options.motion_bounder, out).is_some());
             }
         }
         links.say(now, out, net);
@@ -123,7 +119,7 @@ impl Live for Process<'_> {
 
     fn goodbye(&mut self, now_ns: u64, net: &mut Out<'_, SocketAddr, [u8]>) {
         let now_us = now_ns / 1_000;
-        self.up = self.links.up();
+        self.seen.links = self.links.up();
         let early = (self.ticks as f64 * TICK_S) < self.options.seconds;
         // In the middle of the game: the server need not wait for a heartbeat that stays away.
         if let (true, Part::Player(contestant)) = (early, &mut self.part) {
@@ -156,21 +152,17 @@ pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, S
     };
     let links = Links::new(key, number, &options.addresses)?;
     let endpoint = Endpoint::polled(own)?;
-    let (own, out, rallies) = (endpoint.address, Outbox::new(), Vec::new());
-    let mut process = Process { options, own, links, part, out, ticks: 0, rallies, strokes: 0, unseen: 0, up: 0 };
+    let (own, seen) = (endpoint.address, Report { number, ..Report::default() });
+    let mut process = Process { options, own, links, part, out: Outbox::new(), ticks: 0, seen };
     let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S)).lasting(options.seconds);
     let punctuality = endpoint.run(ticker, f64::MAX, stop, &mut process)?;
     let game = process.part.game();
     Ok(Report {
-        number,
         score: game.score.into_iter().take(count - 1).collect(),
         round_trip_ms: f64::from(game.round_trip_us) * 1e-3,
-        strokes: process.strokes,
-        unseen: process.unseen,
         others: process.links.met().cloned().collect(),
-        links: process.up,
         refused: process.links.refused(),
-        rallies: process.rallies,
         punctuality,
+        ..process.seen
     })
 }

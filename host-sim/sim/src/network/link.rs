@@ -13,7 +13,9 @@ use crate::scene::Scene;
 /// What travels.
 pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
     /// Breaks it as a line does. False where what is broken is not delivered, because it would not pass the seal.
-    fn corrupt(&mut self) -> bool;
+    fn corrupt(&mut self) -> bool {
+        false
+    }
 }
 
 /// A datagram: one bit in the middle is another.
@@ -28,11 +30,7 @@ impl Payload for [u8] {
 }
 
 /// A message of a role.
-impl Payload for Message {
-    fn corrupt(&mut self) -> bool {
-        false
-    }
-}
+impl Payload for Message {}
 
 /// A value that crosses without being put into bytes, with the number that a sealed link would give it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,11 +41,7 @@ pub struct Numbered<T> {
     pub what: T,
 }
 
-impl<T: Clone> Payload for Numbered<T> {
-    fn corrupt(&mut self) -> bool {
-        false
-    }
-}
+impl<T: Clone> Payload for Numbered<T> {}
 
 /// What became of what one way was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
