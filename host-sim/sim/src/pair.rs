@@ -36,9 +36,6 @@ pub struct Side<S: Scalar> {
 
 impl<S: Number> Side<S> {
     /// Peer `index` (0 or 1) of a scene, armed and at rest, which writes to seat `to`.
-    ///
-    /// # Errors
-    /// What [`Scene::peer`] refuses.
     pub fn new(scene: &Scene, index: usize, to: usize) -> Result<Self, Refused<'static>> {
         let (mut peer, plant) = (scene.peer(index)?, Plant::new(scene, index));
         peer.command(Command::Arm);
@@ -115,9 +112,6 @@ pub struct Pair<S: Scalar> {
 
 impl<S: Number> Pair<S> {
     /// Both peers armed and at rest.
-    ///
-    /// # Errors
-    /// What [`Scene::peer`] refuses.
     pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
         let [first, mut second] = [Side::new(scene, 0, 1)?, Side::new(scene, 1, 0)?].map(Seat::new);
         second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;

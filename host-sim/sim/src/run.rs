@@ -100,9 +100,6 @@ const COMMON_COLUMNS: [&str; 2] = ["true_discrepancy_m", "decoded_discrepancy_2_
 pub type Progress<'a> = &'a dyn Fn(u64);
 
 /// Runs the scene with peers that compute in `S`.
-///
-/// # Errors
-/// What the peers' `build()` refuses.
 pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
@@ -110,8 +107,7 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
     let names = [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()];
     let mut table = Columns::named(names.concat());
     let mut halves = LastHalf::new(ticks);
-    let mut peak = 0.0_f64;
-    let mut growth = Growth::new(ticks);
+    let mut seen = Forces::new(ticks);
     let mut hash = HASH_SEED;
     let mut fault_time_s = None;
     for tick in 0..ticks {
@@ -126,8 +122,7 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
         let decoded_m = (second.object.position.to_f64() - second.desired.position.to_f64()).abs();
         let forces = [first, second].map(|seen| seen.coordination_force.to_f64());
         let contacts = [first, second].map(|seen| seen.contact_force.to_f64());
-        growth.see(tick, forces);
-        peak = peak.max(forces[0].abs()).max(forces[1].abs());
+        seen.see(tick, forces);
         let contact = 0.5 * (contacts[0].abs() + contacts[1].abs());
         halves.see(tick, [true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
         if options.record_every > 0 && tick % options.record_every == 0 {
@@ -155,15 +150,15 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
     let fault = pair.fault();
     let [true_m, decoded_m, force, force_squared, contact] = halves.means();
     Ok(Outcome {
-        bounded: fault.is_none() && !growth.grew(),
+        bounded: fault.is_none() && !seen.grew(),
         fault,
         fault_time_s,
         true_discrepancy_mm: 1e3 * true_m,
         decoded_discrepancy_mm: 1e3 * decoded_m,
         coordination_force_n: Statistics::of_moments(force, force_squared),
         contact_force_n: contact,
-        peak_coordination_force_n: peak,
-        largest_jump_n: growth.largest.iter().copied().fold(0.0, f64::max),
+        peak_coordination_force_n: seen.peak(),
+        largest_jump_n: seen.largest_change(),
         energy: pair.sides().map(|side| PortEnergy {
             received_j: side.peer.ledger().received_j().to_f64(),
             sent_j: side.peer.ledger().sent_j().to_f64(),
@@ -181,35 +176,55 @@ pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -
     })
 }
 
-/// Whether an oscillation grows: the largest change of F_T from tick to tick, in each eighth of the run.
-pub struct Growth {
+/// What forces do over a run: how large they get, by how much they change from tick to tick, and whether that grows.
+pub struct Forces {
     window: u64,
-    last: [f64; 2],
-    largest: [f64; 8],
+    last: Vec<f64>,
+    peak: f64,
+    /// Largest change in each eighth of the run.
+    changes: [f64; 8],
 }
 
-impl Growth {
-    /// For a run of `ticks` ticks.
+impl Forces {
+    /// For a run of `ticks` ticks, from no force on.
     pub fn new(ticks: u64) -> Self {
-        Self { window: ticks.div_ceil(8).max(1), last: [0.0; 2], largest: [0.0; 8] }
+        Self { window: ticks.div_ceil(8).max(1), last: Vec::new(), peak: 0.0, changes: [0.0; 8] }
     }
 
-    fn see(&mut self, tick: u64, forces: [f64; 2]) {
-        let change = (forces[0] - self.last[0]).abs().max((forces[1] - self.last[1]).abs());
-        self.last = forces;
-        self.see_change(tick, change);
+    /// Takes in the forces of a tick, always as many.
+    pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = f64>) {
+        let largest = &mut self.changes[((tick / self.window) as usize).min(7)];
+        for (at, force) in forces.into_iter().enumerate() {
+            if at == self.last.len() {
+                self.last.push(0.0);
+            }
+            let change = (force - self.last[at]).abs();
+            *largest = if change.is_finite() { largest.max(change) } else { f64::INFINITY };
+            self.peak = self.peak.max(force.abs());
+            self.last[at] = force;
+        }
     }
 
-    /// Takes in the largest change of any force at this tick.
-    pub fn see_change(&mut self, tick: u64, change: f64) {
-        let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
-        *largest = if change.is_finite() { largest.max(change) } else { f64::INFINITY };
+    /// Those of the last tick.
+    pub fn last(&self) -> &[f64] {
+        &self.last
     }
 
-    /// Larger in each of the last four eighths than in the one before, fourfold in all.
+    /// The largest there was.
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// The largest change of any from one tick to the next.
+    pub fn largest_change(&self) -> f64 {
+        self.changes.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Whether an oscillation grows: the changes are larger in each of the last four eighths than in the one before, fourfold in
+    /// all.
     pub fn grew(&self) -> bool {
-        let tail = &self.largest[3..];
+        let tail = &self.changes[3..];
         tail.windows(2).all(|pair| pair[1] > 1.05 * pair[0]) && tail[4] > 4.0 * tail[0]
-            || self.largest.iter().any(|change| change.is_infinite())
+            || self.changes.iter().any(|change| change.is_infinite())
     }
 }

@@ -1,12 +1,10 @@
 //! `host-sim cooperate`: two peers hold one object.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 use haptic_analysis::Verdict;
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
-use serde::Serialize;
+use serde_json::json;
 
 use super::flags::{Out, Time};
 use super::{Failure, SceneArgs, Ui};
@@ -40,23 +38,6 @@ pub(super) struct Cooperate {
     scalar: ScalarName,
     #[command(flatten)]
     out: Out,
-}
-
-/// What a run gave, with what the analyser says of the scene.
-struct Report<'a> {
-    scene: &'a Scene,
-    outcome: &'a Outcome,
-    verdict: Verdict,
-    wall_s: f64,
-}
-
-#[derive(Serialize)]
-struct Document<R> {
-    scene: String,
-    #[serde(flatten)]
-    facts: R,
-    warnings: Vec<String>,
-    files: Vec<PathBuf>,
 }
 
 /// Whether a user ever does anything.
@@ -99,7 +80,7 @@ impl Cooperate {
             let every = options.record_every;
             warnings.push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));
         }
-        let facts = Report { scene: &scene, outcome: &outcome, verdict, wall_s }.columns()?;
+        let facts = columns(&self.scene.name(), &scene, &outcome, &verdict, wall_s)?;
         let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(&outcome));
         let made = made.with("recorded_every_ticks", options.record_every);
@@ -111,10 +92,11 @@ impl Cooperate {
             files.figure(None, &figures::run(&name, &outcome))
         })?;
         warnings.iter().for_each(|warning| ui.warn(warning));
-        let document = Document { scene: self.scene.name(), facts: facts.row(0), warnings, files };
+        let mut document = facts.row(0);
+        (document["warnings"], document["files"]) = (json!(warnings), json!(files));
         ui.document_of(&made, &document)?;
-        writeln!(ui, "{}", facts.down(&[&document.scene]));
-        ui.wrote(&document.files);
+        writeln!(ui, "{}", facts.down(&[&self.scene.name()]));
+        ui.wrote(&files);
         Ok(())
     }
 }
@@ -124,58 +106,57 @@ fn hash(outcome: &Outcome) -> String {
     format!("{:016x}", outcome.hash)
 }
 
-impl Report<'_> {
-    fn columns(&self) -> Result<Columns, Failure> {
-        let Self { scene, outcome, ref verdict, wall_s } = *self;
-        let mass =
-            if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
-        let stop = |(peer, fault): (usize, Fault)| {
-            format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
-        };
-        let force_n = outcome.coordination_force_n;
-        let per_n = (outcome.contact_force_n > 0.0).then(|| outcome.true_discrepancy_mm / outcome.contact_force_n);
-        let mut columns = Columns::of(&[()])
-            // Nothing faulted or grew, and (for a linear scene) no eigenvalue lies outside the unit circle.
-            .value("stable", |()| outcome.bounded && (verdict.stable || !scene.is_linear()))
-            .value("fault", |()| outcome.fault.map(stop))
-            .number("spectral_radius", 6, |()| verdict.spectral_radius)
-            .number("true_discrepancy_mm", 4, |()| outcome.true_discrepancy_mm)
-            .head("true discrepancy |x_o1 - x_o2|")
-            .number("true_discrepancy_mm_per_n", 4, |()| per_n)
-            .head("true discrepancy per newton of contact")
-            .number("decoded_discrepancy_mm", 4, |()| outcome.decoded_discrepancy_mm)
-            .head("decoded discrepancy |x_o - x_d|, peer 2")
-            .number("coordination_force_n.mean", 4, |()| force_n.mean)
-            .head("coordination force, peer 2: mean")
-            .shown_in("N", 1.0)
-            .number("coordination_force_n.sd", 4, |()| force_n.sd)
-            .head("coordination force, peer 2: standard deviation")
-            .shown_in("N", 1.0)
-            .number("peak_coordination_force_n", 4, |()| outcome.peak_coordination_force_n)
-            .number("apparent_object_mass_kg", 3, |()| mass)
-            .head("apparent mass of the shared object");
-        for (at, energy) in outcome.energy.iter().enumerate() {
-            let peer = at + 1;
-            columns = columns
-                .number(format!("energy.{at}.received_j"), 4, |()| energy.received_j)
-                .head(&format!("energy from the network, peer {peer}"))
-                .number(format!("energy.{at}.sent_j"), 4, |()| energy.sent_j)
-                .head(&format!("energy to the network, peer {peer}"));
-        }
-        for (at, impacts) in outcome.impacts.iter().flatten().enumerate() {
-            let peer = at + 1;
-            columns = columns
-                .value(format!("impacts.{at}.count"), |()| impacts.count)
-                .head(&format!("impacts at peer {peer}"))
-                .number(format!("impacts.{at}.wanted_n_s"), 4, |()| impacts.wanted_n_s)
-                .head(&format!("impulse exchanged with the object, peer {peer}"))
-                .number(format!("impacts.{at}.delivered_n_s"), 4, |()| impacts.delivered_n_s)
-                .head(&format!("impulse delivered to the device, peer {peer}"))
-                .number(format!("impacts.{at}.lost_j"), 5, |()| impacts.lost_j)
-                .head(&format!("energy that restitution took, peer {peer}"));
-        }
-        let columns = columns.value("ticks", |()| outcome.ticks).number("wall_s", 3, |()| wall_s).head("wall time");
-        let columns = columns.value("seed", |()| scene.world.network.seed).data_only();
-        Ok(columns.value("state_hash", |()| hash(outcome)).done())
+/// What a run gave, with what the analyser says of the scene.
+fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall_s: f64) -> Result<Columns, Failure> {
+    let mass = if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
+    let stop = |(peer, fault): (usize, Fault)| {
+        format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
+    };
+    let force_n = outcome.coordination_force_n;
+    let per_n = (outcome.contact_force_n > 0.0).then(|| outcome.true_discrepancy_mm / outcome.contact_force_n);
+    let mut columns = Columns::of(&[()])
+        .value("scene", |()| name)
+        .data_only()
+        // Nothing faulted or grew, and (for a linear scene) no eigenvalue lies outside the unit circle.
+        .value("stable", |()| outcome.bounded && (verdict.stable || !scene.is_linear()))
+        .value("fault", |()| outcome.fault.map(stop))
+        .number("spectral_radius", 6, |()| verdict.spectral_radius)
+        .number("true_discrepancy_mm", 4, |()| outcome.true_discrepancy_mm)
+        .head("true discrepancy |x_o1 - x_o2|")
+        .number("true_discrepancy_mm_per_n", 4, |()| per_n)
+        .head("true discrepancy per newton of contact")
+        .number("decoded_discrepancy_mm", 4, |()| outcome.decoded_discrepancy_mm)
+        .head("decoded discrepancy |x_o - x_d|, peer 2")
+        .number("coordination_force_n.mean", 4, |()| force_n.mean)
+        .head("coordination force, peer 2: mean")
+        .shown_in("N", 1.0)
+        .number("coordination_force_n.sd", 4, |()| force_n.sd)
+        .head("coordination force, peer 2: standard deviation")
+        .shown_in("N", 1.0)
+        .number("peak_coordination_force_n", 4, |()| outcome.peak_coordination_force_n)
+        .number("apparent_object_mass_kg", 3, |()| mass)
+        .head("apparent mass of the shared object");
+    for (at, energy) in outcome.energy.iter().enumerate() {
+        let peer = at + 1;
+        columns = columns
+            .number(format!("energy.{at}.received_j"), 4, |()| energy.received_j)
+            .head(&format!("energy from the network, peer {peer}"))
+            .number(format!("energy.{at}.sent_j"), 4, |()| energy.sent_j)
+            .head(&format!("energy to the network, peer {peer}"));
     }
+    for (at, impacts) in outcome.impacts.iter().flatten().enumerate() {
+        let peer = at + 1;
+        columns = columns
+            .value(format!("impacts.{at}.count"), |()| impacts.count)
+            .head(&format!("impacts at peer {peer}"))
+            .number(format!("impacts.{at}.wanted_n_s"), 4, |()| impacts.wanted_n_s)
+            .head(&format!("impulse exchanged with the object, peer {peer}"))
+            .number(format!("impacts.{at}.delivered_n_s"), 4, |()| impacts.delivered_n_s)
+            .head(&format!("impulse delivered to the device, peer {peer}"))
+            .number(format!("impacts.{at}.lost_j"), 5, |()| impacts.lost_j)
+            .head(&format!("energy that restitution took, peer {peer}"));
+    }
+    let columns = columns.value("ticks", |()| outcome.ticks).number("wall_s", 3, |()| wall_s).head("wall time");
+    let columns = columns.value("seed", |()| scene.world.network.seed).data_only();
+    Ok(columns.value("state_hash", |()| hash(outcome)).done())
 }

@@ -121,7 +121,7 @@ fn listing(name: &'static str, help: &'static str) -> Arg {
 }
 
 /// How long.
-#[derive(Clone, Copy, Debug, Args, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Time {
     /// How long, s; a simulated run in simulated time.
     #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = seconds)]

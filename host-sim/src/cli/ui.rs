@@ -210,6 +210,14 @@ pub fn made() -> Made {
     Made::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
 }
 
+/// These fields, and after them those of a document.
+pub(super) fn and(mut fields: Value, document: &impl Serialize) -> Result<Value, Failure> {
+    if let (Value::Object(fields), Value::Object(more)) = (&mut fields, serde_json::to_value(document)?) {
+        fields.extend(more);
+    }
+    Ok(fields)
+}
+
 /// The pictures among these files.
 pub(super) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "svg" || ending == "png");

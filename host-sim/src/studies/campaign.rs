@@ -70,7 +70,7 @@ fn with_unnamed(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)>
 }
 
 /// Networks: name and settings.
-pub const IMPAIRMENTS: [Named; 29] = [
+const IMPAIRMENTS: [Named; 29] = [
     ("none", &[]),
     ("loss 5 %", &["network.loss=0.05"]),
     ("loss 10 %", &["network.loss=0.1"]),
@@ -153,7 +153,7 @@ pub const CHOICES: [Named; 9] = [
 ];
 
 /// Networks: name and settings.
-pub const NETWORKS: [Named; 2] = [("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
+const NETWORKS: [Named; 2] = [("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
 
 /// Periods of the swing: losses average out.
 const PERIODS: u32 = 60;

@@ -43,11 +43,12 @@
 use std::fmt;
 
 use haptic_plot::significant;
-use serde::ser::{Serialize, Serializer};
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// What stands at one place of a table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(into = "Value")]
 pub enum Cell {
     /// Nothing: it was not measured, or there is none.
     Empty,
@@ -177,7 +178,6 @@ pub struct Column {
     scale: f64,
     digits: Digits,
     in_text: bool,
-    in_data: bool,
     /// Rows whose text is a dash, whatever the number.
     blank: Vec<bool>,
     values: Values,
@@ -192,7 +192,6 @@ impl Column {
             meaning: String::new(),
             scale: 1.0,
             in_text: true,
-            in_data: true,
             blank: Vec::new(),
             name,
             digits,
@@ -254,6 +253,7 @@ impl Column {
 }
 
 /// Columns of a slice of rows, being declared. What is said of a column is said of the last one.
+#[must_use]
 #[derive(Debug)]
 pub struct Rows<'a, R> {
     rows: &'a [R],
@@ -275,70 +275,54 @@ impl<'a, R> Rows<'a, R> {
     }
 
     /// A column of texts, flags, counts, or numbers with as many digits as they have.
-    #[must_use]
     pub fn value<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::All, cell)
     }
 
     /// A column of numbers with so many digits behind the point.
-    #[must_use]
     pub fn number<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Fixed(digits), cell)
     }
 
     /// A column of numbers with at least so many digits that count.
-    #[must_use]
     pub fn significant<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Significant(digits), cell)
     }
 
     /// A column of powers of ten with so many digits behind the point.
-    #[must_use]
     pub fn power<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Power(digits), cell)
     }
 
     /// A column of differences, always with a sign.
-    #[must_use]
     pub fn signed<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Signed, cell)
     }
 
     /// What it is called in text, without the unit.
-    #[must_use]
     pub fn head(self, head: &str) -> Self {
         self.last(|column| column.head = head.to_owned())
     }
 
     /// In text, in this unit: `factor` of the name's one. The data keep the unit of the name.
-    #[must_use]
     pub fn shown_in(self, unit: &str, factor: f64) -> Self {
         self.last(|column| (column.unit, column.scale) = (unit.to_owned(), factor))
     }
 
     /// What it means, for those who read the table or its file.
-    #[must_use]
     pub fn means(self, meaning: &str) -> Self {
         self.last(|column| column.meaning = meaning.to_owned())
     }
 
     /// In text only rows of which this is true show it; the data keep all.
-    #[must_use]
     pub fn where_true(self, shown: impl Fn(&R) -> bool) -> Self {
         let blank = self.rows.iter().map(|row| !shown(row)).collect();
         self.last(|column| column.blank = blank)
     }
 
     /// Not in text.
-    #[must_use]
     pub fn data_only(self) -> Self {
         self.last(|column| column.in_text = false)
-    }
-
-    /// Not in JSON, CSV and Parquet: another column holds it for programs.
-    #[must_use]
-    pub fn text_only(self) -> Self {
-        self.last(|column| column.in_data = false)
     }
 
     /// The columns.
@@ -407,7 +391,7 @@ impl Columns {
 
     /// Columns that are written to files, in their order.
     pub fn data(&self) -> impl Iterator<Item = &Column> + Clone {
-        self.columns.iter().filter(|column| column.in_data)
+        self.columns.iter()
     }
 
     /// The values of the column of numbers with exactly this name.
@@ -424,10 +408,14 @@ impl Columns {
         x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
     }
 
-    /// One row as an object.
-    pub fn row(&self, row: usize) -> impl Serialize + '_ {
-        let fields = self.data().map(|column| (column.name.as_str(), column)).collect();
-        Node { fields, row }
+    /// One row as an object; a dot in a name is an object within, or a list where what follows is a number.
+    pub fn row(&self, row: usize) -> Value {
+        let mut object = Value::Null;
+        for column in &self.columns {
+            let place = column.name.split('.').fold(&mut object, within);
+            *place = column.cell(row).into();
+        }
+        object
     }
 
     /// Number of rows.
@@ -540,45 +528,29 @@ impl Serialize for Columns {
     }
 }
 
-/// One row of these fields, the names of which are relative to where they stand.
-struct Node<'a> {
-    fields: Vec<(&'a str, &'a Column)>,
-    row: usize,
-}
-
-impl Serialize for Node<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if let [("", column)] = self.fields[..] {
-            return column.cell(self.row).serialize(serializer);
-        }
-        let parts: Vec<(&str, (&str, &Column))> = self
-            .fields
-            .iter()
-            .map(|(name, column)| {
-                let (own, rest) = name.split_once('.').unwrap_or((name, ""));
-                (own, (rest, *column))
-            })
-            .collect();
-        let nodes = parts.chunk_by(|a, b| a.0 == b.0).map(|group| {
-            let fields = group.iter().map(|(_, field)| *field).collect();
-            (group[0].0, Node { fields, row: self.row })
-        });
-        if parts.iter().all(|(own, _)| own.parse::<usize>().is_ok()) && !parts.is_empty() {
-            return serializer.collect_seq(nodes.map(|(_, node)| node));
-        }
-        serializer.collect_map(nodes)
+/// What is called so within a value, which is made an object for it, or a list for a number.
+fn within<'a>(at: &'a mut Value, name: &str) -> &'a mut Value {
+    let Some(index) = name.parse::<usize>().ok().filter(|_| !at.is_object()) else { return &mut at[name] };
+    if at.is_null() {
+        *at = Value::Array(Vec::new());
     }
+    if let Value::Array(items) = at
+        && items.len() == index
+    {
+        items.push(Value::Null);
+    }
+    &mut at[index]
 }
 
-impl Serialize for Cell {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Empty => serializer.serialize_none(),
-            Self::Flag(flag) => serializer.serialize_bool(*flag),
-            Self::Whole(count) => serializer.serialize_i64(*count),
-            Self::Number(number) => serializer.serialize_f64(*number),
-            Self::List(numbers) => numbers.serialize(serializer),
-            Self::Text(text) => serializer.serialize_str(text),
+impl From<Cell> for Value {
+    fn from(cell: Cell) -> Self {
+        match cell {
+            Cell::Empty => Self::Null,
+            Cell::Flag(flag) => flag.into(),
+            Cell::Whole(count) => count.into(),
+            Cell::Number(number) => number.into(),
+            Cell::List(numbers) => numbers.into(),
+            Cell::Text(text) => text.into(),
         }
     }
 }

@@ -161,9 +161,6 @@ impl Files {
     }
 
     /// Writes them all; returns their paths, that of what made them last.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
         // Parquet says when it was made: whether the data are the same, CSV tells.
         let compared = || self.parts.iter().filter(|part| part.ending != "parquet");
@@ -190,9 +187,6 @@ impl Files {
 }
 
 /// Writes one table as CSV, in place of what is there: one line with the names of the columns, then one for each row.
-///
-/// # Errors
-/// Two columns of one name; a file that cannot be written.
 pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
     let bytes = csv(columns).map_err(ReportError::write(path, "CSV"))?;
     write_file(path, "CSV", &bytes)

@@ -33,18 +33,16 @@ fn gains() -> Columns {
         .where_true(|row| row.comm == "power")
         .value("force_n.sd", |row| row.force.1)
         .data_only()
-        .value("note", |_| "x")
-        .text_only()
         .done()
 }
 
 #[test]
 fn text_is_aligned_and_numbers_are_set_right() {
     let expected = "\
-comm   gain N/m  boundaries N/m   F_T mN  note
------  --------  --------------  -------  ----
-power       310  357.0           1000.00  x
-a|b           -  1.0, 2.5              -  x
+comm   gain N/m  boundaries N/m   F_T mN
+-----  --------  --------------  -------
+power       310  357.0           1000.00
+a|b           -  1.0, 2.5              -
 ";
     assert_eq!(gains().to_string(), expected);
     assert_eq!(gains().meanings(), "gain: the largest.\n");

@@ -1,11 +1,12 @@
 //! `host-sim shared collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::choice;
+use crate::cli::ui::and;
 use crate::cli::{Failure, Ui};
-use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial, Verdict};
+use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Collaborate {
@@ -24,14 +25,6 @@ pub(in crate::cli) struct Collaborate {
     /// Put a mistake in on purpose, to see that it is found.
     #[arg(long, value_name = "NAME", value_parser = choice::<Mistake>())]
     mistake: Option<Mistake>,
-}
-
-#[derive(Serialize)]
-struct Row {
-    scheme: Scheme,
-    users: u8,
-    #[serde(flatten)]
-    verdict: Verdict,
 }
 
 impl Collaborate {
@@ -53,9 +46,9 @@ impl Collaborate {
         let (rows, _) = ui.work(each as usize * trials.len(), "collaborate", |step| -> Result<Vec<_>, Failure> {
             let row = |(scheme, users)| {
                 let trial = Trial { scheme, users, seed: self.seed, mistake };
-                Row { scheme, users, verdict: collaborative::campaign(&trial, each, &step) }
+                and(json!({ "scheme": scheme, "users": users }), &collaborative::campaign(&trial, each, &step))
             };
-            Ok(trials.into_iter().map(row).collect())
+            trials.into_iter().map(row).collect()
         })?;
         ui.report("", &rows)
     }

@@ -11,10 +11,11 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::flags::{Out, Time, choice, number, switch};
+use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::shared::cooperative::limits::{self, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
-use crate::shared::cooperative::waves::{self, Waves};
+use crate::shared::cooperative::waves::Waves;
 use crate::shared::cooperative::{Collision, Engine, Setup};
 use haptic_sim::report::{Columns, Made};
 use haptic_sim::scene::Scene;
@@ -80,15 +81,6 @@ struct Row {
     spectral_radius: Option<f64>,
     #[serde(flatten)]
     outcome: Outcome,
-}
-
-/// One run of wave peers, as reported.
-#[derive(Debug, Serialize)]
-struct WaveRow {
-    users: usize,
-    one_way_ms: f64,
-    #[serde(flatten)]
-    outcome: waves::Outcome,
 }
 
 impl Cooperative {
@@ -176,7 +168,7 @@ impl Cooperative {
         let mut rows = Vec::new();
         for one_way_ms in delays {
             let outcome = Waves::new(&self.load(ui, one_way_ms, &WAVES)?, self.users)?.run(self.time.seconds);
-            rows.push(WaveRow { users: self.users, one_way_ms, outcome });
+            rows.push(and(json!({ "users": self.users, "one_way_ms": one_way_ms }), &outcome)?);
         }
         ui.report("", &rows)
     }

@@ -1,21 +1,21 @@
 //! `host-sim shared squash`: Force Feedback Multi-player Squash, played by bots.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
 use haptic_protocol::roles::squash::RALLIES;
-use serde::Serialize;
+use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Out, Time, number, switch};
+use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
 use crate::live::squash as live;
-use crate::shared::squash::{Cell, Options, Report, picture, play, sweep};
+use crate::shared::squash::{Cell, Options, picture, play, sweep};
 use haptic_sim::report::Columns;
 
 /// What a game goes by, simulated or live.
-#[derive(Clone, Copy, Debug, Args, Serialize)]
+#[derive(Clone, Copy, Debug, Args)]
 #[command(mut_arg("seconds", |arg| arg.default_value("60")))]
 struct Rules {
     /// Bounds the speed of the ball; live, the server's word.
@@ -25,7 +25,6 @@ struct Rules {
     #[arg(long, default_value = "on", action = ArgAction::Set, value_parser = switch())]
     motion_bounder: bool,
     #[command(flatten)]
-    #[serde(flatten)]
     time: Time,
 }
 
@@ -59,18 +58,6 @@ pub(in crate::cli) struct Squash {
 enum Question {
     /// The game in real time over UDP, sealed: this process is its server or one of its players.
     Live(Live),
-}
-
-#[derive(Serialize)]
-struct Document {
-    players: u8,
-    rtt_ms: f64,
-    #[serde(flatten)]
-    rules: Rules,
-    seed: u64,
-    #[serde(flatten)]
-    report: Report,
-    files: Vec<PathBuf>,
 }
 
 impl Squash {
@@ -121,15 +108,12 @@ impl Squash {
         let files = ui.files(&self.out, "squash", &format!("squash-{name}"), &made, |files| {
             files.figure(None, &picture::figure(&game, &options))
         })?;
-        let document = Document {
-            players: options.players,
-            rtt_ms: self.rtt_ms,
-            rules: self.rules,
-            seed: network.seed.into(),
-            report: game.report,
-            files,
-        };
-        ui.report_of(&made, "squash", &document)
+        let told = json!({
+            "players": self.players, "rtt_ms": self.rtt_ms, "bounder": bounder, "motion_bounder": motion_bounder,
+            "seconds": seconds, "seed": options.seed,
+        });
+        let told = and(told, &game.report)?;
+        ui.report_of(&made, "squash", &and(told, &json!({ "files": files }))?)
     }
 }
 

@@ -6,15 +6,13 @@ mod tune;
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::flags::Out;
+use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::figure4::{self, Curve};
-use haptic_analysis::{
-    Agreement, Axis, Column, Effort, Range, Verdict, advice, agreement, map, picture, speed, verdict,
-};
+use haptic_analysis::{Agreement, Axis, Column, Effort, Range, advice, agreement, map, picture, speed, verdict};
 use haptic_core::num::Scalar;
 use haptic_sim::report::{Cell, Columns};
 
@@ -43,37 +41,26 @@ pub(in crate::cli) struct Point {
     scene: SceneArgs,
 }
 
-#[derive(Serialize)]
-struct PointReport {
-    #[serde(flatten)]
-    verdict: Verdict,
-    /// How far apart the two constructions of the lifted matrix are; null where there is only one.
-    constructions: Option<Agreement>,
-    advice: String,
-}
-
 impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let report = PointReport {
-            verdict: verdict(&scene)?,
-            constructions: agreement(&scene.linear())?,
-            advice: advice(&scene)?,
-        };
+        let (verdict, second, advice) = (verdict(&scene)?, agreement(&scene.linear())?, advice(&scene)?);
+        let report = and(json!(verdict), &json!({ "constructions": second, "advice": advice }))?;
         ui.document_of(&ui.made().settings(scene.settings()), &report)?;
-        let second = |report: &PointReport| match report.constructions {
-            Some(Agreement { matrix, spectral_radius }) => Cell::Number(matrix.max(spectral_radius)),
+        // How far apart the two constructions of the lifted matrix are.
+        let apart = |_: &_| match &second {
+            Some(Agreement { matrix, spectral_radius }) => Cell::Number(matrix.max(*spectral_radius)),
             None => "none: it has no equations for one of this scene's models".into(),
         };
-        let table = Columns::of(std::slice::from_ref(&report))
-            .value("stable", |report| report.verdict.stable)
-            .number("spectral_radius", 9, |report| report.verdict.spectral_radius)
-            .value("states", |report| report.verdict.states)
-            .value("rest_modes_left_out", |report| report.verdict.rest_modes)
-            .value("taken_apart_into_sum_and_difference", |report| report.verdict.symmetric)
-            .power("second_construction_differs_by", 1, second)
+        let table = Columns::of(std::slice::from_ref(&verdict))
+            .value("stable", |verdict| verdict.stable)
+            .number("spectral_radius", 9, |verdict| verdict.spectral_radius)
+            .value("states", |verdict| verdict.states)
+            .value("rest_modes_left_out", |verdict| verdict.rest_modes)
+            .value("taken_apart_into_sum_and_difference", |verdict| verdict.symmetric)
+            .power("second_construction_differs_by", 1, apart)
             .done();
-        writeln!(ui, "{}\n{}", table.down(&[&self.scene.name()]), report.advice);
+        writeln!(ui, "{}\n{advice}", table.down(&[&self.scene.name()]));
         Ok(())
     }
 }
@@ -93,27 +80,18 @@ pub(in crate::cli) struct Limit {
     to: f64,
 }
 
-#[derive(Serialize)]
-struct LimitReport<'a> {
-    of: &'a str,
-    from: f64,
-    to: f64,
-    #[serde(flatten)]
-    limit: haptic_analysis::Limit,
-    wall_s: f64,
-}
-
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let start = Instant::now();
         let limit = haptic_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;
-        let report = LimitReport { of, from, to, limit, wall_s: start.elapsed().as_secs_f64() };
+        let report = and(json!({ "of": of, "from": from, "to": to }), &limit)?;
+        let report = and(report, &json!({ "wall_s": start.elapsed().as_secs_f64() }))?;
         ui.document_of(&ui.made().settings(scene.settings()), &report)?;
         let word = |stable: bool| if stable { "stable" } else { "unstable" };
-        let crossings = &report.limit.crossings;
-        let after = |at: usize| report.limit.stable_at_start != (at % 2 == 1);
+        let crossings = &limit.crossings;
+        let after = |at: usize| limit.stable_at_start != (at % 2 == 1);
         let mut rows = vec![(from.to_string(), word(after(0)).to_owned())];
         rows.extend(
             (1..).zip(crossings).map(|(at, key)| (format!("{key:.6}"), format!("{} from here on", word(after(at))))),

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::client::Client;
 use super::world::{World, WorldError};
 use super::{Engine, Setup};
-use haptic_sim::{measure::LastHalf, report::Columns, run::Growth};
+use haptic_sim::{measure::LastHalf, report::Columns, run::Forces};
 
 /// What a run gave.
 #[derive(Clone, Debug, Serialize)]
@@ -56,10 +56,7 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     let ticks = (duration_s / period_s).round() as u64;
     let record_every = ticks.div_ceil(20_000).max(1);
     let mut table = Columns::named(COLUMNS);
-    let mut growth = Growth::new(ticks);
-    let mut before = vec![0.0; setup.users];
-    let mut halves = LastHalf::new(ticks);
-    let (mut peak_m, mut peak_n, mut jump_n) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut forces, mut halves, mut peak_m) = (Forces::new(ticks), LastHalf::new(ticks), 0.0_f64);
     let (mut engine_ticks, mut hand_overs, mut last_holder) = ([0; 3], 0, 0);
     for tick in 0..ticks {
         match setup.engine {
@@ -71,16 +68,10 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
         world.step();
         let object = world.object().position;
         let apart = world.clients().map(|client| (client.view().position - object).abs()).fold(0.0, f64::max);
-        let mut change = 0.0_f64;
-        for (force, before) in world.forces().zip(&mut before) {
-            let step = (force - *before).abs();
-            change = if step.is_finite() { change.max(step) } else { f64::INFINITY };
-            peak_n = peak_n.max(force.abs());
-            *before = force;
-        }
-        growth.see_change(tick, change);
-        (peak_m, jump_n) = (peak_m.max(apart), jump_n.max(change));
-        halves.see(tick, [apart, before.iter().map(|force| force.abs()).sum::<f64>() / setup.users as f64]);
+        forces.see(tick, world.forces());
+        peak_m = peak_m.max(apart);
+        let felt_n = forces.last().iter().map(|force| force.abs()).sum::<f64>() / setup.users as f64;
+        halves.see(tick, [apart, felt_n]);
         let holder = world.holders().first().copied();
         engine_ticks[holder.map_or(0, |holder| holder.min(1) + 1)] += 1;
         if let Some(holder) = holder {
@@ -91,8 +82,8 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
             let views: Vec<f64> = world.clients().map(|client| client.view().position).collect();
             let (first, last) = (views.first().copied(), views.last().copied());
             let engine = holder.map_or(f64::NAN, |holder| holder as f64);
-            let row = [tick as f64 * period_s, object, first.unwrap_or(0.0), last.unwrap_or(0.0), before[0]];
-            table.push_row(&[&row[..], &[before[setup.users - 1], engine]].concat());
+            let row = [tick as f64 * period_s, object, first.unwrap_or(0.0), last.unwrap_or(0.0), forces.last()[0]];
+            table.push_row(&[&row[..], &[forces.last()[setup.users - 1], engine]].concat());
         }
     }
     let fault = world
@@ -105,13 +96,13 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     let last = world.clients().last().map(|client| client.bound).unwrap_or_default();
     let first: Option<&Client> = world.clients().next();
     Ok(Outcome {
-        stable: fault.is_none() && !growth.grew(),
+        stable: fault.is_none() && !forces.grew(),
         fault,
         true_discrepancy_mm: 1e3 * discrepancy_m,
         peak_discrepancy_mm: 1e3 * peak_m,
         felt_n,
-        peak_n,
-        largest_jump_n: jump_n,
+        peak_n: forces.peak(),
+        largest_jump_n: forces.largest_change(),
         round_trip_ms: first.and_then(|client| client.clock.round_trip_us()).map(|us| 1e-3 * f64::from(us)),
         stiffness_n_per_m: last.stiffness,
         drag_n_s_per_m: last.drag,

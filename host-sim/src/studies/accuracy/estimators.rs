@@ -20,7 +20,7 @@ pub use haptic_cases::reach::{RESOLUTIONS, case, readings, settings};
 use haptic_sim::report::significant;
 
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
-pub const CUTOFFS_HZ: [f64; 18] =
+const CUTOFFS_HZ: [f64; 18] =
     [8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0, 400.0];
 /// RMS error of the velocity, m/s.
 pub fn error<S: Scalar>(settings: &Settings) -> f64 {
@@ -32,7 +32,7 @@ pub fn error<S: Scalar>(settings: &Settings) -> f64 {
 }
 
 /// The cutoff of [`CUTOFFS_HZ`] with the least error, Hz, and that error, m/s.
-pub fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
+fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
     let tried = CUTOFFS_HZ.map(|cutoff| {
         let mut settings = settings(VelocityName::Filtered, counts_per_m);
         settings.axis.velocity_cutoff_hz = cutoff;

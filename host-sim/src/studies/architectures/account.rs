@@ -4,7 +4,7 @@ use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
 
 use super::{Architecture, Row, TASK};
 use haptic_analysis::ROUNDING;
-use haptic_sim::run::Growth;
+use haptic_sim::run::Forces;
 
 /// Bytes of a sealed event of this length and of its acknowledgement.
 pub(super) fn event_bytes(event: &Event) -> usize {
@@ -30,39 +30,31 @@ pub(super) struct End {
 
 /// Keeps account of a run.
 pub(super) struct Account {
-    growth: Growth,
-    before: [f64; 2],
+    forces: Forces,
     views: Vec<[f64; 2]>,
     discrepancy: f64,
     peak_m: f64,
     felt: f64,
-    peak_n: f64,
 }
 
 impl Account {
     pub(super) fn new(ticks: u64) -> Self {
         Self {
-            growth: Growth::new(ticks),
-            before: [0.0; 2],
+            forces: Forces::new(ticks),
             views: Vec::with_capacity(ticks as usize),
             discrepancy: 0.0,
             peak_m: 0.0,
             felt: 0.0,
-            peak_n: 0.0,
         }
     }
 
     /// One tick: the body as both users feel it, m, and what they push it with, N.
     pub(super) fn see(&mut self, views: [f64; 2], forces: [f64; 2]) {
-        let change = forces.iter().zip(self.before).map(|(now, before)| (now - before).abs());
-        let change = change.fold(0.0, |a: f64, b| if b.is_finite() { a.max(b) } else { f64::INFINITY });
-        self.growth.see_change(self.views.len() as u64, change);
-        self.before = forces;
+        self.forces.see(self.views.len() as u64, forces);
         let apart = (views[0] - views[1]).abs();
         self.discrepancy += apart;
         self.peak_m = self.peak_m.max(apart);
         self.felt += 0.5 * (forces[0].abs() + forces[1].abs());
-        self.peak_n = forces.iter().fold(self.peak_n, |peak, force| peak.max(force.abs()));
         self.views.push(views);
     }
 
@@ -76,13 +68,13 @@ impl Account {
         Row {
             architecture,
             delay_ms,
-            stable: end.done && !self.growth.grew() && end.spectral_radius <= 1.0 + ROUNDING,
+            stable: end.done && !self.forces.grew() && end.spectral_radius <= 1.0 + ROUNDING,
             spectral_radius: end.spectral_radius,
             contact_n_per_m: end.contact_n_per_m,
             true_discrepancy_mm: 1e3 * self.discrepancy / count,
             peak_discrepancy_mm: 1e3 * self.peak_m,
             felt_n: self.felt / count,
-            peak_n: self.peak_n,
+            peak_n: self.forces.peak(),
             rests_mm: rests.map(|at| 1e3 * at),
             placed_s: placed as f64 / count * duration_s,
             user_bytes_per_s: end.bytes[0] / duration_s / 2.0,

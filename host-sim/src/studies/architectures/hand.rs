@@ -14,10 +14,10 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::minimum_jerk;
 
 /// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
-pub const GRIP_M: f64 = 2e-4;
+const GRIP_M: f64 = 2e-4;
 
 /// If it is no faster than this, m/s.
-pub const GRIP_M_PER_S: f64 = 0.02;
+const GRIP_M_PER_S: f64 = 0.02;
 
 /// How long half of the way takes, and the way to the body, s.
 const HALF_REACH_S: f64 = 0.5 * TASK.reach_s;

@@ -182,7 +182,7 @@ const FREQUENCIES_HZ: [f64; 5] = [4.0, 6.0, 9.0, 13.0, 18.0];
 const WEAKEST: f64 = 0.02;
 
 /// Moves joint `number` with cosines, as hard as the board's limits let it, and gives the runs.
-pub fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result<Vec<Run>, String> {
+fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result<Vec<Run>, String> {
     let mut runs = Vec::new();
     let limits = &settings.probe;
     let most = limits.max_duty.min(settings.motor.max_duty);
