@@ -2,8 +2,8 @@
 //!
 //! **View**: the object as the client renders it is the newest state that came, held until the next. When another engine
 //! takes over, its states are of another age and would make the object jump; the difference to what was rendered is kept and
-//! let go within [`EASE_S`], so the force goes on from where it was. While nothing comes that should, because packets are
-//! lost or the engine is on its way, the object coasts, at most [`COAST_S`].
+//! let go within `EASE_S`, so the force goes on from where it was. While nothing comes that should, because packets are
+//! lost or the engine is on its way, the object coasts, at most `COAST_S`.
 
 use core::cmp::Ordering;
 

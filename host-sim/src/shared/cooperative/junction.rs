@@ -105,7 +105,7 @@ impl Port {
     }
 }
 
-/// Where up to [`MOST_USERS`] lines meet.
+/// Where up to `MOST_USERS` lines meet.
 #[derive(Clone, Debug)]
 pub struct Junction {
     /// In the order of the lines.

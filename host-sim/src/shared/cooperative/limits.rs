@@ -3,7 +3,7 @@
 //! The paper (eq. 7): the latency of the haptic loop must not exceed 5 to 10 ms for stiff objects, 30 ms for soft ones; and
 //! (§2.3) 1000 N/m needs less than 5 ms. All of it is K = b/θ of the device that the second statement identifies
 //! (b = 5 N·s/m, [`haptic_analysis::rendering::identify`]): 1000, 500 and 167 N/m for 5, 10 and 30 ms. Two systems show it:
-//! contact at the server with an object that hardly moves, and contact at the clients with two users of [`SHARED_KG`].
+//! contact at the server with an object that hardly moves, and contact at the clients with two users of `SHARED_KG`.
 //!
 //! **Simulated**: whole worlds ([`super::world`]) are struck once and watched, from half of the closed form upwards in steps
 //! of 15 % to the first stiffness that is not stable; bisection closes it in. **By eigenvalues**: every crossing of the
@@ -170,7 +170,7 @@ pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) ->
     })
 }
 
-/// All of [`ROUND_TRIPS_MS`], contact at the server and at the clients.
+/// All of `ROUND_TRIPS_MS`, contact at the server and at the clients.
 pub fn table() -> Result<Vec<Stiffest>, LimitError> {
     let places = [Collision::Server, Collision::Client];
     let all: Vec<_> = places.into_iter().flat_map(|place| ROUND_TRIPS_MS.map(|(kind, ms)| (kind, ms, place))).collect();

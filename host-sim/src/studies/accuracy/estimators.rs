@@ -5,7 +5,7 @@
 //! core's own encoder turns counts into positions and core's estimators those into velocities, in f32.
 //!
 //! `measured` needs a sensor that has a velocity. An encoder has none, so it reads zero, and its error is the velocity
-//! itself: what any estimator must beat. `filtered` is shown at its default cutoff and at the best of [`CUTOFFS_HZ`] for the
+//! itself: what any estimator must beat. `filtered` is shown at its default cutoff and at the best of `CUTOFFS_HZ` for the
 //! resolution, which costs the same.
 //!
 //! Unit: m/s, root of the mean square over 2 s.
@@ -31,7 +31,7 @@ pub fn error<S: Scalar>(settings: &Settings) -> f64 {
     rms(readings.iter().map(|(reading, velocity)| estimator.step(*reading).to_f64() - velocity))
 }
 
-/// The cutoff of [`CUTOFFS_HZ`] with the least error, Hz, and that error, m/s.
+/// The cutoff of `CUTOFFS_HZ` with the least error, Hz, and that error, m/s.
 fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
     let tried = CUTOFFS_HZ.map(|cutoff| {
         let mut settings = settings(VelocityName::Filtered, counts_per_m);

@@ -2,8 +2,8 @@
 //!
 //! | module | chooses among | reference |
 //! |---|---|---|
-//! | [`numbers`] | f32, f64, I32F32 | continuous control (matrix exponential); the same peer in double-double |
-//! | [`whole_peer`] | integrator × decode × control rate | continuous control (matrix exponential) |
+//! | `numbers` | f32, f64, I32F32 | continuous control (matrix exponential); the same peer in double-double |
+//! | `whole_peer` | integrator × decode × control rate | continuous control (matrix exponential) |
 //! | [`integrators`] | forward Euler, semi-implicit, exact | closed forms of a contact and of a push |
 //! | [`decodes`] | delayed, implicit | closed form of the line's end |
 //! | [`filters`] | exact, forward Euler, bilinear | the continuous filter |
@@ -196,7 +196,7 @@ const SAME_COUNT: f64 = 1.02;
 /// For every (error, instructions) whether nobody beats it: the Pareto front. What has no error to speak of (NaN) is not on it.
 ///
 /// A choice is beaten where another one is no worse in both and clearly better in one. "Clearly" is what the numbers can
-/// carry: errors closer than [`SAME_ERROR`] and counts closer than [`SAME_COUNT`] are equal, so that f64 is not on a front
+/// carry: errors closer than `SAME_ERROR` and counts closer than `SAME_COUNT` are equal, so that f64 is not on a front
 /// for a hundredth of a per cent. Being beaten this way has no circles (log error / log 1.01 + log count / log 1.02 falls
 /// along it), so a front is never empty.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<bool> {

@@ -1,7 +1,7 @@
 //! A user where turns are taken: a hand and its copy of the body.
 //!
 //! Device and arm are one mass on one spring ([`Linear`]). Who waits reaches, open, for the body as it sees it, and grips when
-//! it owns the body and has come to rest at it ([`GRIP_M`], [`GRIP_M_PER_S`]), so that how it grips does not depend on when
+//! it owns the body and has come to rest at it (`GRIP_M`, `GRIP_M_PER_S`), so that how it grips does not depend on when
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
 use haptic_core::contact::Contact;
