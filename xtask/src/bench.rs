@@ -1,23 +1,24 @@
 //! `cargo xtask bench`: measures the tick and the two-peer simulation, prints the README's tables in Markdown.
 //!
-//! Instructions are exact (callgrind, see [`crate::instructions`]). Times are those of criterion's fastest sample: what the
+//! Instructions are exact (callgrind, see [`crate::count`]). Times are those of criterion's fastest sample: what the
 //! code takes when nothing else runs in between, which is what repeats on a machine that is shared.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::count;
-use crate::instructions::{self, SCALARS};
+use crate::count::{self, SCALARS};
 use crate::run::{self, Failure, cargo};
 
 /// Runs both benches and prints.
 pub(crate) fn bench(quick: bool) -> Result<(), Failure> {
-    let counts = run::step("instructions", || match instructions::obstacle()? {
-        None => instructions::count().map(Some),
+    let counts = run::step("instructions", || match count::obstacle() {
+        None => count::count_ticks(),
         Some(obstacle) => {
             eprintln!("    NOT COUNTED: {obstacle}");
-            Ok(None)
+            Ok(String::new())
         }
     })?;
+    let counts: BTreeMap<String, Vec<f64>> = count::rows(&counts).collect();
     let home = run::step("times", || times(quick))?;
 
     println!("One tick of one peer on x86-64 ({}): instructions, and nanoseconds in brackets.\n", processor());
@@ -26,7 +27,7 @@ pub(crate) fn bench(quick: bool) -> Result<(), Failure> {
     for scene in &ticks.names {
         let mut row = format!("| {scene} |");
         for (at, scalar) in SCALARS.iter().enumerate() {
-            let count = counts.as_ref().and_then(|counts| counts.of.get(scene)).map(|counts| counts[at].to_string());
+            let count = counts.get(scene).and_then(|counts| counts.get(at)).map(f64::to_string);
             let time = ticks.fastest_ns(&format!("{scene}/{scalar}"))? / TICKS_PER_RECORDING;
             row += &format!(" {} ({time:.1}) |", count.unwrap_or_else(|| "–".to_owned()));
         }
@@ -42,7 +43,7 @@ pub(crate) fn bench(quick: bool) -> Result<(), Failure> {
 
     println!("\nThe wire on the board's processor, a Cortex-M7 (reviewed; `cargo xtask count` counts anew).\n");
     println!("| what a link does | instructions |\n|---|---:|");
-    for (what, counts) in count::rows(&count::reviewed(count::WIRE)?) {
+    for (what, counts) in count::rows(&count::reviewed("count", count::WIRE)?) {
         println!("| {what} | {} |", counts.iter().map(f64::to_string).collect::<String>());
     }
     Ok(())

@@ -7,41 +7,16 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
+use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 
-/// A command line that can be one; what stands in the scene and its overrides the bench looks at.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Plan<'a>(&'a [&'a str]);
-
-impl<'a> Plan<'a> {
-    /// Reads the command line; what is wrong with it is one line, before anything is built.
-    pub(crate) fn parse(arguments: &'a [&'a str]) -> Result<Self, Failure> {
-        let mut words = arguments.iter();
-        while let Some(word) = words.next() {
-            let (option, attached) =
-                word.split_once('=').map_or((*word, None), |(option, value)| (option, Some(value)));
-            let wrong = match option {
-                "--json" if attached.is_none() => continue,
-                "--scene" | "--set" | "--seconds" | "--out" => {
-                    let Some(value) = attached.or_else(|| words.next().copied()) else {
-                        return Err(Failure::usage(format!(
-                            "{option} needs a value; `cargo xtask board --help` says which"
-                        )));
-                    };
-                    wrong(option, value)
-                }
-                _ => Some(format!("there is no option {word}; `cargo xtask board --help` lists them")),
-            };
-            if let Some(wrong) = wrong {
-                return Err(Failure::usage(wrong));
-            }
-        }
-        Ok(Self(arguments))
-    }
+/// What is wrong with the values is one line, before anything is built; the scene and its overrides the bench looks at.
+fn check(given: &Options<'_>) -> Result<(), Failure> {
+    given.pairs().find_map(|(option, value)| wrong(option, value)).map_or(Ok(()), |wrong| Err(Failure::usage(wrong)))
 }
 
 /// What is wrong with the value of an option.
@@ -68,14 +43,14 @@ fn built_in() -> impl Iterator<Item = String> {
 }
 
 /// Builds and runs; exit status 2 where the bench refuses the scene.
-pub(crate) fn board(arguments: &[&str]) -> Result<(), Failure> {
-    let plan = Plan::parse(arguments)?;
+pub(crate) fn board(given: &Options<'_>) -> Result<(), Failure> {
+    check(given)?;
     let ready = step("set-up", setup::setup)?;
     let image = step("image", || image(&ready))?;
     let mut bench = bench(&["run", "--bin", "board"], &image);
     // Files are named as seen from where the command was given.
     let here = env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
-    bench.arg("--").args(plan.0).current_dir(here);
+    bench.arg("--").args(given.words()).current_dir(here);
     eprintln!("    {}", run::spelled(&bench));
     let status = bench.status().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
     match status.code() {
@@ -88,12 +63,8 @@ pub(crate) fn board(arguments: &[&str]) -> Result<(), Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    let mut build = cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
-    build.args(["--bin", "firmware", "--target", THUMB_TARGET]);
-    if ready.fallback {
-        build.arg("--ignore-rust-version");
-    }
-    run(build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
+    let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
+    run(build.args(["--bin", "firmware", "--target", THUMB_TARGET]))?;
     Ok(target().join(THUMB_TARGET).join("firmware/firmware"))
 }
 

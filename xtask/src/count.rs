@@ -1,15 +1,18 @@
-//! `cargo xtask count`: instructions on the board's processor against the reviewed tables.
+//! `cargo xtask bench-check` and `cargo xtask count`: instructions against reviewed tables.
 //!
-//! The programs of tests/count run under QEMU and print what they counted: the same on every run of the same binary, so the
-//! tolerance is for another compiler, and for how the counting program itself happens to be laid out, which shows in the
-//! shortest calls. What a change to the code does beyond it is for review (`--bless`).
+//! The first counts one tick on a PC: the bench `instructions` of haptic-cases, under callgrind. The second counts on the
+//! board's processor: the programs of tests/count, under QEMU. Either is exact, the same on every run of the same binary,
+//! so the tolerance is for C libraries that copy memory differently, for another compiler, and for how the counting
+//! program itself happens to be laid out, which shows in the shortest calls. What a change to the code does beyond it is
+//! for review (`--bless`, then the difference is in the commit).
 
-use std::path::Path;
-use std::process::Command;
-
-use crate::run::{self, Failure, step};
+use crate::run::{self, Failure, cargo, step};
 use crate::setup;
 
+/// The reviewed counts of one tick.
+const TICKS: &str = "host-sim/cases/benches/instructions.txt";
+/// Number types, in the order of that table's columns.
+pub(crate) const SCALARS: [&str; 3] = ["f32", "f64", "i32f32"];
 /// Programs of tests/count, and where what they print was reviewed.
 const TABLES: [(&str, &str); 2] =
     [("count", "host-sim/src/studies/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
@@ -20,8 +23,32 @@ const TOLERANCE: f64 = 0.02;
 /// What is accepted in any case, instructions.
 const FEW: f64 = 3.0;
 
-/// Counts and compares, or counts and writes.
-pub(crate) fn count(bless: bool) -> Result<(), Failure> {
+/// Counts one tick and compares, or counts and writes.
+pub(crate) fn ticks(bless: bool) -> Result<(), Failure> {
+    obstacle().map_or(Ok(()), |obstacle| Err(Failure::new(obstacle)))?;
+    match review("bench-check", TICKS, &count_ticks()?, bless)? {
+        0 => Ok(()),
+        changed => Err(beyond(changed, "bench-check")),
+    }
+}
+
+/// Why the instructions of one tick cannot be counted here, if so; installs valgrind where that is all that is missing.
+pub(crate) fn obstacle() -> Option<String> {
+    if !cfg!(all(target_arch = "x86_64", target_os = "linux")) {
+        return Some(format!("{TICKS} holds counts of x86-64 Linux; this is another machine"));
+    }
+    setup::program("valgrind", "valgrind")
+}
+
+/// The table of one tick as it is now.
+pub(crate) fn count_ticks() -> Result<String, Failure> {
+    let mut bench = cargo(&["bench", "--locked", "--quiet", "--package", "haptic-cases", "--bench", "instructions"]);
+    eprintln!("    {}", run::spelled(&bench));
+    run::output(&mut bench)
+}
+
+/// Counts on the board's processor and compares, or counts and writes.
+pub(crate) fn board(bless: bool) -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
     if !run::succeeds(&mut run::command("qemu-system-arm", &["--version"])) {
         return Err(Failure::new("qemu-system-arm does not run; `apt-get install qemu-system-arm` brings it"));
@@ -29,48 +56,44 @@ pub(crate) fn count(bless: bool) -> Result<(), Failure> {
     let mut changed = 0;
     for (program, file) in TABLES {
         let printed = step(program, || {
-            let mut cargo = run::cargo(&["run", "--quiet", "--locked", "--release", "--bin", program]);
-            if ready.fallback {
-                cargo.arg("--ignore-rust-version");
-            }
+            let mut cargo = ready.cargo(&["run", "--quiet", "--locked", "--release", "--bin", program]);
+            eprintln!("    {}", run::spelled(&cargo));
             // The target and the emulator are settings of that folder.
-            output(cargo.current_dir(run::root().join("tests/count")).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))
+            run::output(cargo.current_dir(run::root().join("tests/count")))
         })?;
-        if bless {
-            write(&run::root().join(file), &printed)?;
-            eprintln!("    {file} rewritten: look at its difference");
-            continue;
+        changed += review("count", file, &printed, bless)?;
+        if !bless {
+            println!("{printed}");
         }
-        let differences = differences(&reviewed(file)?, &printed);
-        changed += differences.len();
-        for difference in differences {
-            eprintln!("    {file}: {difference}");
-        }
-        println!("{printed}");
     }
-    match changed {
-        0 => Ok(()),
-        _ => Err(Failure::new(format!(
-            "{changed} counts are not within {} % of the reviewed ones (see above): undo what changed them, or accept \
-             them with `cargo xtask count --bless`",
-            100.0 * TOLERANCE
-        ))),
+    if changed == 0 { Ok(()) } else { Err(beyond(changed, "count")) }
+}
+
+fn beyond(changed: usize, chore: &str) -> Failure {
+    Failure::new(format!(
+        "{changed} counts are not within {} % of the reviewed ones (see above): undo what changed them, or accept them \
+         with `cargo xtask {chore} --bless`",
+        100.0 * TOLERANCE
+    ))
+}
+
+/// Compares with a reviewed table and gives how many rows differ, or rewrites it.
+fn review(chore: &str, file: &str, printed: &str, bless: bool) -> Result<usize, Failure> {
+    if bless {
+        std::fs::write(run::root().join(file), printed)
+            .map_err(|cause| Failure::new(format!("cannot write {file}: {cause}")))?;
+        eprintln!("    {file} rewritten: look at its difference");
+        return Ok(0);
     }
+    let differences = differences(&reviewed(chore, file)?, printed);
+    differences.iter().for_each(|difference| eprintln!("    {file}: {difference}"));
+    Ok(differences.len())
 }
 
 /// A reviewed table.
-pub(crate) fn reviewed(file: &str) -> Result<String, Failure> {
+pub(crate) fn reviewed(chore: &str, file: &str) -> Result<String, Failure> {
     std::fs::read_to_string(run::root().join(file))
-        .map_err(|cause| Failure::new(format!("cannot read {file}: {cause}; `cargo xtask count --bless` writes it")))
-}
-
-fn output(command: &mut Command) -> Result<String, Failure> {
-    eprintln!("    {}", run::spelled(command));
-    run::output(command)
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", path.display())))
+        .map_err(|cause| Failure::new(format!("cannot read {file}: {cause}; `cargo xtask {chore} --bless` writes it")))
 }
 
 /// A table's rows: what was counted, and the counts.

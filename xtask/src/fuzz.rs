@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
+use crate::options::Options;
 use crate::run::{self, Failure, cargo, command, step};
 
 /// Names the targets.
@@ -25,62 +26,34 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
                      -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                      -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1 --cfg fuzzing";
 
-/// What the command line asks for.
-pub(crate) struct Plan {
-    targets: Vec<&'static str>,
-    seconds: u32,
-}
-
 /// Every target.
 fn targets() -> Vec<&'static str> {
     let named = |bin: &'static str| bin.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
     MANIFEST.split("[[bin]]").skip(1).filter_map(named).collect()
 }
 
-impl Plan {
-    /// Reads the command line; what is wrong with it is one line.
-    pub(crate) fn parse(arguments: &[&str]) -> Result<Self, Failure> {
-        let mut plan = Self { targets: targets(), seconds: SECONDS };
-        let mut words = arguments.iter();
-        while let Some(word) = words.next() {
-            match *word {
-                "--seconds" => {
-                    let value = words.next().copied().unwrap_or_default();
-                    plan.seconds =
-                        value.parse().ok().filter(|seconds| (1..=MOST_SECONDS).contains(seconds)).ok_or_else(|| {
-                            Failure::usage(format!(
-                                "--seconds \"{value}\" is not allowed: it must be a whole number from 1 to {MOST_SECONDS}"
-                            ))
-                        })?;
-                }
-                "--target" => {
-                    let value = words.next().copied().unwrap_or_default();
-                    let known = targets().into_iter().find(|known| *known == value);
-                    plan.targets = vec![known.ok_or_else(|| {
-                        Failure::usage(format!(
-                            "--target \"{value}\" is not allowed: it must be one of {}",
-                            targets().join(", ")
-                        ))
-                    })?];
-                }
-                other => {
-                    return Err(Failure::usage(format!(
-                        "there is no option {other}; `cargo xtask fuzz --help` lists them"
-                    )));
-                }
-            }
-        }
-        Ok(plan)
-    }
+/// The targets that are asked for, and the seconds for each.
+fn plan(given: &Options<'_>) -> Result<(Vec<&'static str>, u32), Failure> {
+    let not_allowed = |option: &str, value: &str, allowed: String| {
+        Failure::usage(format!("{option} \"{value}\" is not allowed: it must be {allowed}"))
+    };
+    let seconds = given.value("--seconds").map_or(Ok(SECONDS), |value| {
+        let seconds = value.parse().ok().filter(|seconds| (1..=MOST_SECONDS).contains(seconds));
+        seconds.ok_or_else(|| not_allowed("--seconds", value, format!("a whole number from 1 to {MOST_SECONDS}")))
+    })?;
+    let Some(value) = given.value("--target") else { return Ok((targets(), seconds)) };
+    let known = targets().into_iter().find(|known| *known == value);
+    let target = known.ok_or_else(|| not_allowed("--target", value, format!("one of {}", targets().join(", "))))?;
+    Ok((vec![target], seconds))
 }
 
 /// Builds the targets and runs them one after the other.
-pub(crate) fn fuzz(arguments: &[&str]) -> Result<(), Failure> {
-    let plan = Plan::parse(arguments)?;
+pub(crate) fn fuzz(given: &Options<'_>) -> Result<(), Failure> {
+    let (targets, seconds) = plan(given)?;
     let binaries = step("build", build)?;
     let mut rows = Vec::new();
-    for target in plan.targets {
-        rows.push(step(target, || run_one(&binaries, target, plan.seconds))?);
+    for target in targets {
+        rows.push(step(target, || run_one(&binaries, target, seconds))?);
     }
     println!("| fuzz target | seconds | executions | inputs kept | new among them |\n|---|---:|---:|---:|---:|");
     for row in rows {

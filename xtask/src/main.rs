@@ -6,10 +6,9 @@ mod bench;
 mod board;
 mod count;
 mod fuzz;
-mod instructions;
-mod log;
 mod no_panic;
-mod provision;
+mod options;
+mod probe;
 mod qemu;
 mod readme;
 mod rooms;
@@ -17,8 +16,10 @@ mod run;
 mod setup;
 mod test;
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use options::Options;
 use run::Failure;
 
 /// A command.
@@ -30,7 +31,7 @@ struct Chore {
     does: &'static str,
     /// The rest of its help.
     more: &'static str,
-    run: fn(&[&str]) -> Result<(), Failure>,
+    run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
 const CHORES: [Chore; 15] = [
@@ -43,14 +44,14 @@ const CHORES: [Chore; 15] = [
   - core for thumbv7em-none-eabihf, with `rustup target add`; where that download is refused, from Debian's sources
     with xtask/thumb-toolchain.sh
 Prints the toolchain that builds for the microcontroller.",
-        run: |rest| none(rest, || setup::setup().map(|ready| println!("{}", ready.thumb_toolchain))),
+        run: |_| setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
     },
     Chore {
         name: "quick",
         options: "",
         does: "Tells soonest whether a small change is good: format, lints, unit tests, golden traces, all in debug",
         more: "Stops at the first failure. Before a change is taken, `cargo xtask test` must pass.",
-        run: |rest| none(rest, test::quick),
+        run: |_| test::quick(),
     },
     Chore {
         name: "test",
@@ -62,14 +63,14 @@ chip included), the golden traces in release as well, no panic in the tick, the 
 (readme), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
 interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on
 virtual boards (board-test), whose emulator takes minutes to build.",
-        run: |rest| none(rest, test::test),
+        run: |_| test::test(),
     },
     Chore {
         name: "board-test",
         options: "",
         does: "Runs the release image on virtual boards: the simulator's bits, the paper's table, budgets, faults",
         more: "Everything in tests/board; minutes on a cold machine, for it builds an emulator.",
-        run: |rest| none(rest, test::board_test),
+        run: |_| test::board_test(),
     },
     Chore {
         name: "bench",
@@ -77,7 +78,7 @@ virtual boards (board-test), whose emulator takes minutes to build.",
         does: "Measures one tick of every scene and the two-peer simulation, prints the tables of docs/ in Markdown",
         more: "Instructions under callgrind, nanoseconds with criterion, in every number type.
   --quick   less time for each measurement: for a look, not for a page",
-        run: |rest| bench::bench(flag(rest, "--quick")?),
+        run: |given| bench::bench(given.flag("--quick")),
     },
     Chore {
         name: "bench-check",
@@ -85,7 +86,7 @@ virtual boards (board-test), whose emulator takes minutes to build.",
         does: "Counts the instructions of one tick and compares them with host-sim/cases/benches/instructions.txt",
         more: "Under callgrind; each may differ by 2 %. x86-64 Linux only, where it installs valgrind if apt-get can.
   --bless   write what was counted to the file, for review",
-        run: |rest| instructions::check(flag(rest, "--bless")?),
+        run: |given| count::ticks(given.flag("--bless")),
     },
     Chore {
         name: "count",
@@ -94,7 +95,7 @@ virtual boards (board-test), whose emulator takes minutes to build.",
         more: "Every numerical choice of the tick (host-sim/src/studies/accuracy), and sealing, opening, refusing and joining on the
 wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 % or 3 instructions.
   --bless   write what was counted to the files, for review",
-        run: |rest| count::count(flag(rest, "--bless")?),
+        run: |given| count::board(given.flag("--bless")),
     },
     Chore {
         name: "board",
@@ -123,7 +124,7 @@ protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fa
         options: "",
         does: "Attaches to a running board and keeps what it says in out/board.log",
         more: "With probe-rs, without stopping or flashing it. The image must be the one that was flashed.",
-        run: |rest| none(rest, log::log),
+        run: |_| probe::log(),
     },
     Chore {
         name: "no-panic",
@@ -132,7 +133,7 @@ protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fa
         more: "Links a program that holds the interrupt and a panic handler that calls a function which does not exist, and has a
 place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
 panic planted outside ITCM, which must fail on both counts.",
-        run: |rest| none(rest, || no_panic::no_panic(&setup::setup()?)),
+        run: |_| no_panic::no_panic(&setup::setup()?),
     },
     Chore {
         name: "provision",
@@ -142,7 +143,7 @@ panic planted outside ITCM, which must fail on both counts.",
 anew. Flashing an image leaves it there.
   --key-file  the key
   --probe     which board, where two are connected (`probe-rs list` names them)",
-        run: provision::provision,
+        run: probe::provision,
     },
     Chore {
         name: "qemu",
@@ -151,7 +152,7 @@ anew. Flashing an image leaves it there.
         more: "Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim board record), and replays it:
 the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first. Installs
 qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
-        run: |rest| none(rest, || test::second_opinion(&setup::setup()?)),
+        run: |_| test::second_opinion(&setup::setup()?),
     },
     Chore {
         name: "rooms",
@@ -160,30 +161,16 @@ qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
         more: "Lines of Rust in src and benches, comments and tests inside files included. Fails on files that import each other in a
 circle, on an import that climbs against the order in xtask/rooms.txt, and on a package that has outgrown its lines there.
   --root  another checkout to look at, by the same rules",
-        run: rooms::rooms_at,
+        run: |given| rooms::rooms(given.value("--root").map_or(run::root(), Path::new)),
     },
     Chore {
         name: "readme",
         options: " [--check]",
         does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
         more: "  --check   change nothing; fail if a text would change",
-        run: |rest| readme::readme(flag(rest, "--check")?),
+        run: |given| readme::readme(given.flag("--check")),
     },
 ];
-
-/// Nothing follows the command.
-fn none(rest: &[&str], chore: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
-    rest.first().map_or_else(chore, |word| Err(Failure::usage(format!("there is no option {word}"))))
-}
-
-/// Nothing or this follows the command.
-fn flag(rest: &[&str], name: &str) -> Result<bool, Failure> {
-    match rest {
-        [] => Ok(false),
-        [word] if *word == name => Ok(true),
-        _ => Err(Failure::usage(format!("{} is not allowed: it must be {name} or nothing", rest.join(" ")))),
-    }
-}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -195,15 +182,23 @@ fn main() -> ExitCode {
             CHORES.iter().for_each(|Chore { name, does, .. }| println!("  {name:<12} {does}"));
             Ok(())
         }
-        (None, _) => Err(Failure::usage(format!(
-            "there is no `cargo xtask {}`; `cargo xtask --help` lists the commands",
-            words.join(" ")
-        ))),
         (Some(Chore { name, options, does, more, .. }), [_, "--help" | "-h"]) => {
             println!("{does}.\n\nUsage: cargo xtask {name}{options}\n\n{more}");
             Ok(())
         }
-        (Some(chore), _) => (chore.run)(words.get(1..).unwrap_or(&[])),
+        (Some(chore), [_, rest @ ..]) => {
+            Options::read(chore.name, chore.options, rest).and_then(|given| (chore.run)(&given))
+        }
+        _ => Err(Failure::usage(format!(
+            "there is no `cargo xtask {}`; `cargo xtask --help` lists the commands",
+            words.join(" ")
+        ))),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+fn read<'a>(name: &str, words: &[&'a str]) -> Result<Options<'a>, Failure> {
+    let chore = CHORES.iter().find(|chore| chore.name == name).unwrap();
+    Options::read(name, chore.options, words)
 }

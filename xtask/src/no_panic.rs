@@ -5,20 +5,16 @@
 
 use std::process::Command;
 
-use crate::run::{self, Failure, cargo};
+use crate::run::{self, Failure};
 use crate::setup::{Ready, THUMB_TARGET};
 
 /// What the proof's panic handler calls, and nobody defines.
 const NOWHERE: &str = "undefined symbol: a_panic_is_reachable_from_the_tick";
 
 fn build(ready: &Ready, feature: &str) -> Command {
-    let mut build =
-        cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "no-panic"]);
+    let words = ["build", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "no-panic"];
+    let mut build = ready.cargo(&words);
     build.args(["--features", feature, "--target", THUMB_TARGET]);
-    if ready.fallback {
-        build.arg("--ignore-rust-version");
-    }
-    build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain);
     build
 }
 

@@ -13,15 +13,6 @@ use crate::run::{self, Failure};
 /// Order and size of the rooms, under review.
 const FILE: &str = "xtask/rooms.txt";
 
-/// `--root DIR` or nothing.
-pub(crate) fn rooms_at(arguments: &[&str]) -> Result<(), Failure> {
-    match arguments {
-        [] => rooms(run::root()),
-        ["--root", other] => rooms(Path::new(other)),
-        _ => Err(Failure::usage("usage: cargo xtask rooms [--root DIR]")),
-    }
-}
-
 /// Prints every package's lines, circles and climbing imports; any that is not allowed is a failure. `root` is the
 /// repository to look at, this one unless another is named.
 pub(crate) fn rooms(root: &Path) -> Result<(), Failure> {
@@ -98,7 +89,7 @@ impl Package {
         let name = package_name(folder)?;
         let source = folder.join("src");
         let mut paths = Vec::new();
-        collect(&source, &mut paths)?;
+        collect(&source, &mut paths);
         let mut lines = 0;
         let mut files = BTreeMap::new();
         for path in &paths {
@@ -109,7 +100,7 @@ impl Package {
             files.insert(file, File { module: module_of(relative), code: without_tests(&without_comments(&text)) });
         }
         let mut benches = Vec::new();
-        collect(&folder.join("benches"), &mut benches)?;
+        collect(&folder.join("benches"), &mut benches);
         for path in &benches {
             lines += read(path)?.lines().count();
         }
@@ -215,25 +206,19 @@ impl Modules {
     /// The file that the path leads to, seen from `module`; none if it leads out of the package.
     fn resolve(&self, module: &[String], path: &[String], depth: usize) -> Option<String> {
         let mut here: Vec<String> = module.to_vec();
-        let mut rest = path;
-        match rest.first()?.as_str() {
-            "crate" => here.clear(),
+        let (first, mut rest) = path.split_first()?;
+        match first.as_str() {
             "self" => {}
-            "super" => {
-                here.pop();
-            }
-            first if first == self.name => here.clear(),
+            "super" => drop(here.pop()),
+            first if first == "crate" || first == self.name => here.clear(),
             first => {
                 here.push(first.to_owned());
-                if !self.files.contains_key(&here) {
-                    return None;
-                }
+                self.files.get(&here)?;
             }
         }
-        rest = &rest[1..];
-        while rest.first().is_some_and(|word| word == "super") {
+        while let Some(after) = rest.strip_prefix(&["super".to_owned()]) {
             here.pop();
-            rest = &rest[1..];
+            rest = after;
         }
         while let Some((next, after)) = rest.split_first() {
             here.push(next.clone());
@@ -298,7 +283,6 @@ fn paths_in(code: &str) -> Vec<Vec<String>> {
 fn uses(code: &str) -> Vec<(bool, Vec<String>)> {
     let mut found = Vec::new();
     for statement in code.split(';') {
-        let statement = statement.rsplit(['{', '}', ']']).next_back().map_or(statement, |_| statement);
         let Some(at) = find_use(statement) else { continue };
         let public = statement[..at].trim_end().ends_with("pub") || statement[..at].trim_end().ends_with(')');
         take_apart(statement[at + 4..].trim(), &[], &mut |path| found.push((public, path)));
@@ -402,17 +386,14 @@ fn without_tests(code: &str) -> String {
     kept + rest
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    for entry in entries.flatten() {
-        let path = entry.path();
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
         if path.is_dir() {
-            collect(&path, found)?;
+            collect(&path, found);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             found.push(path);
         }
     }
-    Ok(())
 }
 
 fn read(path: &Path) -> Result<String, Failure> {

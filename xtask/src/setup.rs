@@ -26,6 +26,17 @@ pub(crate) struct Ready {
     pub(crate) fallback: bool,
 }
 
+impl Ready {
+    /// Cargo with the toolchain for the microcontroller. Debian's compiler is older than the version the workspace
+    /// promises; whether it will do, it says itself.
+    pub(crate) fn cargo(&self, arguments: &[&str]) -> Command {
+        let mut cargo = cargo(arguments);
+        cargo.args(self.fallback.then_some("--ignore-rust-version"));
+        cargo.env("RUSTUP_TOOLCHAIN", &self.thumb_toolchain);
+        cargo
+    }
+}
+
 /// Makes sure of everything; idempotent.
 pub(crate) fn setup() -> Result<Ready, Failure> {
     for (component, probe) in [("rustfmt", "fmt"), ("clippy", "clippy")] {

@@ -8,10 +8,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, instructions, no_panic, qemu};
-
-/// Rooms that must compile for the microcontroller, with their packages; a room that is not there yet is left out.
-const ON_THE_MICROCONTROLLER: [(&str, &str); 2] = [("core", "haptic-core"), ("protocol", "haptic-protocol")];
+use crate::{board, count, no_panic, qemu};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -25,17 +22,8 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("rooms", || crate::rooms::rooms(run::root()))?;
 
     step("rooms of the microcontroller", || {
-        let mut build = cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
-        for (room, package) in ON_THE_MICROCONTROLLER {
-            if run::root().join(room).exists() {
-                build.args(["--package", package]);
-            }
-        }
-        if ready.fallback {
-            // Debian's compiler is older than the version the workspace promises; whether it will do, it says itself.
-            build.arg("--ignore-rust-version");
-        }
-        run(build.env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))
+        let mut build = ready.cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
+        run(build.args(["--package", "haptic-core", "--package", "haptic-protocol"]))
     })?;
 
     step("documentation", || run(cargo(&["doc", "--locked", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")))?;
@@ -50,8 +38,8 @@ pub(crate) fn test() -> Result<(), Failure> {
 
     step("README", || crate::readme::readme(true))?;
 
-    step("instructions of one tick", || match instructions::obstacle()? {
-        None => instructions::check(false),
+    step("instructions of one tick", || match count::obstacle() {
+        None => count::ticks(false),
         Some(obstacle) => {
             eprintln!("    NOT CHECKED: {obstacle}");
             Ok(())

@@ -3,7 +3,7 @@
 use super::*;
 
 fn refusal(arguments: &[&str]) -> String {
-    Plan::parse(arguments).expect_err("refused").to_string()
+    crate::read("board", arguments).and_then(|given| check(&given)).expect_err("refused").to_string()
 }
 
 #[test]
@@ -30,6 +30,8 @@ fn files_and_every_built_in_name_pass() {
     assert!(names.len() > 12, "{names:?}");
     for name in &names {
         let arguments = ["--scene", name, "--set=user.1.push_n=1", "--seconds", "1e3", "--json", "--out", "x"];
-        assert_eq!(Plan::parse(&arguments).unwrap(), Plan(&arguments));
+        let given = crate::read("board", &arguments).unwrap();
+        check(&given).unwrap();
+        assert_eq!(given.words().collect::<Vec<_>>().join(" "), arguments.join(" ").replace("set=", "set "));
     }
 }
