@@ -163,7 +163,6 @@ pub struct Queue<T, const N: usize> {
 unsafe impl<T: Send, const N: usize> Sync for Queue<T, N> {}
 
 impl<T: Copy + Default, const N: usize> Default for Queue<T, N> {
-    /// Empty.
     fn default() -> Self {
         const { assert!(N.is_power_of_two()) };
         Self {

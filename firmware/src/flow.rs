@@ -86,7 +86,6 @@ impl Flow {
         }
     }
 
-    /// What the link has noticed.
     fn heed(&mut self) {
         while let Some(notice) = self.link.take_notice() {
             match notice {

@@ -44,9 +44,8 @@ mod image {
 
     use crate::board::{self, pace};
     use crate::console::{self, Console};
-    use crate::telemetry::Telemetry;
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
-    use crate::{fault, net, storage, supervisor, tick};
+    use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
 
     /// The words that interrupt and tasks share. Has a name in the image for debuggers and tests/board.
     #[unsafe(no_mangle)]

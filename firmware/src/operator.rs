@@ -67,15 +67,6 @@ impl Misread {
     }
 }
 
-/// A value as a line spells it: `true`, `false`, a number, else a name.
-pub fn value(text: &str) -> Value<'_> {
-    match text {
-        "true" => Value::Flag(true),
-        "false" => Value::Flag(false),
-        _ => text.parse().map_or(Value::Text(text), Value::Number),
-    }
-}
-
 /// What the line asks for.
 pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
@@ -88,7 +79,7 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         "check" => number(&mut words).map(Request::Check),
         "probe" => probe(&mut words).map(Request::Probe),
         "probed" => Some(Request::Probed),
-        "set" => words.next().zip(words.next()).map(|(key, text)| Request::Set(key, value(text))),
+        "set" => words.next().zip(words.next()).map(|(key, text)| Request::Set(key, Value::of_text(text))),
         "get" => words.next().map(Request::Get),
         "defaults" => Some(Request::Defaults),
         "apply" => Some(Request::Apply),
@@ -101,7 +92,6 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     request.filter(|_| words.next().is_none()).ok_or(Misread::Arguments)
 }
 
-/// The next word, as a number.
 fn number<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Option<T> {
     words.next()?.parse().ok()
 }

@@ -21,7 +21,8 @@ use core::fmt::{self, Write};
 
 use heapless::String;
 
-use crate::{kept::Kept, operator};
+use crate::kept::Kept;
+use haptic_core::settings::Value;
 
 /// What is programmed at once.
 pub type Word = [u8; 32];
@@ -222,7 +223,7 @@ impl Store {
         for byte in text(medium, slot, length) {
             match byte {
                 Some(b'\n') => {
-                    let set = line.split_once(' ').map(|(key, value)| kept.set(key, operator::value(value)));
+                    let set = line.split_once(' ').map(|(key, value)| kept.set(key, Value::of_text(value)));
                     if !matches!(set, Some(Ok(()))) {
                         return Some(Err(Unreadable { line }));
                     }

@@ -39,7 +39,6 @@ impl Telemetry {
         self.signals.record_every.set(u32::from(ticks > 0));
     }
 
-    /// Whether somebody wants any.
     pub(crate) fn is_on(&self) -> bool {
         self.left > 0
     }

@@ -24,7 +24,6 @@ use haptic_core::{device::AXES, device::motor::Duty};
 
 use super::clocks::TIMERS_HZ;
 
-/// PWM frequency, Hz.
 const PWM_HZ: u32 = 20_000;
 /// Counts from the middle (no current) to either end (full duty).
 pub(crate) const STEPS: u16 = (TIMERS_HZ / PWM_HZ / 4) as u16;

@@ -13,7 +13,6 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::{Config, time::Hertz};
 
-/// Clock of every timer, Hz.
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
 
 pub(crate) fn config() -> Config {

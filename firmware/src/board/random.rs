@@ -4,8 +4,7 @@
 //! used. After a failure it is started anew, three times at the most. A source that does not recover gives `None`, and a
 //! board without randomness talks to nobody: nothing here waits for ever.
 
-use embassy_stm32::{Peri, rcc};
-use embassy_stm32::{pac, peripherals::RNG};
+use embassy_stm32::{Peri, pac, peripherals::RNG, rcc};
 
 /// Looks at the generator until a word must be there: 1 µs for a word, 10 µs for the first.
 const LOOKS: u32 = 20_000;

@@ -1,8 +1,7 @@
 //! What a board keeps: keys and values, and back.
 
 use firmware_parts::kept::Kept;
-use firmware_parts::operator::value;
-use haptic_core::settings::SetError;
+use haptic_core::settings::{SetError, Value};
 
 #[test]
 fn every_key_leads_back_to_what_was_set() {
@@ -16,16 +15,16 @@ fn every_key_leads_back_to_what_was_set() {
         ("object.mass_kg", "0.30000000000000004"),
         ("contact.one_sided", "true"),
     ] {
-        kept.set(key, value(text)).unwrap();
+        kept.set(key, Value::of_text(text)).unwrap();
         assert_eq!(kept.get(key).unwrap().to_string(), text);
     }
     let mut copy = Kept::default();
     for key in Kept::keys() {
         let text = kept.get(key).unwrap().to_string();
-        copy.set(key, value(&text)).unwrap();
+        copy.set(key, Value::of_text(&text)).unwrap();
     }
     assert_eq!(copy, kept);
-    kept.set("network.gateway", value("none")).unwrap();
+    kept.set("network.gateway", Value::of_text("none")).unwrap();
     assert_eq!(kept.addresses.gateway, None);
 }
 
@@ -33,9 +32,11 @@ fn every_key_leads_back_to_what_was_set() {
 fn what_is_no_address_is_refused_with_what_would_be_one() {
     let mut kept = Kept::default();
     for text in ["10.1.2", "10.1.2.300", "board", "7", "true", "0.0.0.0", "255.255.255.255", "224.0.0.1"] {
-        let Err(SetError::Refused(refused)) = kept.set("network.peer", value(text)) else { panic!("{text} taken") };
+        let Err(SetError::Refused(refused)) = kept.set("network.peer", Value::of_text(text)) else {
+            panic!("{text} taken")
+        };
         assert!(refused.to_string().ends_with("it must be an address such as 192.168.77.2, or strap"), "{refused}");
     }
-    assert_eq!(kept.set("network.mask", value("1")), Err(SetError::Unknown));
+    assert_eq!(kept.set("network.mask", Value::of_text("1")), Err(SetError::Unknown));
     assert_eq!(kept, Kept::default());
 }

@@ -51,15 +51,6 @@ pub fn fold(hash: &mut u64, state: &mut (impl StateVector<f32> + ?Sized), actuat
     word(u64::from(actuators.enable));
 }
 
-/// A value as a line of settings spells it.
-pub fn value(text: &str) -> Value<'_> {
-    match text {
-        "true" => Value::Flag(true),
-        "false" => Value::Flag(false),
-        _ => text.parse().map_or(Value::Text(text), Value::Number),
-    }
-}
-
 /// Runs a file through a peer; gives ticks and hash. `read` fills its argument, or says that there is no more; `each` is told
 /// what every tick commanded.
 ///
@@ -79,7 +70,7 @@ pub fn run(
     let mut settings = Settings::default();
     for line in core::str::from_utf8(text).map_err(|_| Unreadable::Settings)?.lines() {
         let (key, text) = line.split_once('=').ok_or(Unreadable::Settings)?;
-        settings.set(key, value(text)).map_err(|_| Unreadable::Settings)?;
+        settings.set(key, Value::of_text(text)).map_err(|_| Unreadable::Settings)?;
     }
     let mut numbers = |count: usize| -> Option<[f32; 4]> {
         let mut bytes = [0; 16];

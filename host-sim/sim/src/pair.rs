@@ -4,18 +4,14 @@
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
 //! machine and any number of threads ([`Pair::hash`]).
 
-use haptic_core::law::Packet;
-use haptic_core::num::Scalar;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::settings::Refused;
+use haptic_core::{law::Packet, num::Scalar, settings::Refused};
 
 use crate::engine::{Actor, Engine, Out, Seat, Turn};
 use crate::network::link::{Inbox, Numbered, Route};
-use crate::network::rule::Direction;
 use crate::peers::{DynPeer, Number};
-use crate::plant::Plant;
-use crate::scene::Scene;
+use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
 /// One peer with its device, for an engine.
 pub struct Side<S: Scalar> {

@@ -6,16 +6,13 @@
 
 use std::fmt::Debug;
 
-use haptic_core::contact::Impacts;
-use haptic_core::device::AXES;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::law::ledger::Ledger;
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::schema::Schema;
 use haptic_core::settings::{Kind, Refused, Settings};
+use haptic_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
 
 use crate::double_double::DoubleDouble;
 
@@ -103,7 +100,6 @@ pub trait Family: 'static {
     type Of<S: Scalar>: Law<S>;
 }
 
-/// Core's own laws.
 struct BuiltIn;
 
 impl Family for BuiltIn {

@@ -5,8 +5,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::flags::{Out, Time, choice};
-use super::ui::pictures;
-use super::{Failure, SceneArgs, Ui};
+use super::{Failure, SceneArgs, Ui, ui::pictures};
 use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
 use crate::studies::accuracy::{self, picture};
 use crate::studies::precision::{columns, measure};

@@ -3,8 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::flags::Out;
-use super::{Failure, Ui};
+use super::{Failure, Ui, flags::Out};
 use crate::studies::architectures::together::unbounded_radius;
 use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
 use haptic_core::num::Scalar;

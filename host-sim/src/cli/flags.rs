@@ -1,17 +1,13 @@
 //! Flags that mean the same everywhere, declared once: scene, world, time, output folder, key file, patience; and how numbers
 //! and closed words are read.
 
-use std::net::SocketAddr;
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::{net::SocketAddr, ops::RangeInclusive, path::PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
 use haptic_core::names::Choice;
 use haptic_protocol::key::Key;
-use haptic_sim::board::calibrate::settings_file;
-use haptic_sim::scene::Scene;
-use haptic_sim::{key_file, scenes};
+use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
 
 pub(super) use super::ui::Out;
 use super::ui::{Failure, Ui};
@@ -37,7 +33,6 @@ pub(super) struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// The scene, checked.
     pub(super) fn load(&self, ui: &Ui) -> Result<Scene, Failure> {
         self.load_with(ui, &[], None)
     }
@@ -72,7 +67,6 @@ impl SceneArgs {
         Ok(settings_file::named(&text).into_iter().chain(set).collect())
     }
 
-    /// Whether any of it was given.
     pub(super) fn is_given(&self) -> bool {
         self.scene.is_some() || !self.set.is_empty() || self.seed.is_some()
     }
@@ -157,7 +151,6 @@ pub(super) struct KeyFile {
 }
 
 impl KeyFile {
-    /// The key.
     pub(super) fn read(&self) -> Result<Key, String> {
         key_file::read(&self.key_file)
     }

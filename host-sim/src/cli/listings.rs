@@ -1,8 +1,7 @@
 //! What can be named: `--keys` of a scene or a world, `--scenes`.
 
 use haptic_protocol::world::{Field, Shape};
-use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use haptic_sim::{scene::Scene, scenes};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
@@ -12,7 +11,6 @@ fn key(name: String, default: impl Into<Value>, unit: &str, allowed: &str, meani
     json!({ "key": name, "default": default.into(), "unit": unit, "allowed": allowed, "meaning": meaning })
 }
 
-/// Every key of a scene.
 pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     let defaults = Scene::new(ui.laws);
     let default = |name: &str| defaults.get(name).map_or_else(String::new, |value| value.to_string());
@@ -31,7 +29,6 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     ui.report("", &keys)
 }
 
-/// Every key of a world file.
 pub(super) fn world_keys(ui: &Ui) -> Result<(), Failure> {
     let own = world::own_keys();
     let shapes = Shape::ALL.iter().flat_map(|(name, _, fields)| fields.iter().map(move |field| (*name, field)));

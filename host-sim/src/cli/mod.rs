@@ -20,20 +20,16 @@ mod shared;
 mod stability;
 mod ui;
 
-use std::error::Error;
-use std::ffi::OsString;
-use std::process::ExitCode;
+use std::{error::Error, ffi::OsString, process::ExitCode};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
-use haptic_sim::Laws;
-use haptic_sim::scene::nearest;
-use ui::Failure;
-use ui::Ui;
+use haptic_sim::{Laws, scene::nearest};
 pub use ui::made;
+use ui::{Failure, Ui};
 
 /// Declares a command, or a group of them, and runs whichever was asked for.
 macro_rules! commands {
@@ -43,7 +39,6 @@ macro_rules! commands {
         pub(in crate::cli) enum $Group { $($(#[$about])* $Name($Args)),+ }
 
         impl $Group {
-            /// Runs it.
             pub(in crate::cli) fn run(&self, ui: &$crate::cli::Ui) -> Result<(), $crate::cli::Failure> {
                 match self { $(Self::$Name(args) => args.run(ui)),+ }
             }

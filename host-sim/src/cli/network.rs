@@ -1,16 +1,14 @@
 //! `host-sim network`: bad networks, and peers that are tried on them.
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
 use super::flags::{Time, number};
 use super::{Failure, SceneArgs, Ui};
-use crate::live::endpoint::Stop;
-use crate::live::relay;
 use crate::trials::{flood, restarts};
+use crate::{live::endpoint::Stop, live::relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, NetworkTrace};
 

@@ -3,9 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use super::flags::Out;
-use super::ui::pictures;
-use super::{Failure, Ui};
+use super::{Failure, Ui, flags::Out, ui::pictures};
 use crate::studies::figures;
 use crate::studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use haptic_core::num::Scalar;

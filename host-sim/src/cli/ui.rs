@@ -4,11 +4,8 @@
 //! A result is given in both forms, and the one that was asked for is printed: [`Ui::document`] under `--json`, what is written
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
-use std::error::Error;
-use std::fmt;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
-use std::time::Instant;
+use std::{error::Error, fmt, path::PathBuf, time::Instant};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,7 +15,6 @@ use serde_json::Value;
 use haptic_sim::Laws;
 use haptic_sim::report::{Columns, Files, Made, ReportError, word};
 
-/// What a command may fail with.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
 /// Where a command's output goes.
@@ -47,7 +43,6 @@ struct Told<'a, D> {
 }
 
 impl Ui {
-    /// Prints JSON, or text.
     pub(super) fn new(json: bool, laws: Laws) -> Self {
         Self { json, laws, made: made() }
     }
@@ -132,14 +127,12 @@ impl Ui {
         writeln!(self, "{table}");
     }
 
-    /// Names the files that were written.
     pub(super) fn wrote(&self, files: &[PathBuf]) {
         for file in files {
             writeln!(self, "wrote {}", file.display());
         }
     }
 
-    /// Names the pictures.
     pub(super) fn pictures(&self, pictures: &[PathBuf]) {
         writeln!(self, "Pictures (SVG, and PNG beside each):");
         let svg = pictures.iter().filter(|path| path.extension().is_some_and(|ending| ending == "svg"));
@@ -165,7 +158,6 @@ impl Ui {
         Ok(files.write()?)
     }
 
-    /// Whether there will be files.
     pub(super) fn writes(&self, out: &Out) -> bool {
         !self.json || out.out.is_some()
     }
@@ -218,7 +210,6 @@ pub(super) fn and(mut fields: Value, document: &impl Serialize) -> Result<Value,
     Ok(fields)
 }
 
-/// The pictures among these files.
 pub(super) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
     files.into_iter().filter(is_picture).collect()

@@ -8,5 +8,4 @@ pub(crate) mod paper;
 pub(crate) mod precision;
 pub mod record;
 
-/// What a study may fail with.
 type Failure = Box<dyn std::error::Error + Send + Sync>;

@@ -5,13 +5,9 @@
 //! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
 //! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
 
-use haptic_core::num::Fixed;
-use haptic_core::settings::Refused;
+use haptic_core::{num::Fixed, settings::Refused};
 
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Number;
-use haptic_sim::report::Columns;
-use haptic_sim::scene::Scene;
+use haptic_sim::{pair::Pair, peers::Number, report::Columns, scene::Scene};
 
 /// Largest differences from f64 over a run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -114,7 +110,6 @@ fn explain(scene: &Scene, f32: &Differences, i32f32: &Differences, faulted_after
     )
 }
 
-/// The table of these scenes.
 pub(crate) fn columns(rows: &[Precision]) -> Columns {
     let mut columns = Columns::of(rows)
         .value("scene", |row| row.scene.as_str())

@@ -4,9 +4,8 @@ use haptic_core::device::Reading;
 use haptic_core::settings::{Key, Settings};
 
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
-use haptic_sim::board::calibrate::settings_file::plain;
 use haptic_sim::pair::{Pair, Seen};
-use haptic_sim::scene::Scene;
+use haptic_sim::{board::calibrate::settings_file::plain, scene::Scene};
 
 /// The recording and what it must come to.
 #[derive(Clone, Debug)]
@@ -52,7 +51,6 @@ pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, Str
     Ok(Recording { bytes, ticks, hash })
 }
 
-/// One tick.
 fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
     let incoming = seen.exchanged.flatten();
     let exchange = if seen.exchanged.is_some() { EXCHANGE } else { 0 };

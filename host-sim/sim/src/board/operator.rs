@@ -8,16 +8,13 @@
 
 use std::collections::VecDeque;
 
-use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
-use haptic_protocol::lines::Lines;
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, Message, PeerId, Sample};
+use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
 
 /// The port on the board.
 pub const PORT: u16 = 7702;
-/// The operator's number.
 const OPERATOR: PeerId = PeerId(0);
 /// Both ends poll this often, µs; after twelve times as long in silence they call anew.
 const PERIOD_US: u32 = 20_000;

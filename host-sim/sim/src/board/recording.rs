@@ -33,7 +33,6 @@ pub const COLUMNS: [&str; 19] = [
 
 /// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.
 pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
-    /// Bytes of a record.
     const BYTES: usize = 88;
     let record: &[u8; BYTES] = record.try_into().ok()?;
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);

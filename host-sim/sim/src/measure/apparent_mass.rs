@@ -8,11 +8,9 @@
 
 use haptic_core::settings::Refused;
 
-use crate::pair::Pair;
-use crate::scene::Scene;
 use crate::user::{Trace, User};
+use crate::{pair::Pair, scene::Scene};
 
-/// Ramp of each user's push, N/s.
 const RAMP_N_PER_S: f64 = 1e-3;
 
 /// Apparent mass of the whole shared object, kg. Meaningful for a stable scene in contact; NaN where nothing moves.

@@ -7,16 +7,12 @@
 //!
 //! [`super::apparent_mass`] gives the same mass at rest, for scenes that are linear.
 
-use haptic_core::law::Sends;
-use haptic_core::settings::Refused;
+use haptic_core::{law::Sends, settings::Refused};
 
-use crate::pair::Pair;
-use crate::scene::Scene;
-use crate::user::User;
+use crate::{pair::Pair, scene::Scene, user::User};
 
 /// Angular frequency, rad/s: one period a second.
 const OMEGA: f64 = core::f64::consts::TAU;
-/// Each user's push, N.
 const PUSH_N: f64 = 0.5;
 /// Time for what the start of the swing leaves to die away, s.
 const SETTLE_S: u32 = 10;

@@ -29,7 +29,6 @@ impl Payload for [u8] {
     }
 }
 
-/// A message of a role.
 impl Payload for Message {}
 
 /// A value that crosses without being put into bytes, with the number that a sealed link would give it.

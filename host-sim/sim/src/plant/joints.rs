@@ -2,12 +2,9 @@
 //!
 //! Inverse kinematics by Newton's method on the peer's own forward kinematics in f64, from the last pose on.
 
-use haptic_core::device::AXES;
-use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName};
 use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::num::Motion;
-use haptic_core::settings::Settings;
+use haptic_core::{device::AXES, device::encoder::Counts, num::Motion, settings::Settings};
 
 use crate::scene::PlantSettings;
 
@@ -27,7 +24,6 @@ pub(super) struct Joints {
 }
 
 impl Joints {
-    /// The device that `settings` describe.
     pub(super) fn new(settings: &Settings, plant: &PlantSettings) -> Self {
         let encoder = &settings.encoder;
         let counts = match settings.kinematics.model {

@@ -16,8 +16,7 @@ use haptic_core::device::{AXES, Reading};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 
-use crate::scene::Scene;
-use crate::user::User;
+use crate::{scene::Scene, user::User};
 use joints::Joints;
 pub use linear::Linear;
 

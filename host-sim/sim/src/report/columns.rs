@@ -229,7 +229,6 @@ impl Column {
         }
     }
 
-    /// The heading with the unit.
     fn heading(&self) -> String {
         format!("{} {}", self.head, self.unit).trim().to_owned()
     }

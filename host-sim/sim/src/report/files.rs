@@ -12,21 +12,18 @@
 //! **Nothing is overwritten**: where a file of a name exists with other content, all files of the run get the next free
 //! number (`NAME-2.csv`). Where they exist with the same content, they stay.
 
-use std::collections::BTreeSet;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
+use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 use chrono::{DateTime, SecondsFormat};
 use haptic_plot::{Figure, ReportError, png, svg, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
-use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::Type;
+use parquet::{
+    errors::ParquetError, file::metadata::KeyValue, file::properties::WriterProperties,
+    file::writer::SerializedFileWriter, schema::types::Type,
+};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::columns::{Cell, Column, Columns};

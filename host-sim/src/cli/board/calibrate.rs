@@ -4,19 +4,17 @@
 //! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
-use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, Subcommand};
 
 use super::operator;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::operator::Operator;
-use haptic_sim::board::calibrate::board::Board;
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Known};
-use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
+use haptic_sim::{board::calibrate::board::Board, board::calibrate::simulated::Shared};
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Calibrate {
@@ -97,7 +95,6 @@ impl Person for Terminal {
     }
 }
 
-/// Who takes part.
 type Parties = (Box<dyn Board>, Box<dyn Person>);
 
 impl At {

@@ -1,23 +1,19 @@
 //! `host-sim board operator`: a scene for a board, lines of text and its answers, and what its ticks did.
 
-use std::io::BufRead;
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::TryRecvError;
-use std::time::Duration;
+use std::{io::BufRead, sync::mpsc::TryRecvError, time::Duration};
 
 use clap::Args;
 use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::live::endpoint::Stop;
-use crate::live::operator::Operator;
-use haptic_sim::board::calibrate::board::say;
-use haptic_sim::board::calibrate::settings_file;
-use haptic_sim::board::operator::PORT;
-use haptic_sim::board::recording;
-use haptic_sim::report::files::write_csv;
+use crate::{live::endpoint::Stop, live::operator::Operator};
+use haptic_sim::{
+    board::calibrate::board::say, board::calibrate::settings_file, board::operator::PORT, board::recording,
+    report::files::write_csv,
+};
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);

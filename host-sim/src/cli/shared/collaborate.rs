@@ -3,10 +3,9 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::flags::choice;
-use crate::cli::ui::and;
 use crate::cli::{Failure, Ui};
 use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial};
+use crate::{cli::flags::choice, cli::ui::and};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Collaborate {

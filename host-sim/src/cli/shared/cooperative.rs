@@ -11,16 +11,14 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::flags::{Out, Time, choice, number, switch};
-use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::shared::cooperative::limits::{self, bounded_radius};
 use crate::shared::cooperative::run::{Outcome, run};
-use crate::shared::cooperative::waves::Waves;
 use crate::shared::cooperative::{Collision, Engine, Setup};
+use crate::{cli::ui::and, shared::cooperative::waves::Waves};
 use haptic_sim::report::{Columns, Made};
 use haptic_sim::scene::Scene;
 
-/// One-way delays of the sweep, ms.
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 /// Forces of the cooperation paper's §5.2, which a scene may change as anything else.

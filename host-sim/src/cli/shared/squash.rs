@@ -7,11 +7,9 @@ use haptic_protocol::roles::squash::RALLIES;
 use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Out, Time, number, switch};
-use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::live::endpoint::Stop;
-use crate::live::squash as live;
 use crate::shared::squash::{Cell, Options, picture, play, sweep};
+use crate::{cli::ui::and, live::endpoint::Stop, live::squash as live};
 use haptic_sim::report::Columns;
 
 /// What a game goes by, simulated or live.

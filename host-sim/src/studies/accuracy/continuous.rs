@@ -12,8 +12,7 @@
 
 use std::collections::VecDeque;
 
-use haptic_analysis::Matrix;
-use haptic_analysis::exponential;
+use haptic_analysis::{Matrix, exponential};
 use haptic_sim::scene::Scene;
 
 /// Time from one sample to the next, s.

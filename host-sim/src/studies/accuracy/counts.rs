@@ -15,8 +15,7 @@
 //! Limits: instructions are not cycles. In particular f64 takes as many instructions as f32 on both, but not everywhere as
 //! few cycles; what a scheme or a model adds carries over, the price of a number type must be timed on the hardware.
 
-use std::collections::BTreeMap;
-use std::sync::LazyLock;
+use std::{collections::BTreeMap, sync::LazyLock};
 
 use haptic_cases::scenes::{NAMED, SCENES, Scene};
 use haptic_core::names::Choice;

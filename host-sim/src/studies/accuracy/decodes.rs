@@ -12,8 +12,7 @@ use haptic_core::law::{AnyLaw, Law};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
-use super::counts::Processor;
-use super::{Comparison, Family, rms};
+use super::{Comparison, Family, counts::Processor, rms};
 use haptic_cases::line::{AMPLITUDE_M, ANGULAR_RAD_PER_S, local, wave};
 pub use haptic_cases::line::{input, settings, ticks};
 use haptic_sim::report::significant;
@@ -68,8 +67,7 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
     (rms(differences.iter().map(|error| error.0)), rms(differences.iter().map(|error| error.1)))
 }
 
-/// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for stiffness in STIFFNESSES {
         let measured = Decode::ALL

@@ -14,8 +14,7 @@ use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
-use super::counts::Processor;
-use super::{Comparison, Family, rms};
+use super::{Comparison, Family, counts::Processor, rms};
 pub use haptic_cases::reach::{RESOLUTIONS, case, readings, settings};
 use haptic_sim::report::significant;
 
@@ -41,8 +40,7 @@ fn best_cutoff(counts_per_m: f64) -> (f64, f64) {
     tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((f64::NAN, f64::NAN))
 }
 
-/// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     let mut advice = Vec::new();
     for resolution in RESOLUTIONS {

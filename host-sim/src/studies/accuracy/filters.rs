@@ -17,12 +17,10 @@ use std::f64::consts::TAU;
 use haptic_core::num::Scalar;
 use haptic_core::settings::{Refused, Settings};
 
-use super::counts::Processor;
-use super::{Comparison, Family, rms};
+use super::{Comparison, Family, counts::Processor, rms};
 use haptic_cases::filters::angle;
 pub use haptic_cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
 
-/// A complex number.
 type Complex = (f64, f64);
 
 fn quotient((a, b): Complex, (c, d): Complex) -> Complex {
@@ -55,8 +53,7 @@ pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
     (rms(errors.iter().map(|error| error.0)), rms(errors.iter().map(|error| error.1)))
 }
 
-/// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let paper = Settings::default();
     let mut quick = paper;
     (quick.timing.ticks_per_packet, quick.coordination.cutoff_hz) = (2, 250.0);

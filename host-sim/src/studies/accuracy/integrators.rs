@@ -13,8 +13,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Choice, Refused, Settings};
 
-use super::counts::Processor;
-use super::{Comparison, Family, largest, rms};
+use super::{Comparison, Family, counts::Processor, largest, rms};
 use haptic_cases::contact::{PUSH_N, RELEASE_M};
 pub use haptic_cases::contact::{Test, run, settings};
 use haptic_sim::report::significant;
@@ -64,8 +63,7 @@ pub fn energy_error<S: Scalar>(integrator: IntegratorName, period_s: f64) -> f64
     largest(run.iter().map(|motion| energy(motion) / start - 1.0))
 }
 
-/// Measures.
-pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
+pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let compare = |title: &str, error: &str, unit, measure: &dyn Fn(IntegratorName) -> f64| {
         let points = IntegratorName::ALL.iter().map(|&integrator| {
             let count = processor.count(&format!("integrator/{}", integrator.name()), "f32");

@@ -12,11 +12,9 @@ use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths, Pose
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
 
-use super::counts::Processor;
-use super::{Comparison, Family, largest};
+use super::{Comparison, Family, counts::Processor, largest};
 pub use haptic_cases::workspace::{case, joints, settings};
-use haptic_sim::double_double::DoubleDouble;
-use haptic_sim::report::significant;
+use haptic_sim::{double_double::DoubleDouble, report::significant};
 
 /// Hand (m) and Jacobian (m/rad) of a pose.
 pub type Truth = ([DoubleDouble; 2], [[DoubleDouble; 2]; 2]);
@@ -83,7 +81,7 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
     (largest(errors.iter().map(|error| error.0)), largest(errors.iter().map(|error| error.1)))
 }
 
-/// Measures.
+/// Measures every choice, with the instructions of this processor.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for model in [KinematicsName::FiveBar, KinematicsName::Capstan] {

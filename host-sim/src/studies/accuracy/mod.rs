@@ -140,7 +140,6 @@ pub struct Family {
     pub insight: String,
 }
 
-/// Measures one family.
 type Measure = fn(counts::Processor) -> Result<Family, Refused<'static>>;
 
 /// Every family, in the order of reports.
@@ -209,7 +208,6 @@ fn beats(a: (f64, f64), b: (f64, f64)) -> bool {
     no_worse && (a.0 * SAME_ERROR < b.0 || a.1 * SAME_COUNT < b.1)
 }
 
-/// Root of the mean square.
 pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
     (sum / count as f64).sqrt()

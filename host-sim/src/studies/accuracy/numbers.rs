@@ -5,21 +5,16 @@
 //! ([`DoubleDouble`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
 //! of what f64 itself shows. Unit: m, N.
 
-use haptic_core::law::wave::Decode;
 use haptic_core::num::{Fixed, Scalar};
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::Refused;
+use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
 
-use super::counts::Processor;
 use super::pair::{self, Apart, apart};
-use super::{Comparison, Family, continuous};
-use haptic_sim::double_double::DoubleDouble;
-use haptic_sim::report::significant;
+use super::{Comparison, Family, continuous, counts::Processor};
+use haptic_sim::{double_double::DoubleDouble, report::significant};
 
 /// The case whose ticks are counted: [`super::counts`].
 const CASE: &str = "tick/implicit-semi-implicit";
 
-/// Measures.
 pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
     let exact = continuous::run(&scene, pair::DURATION_S);

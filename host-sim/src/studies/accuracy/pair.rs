@@ -4,15 +4,12 @@
 //! 1 adds 1 N for 25 ms every 2.5 s. Passive wave, one packet of 8 ms one way. Forces act without delay, so that there is
 //! a continuous limit to be near to; K_T is 1590 N/m, where both decodes are stable.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::Refused;
+use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
 use haptic_sim::peers::Number;
 
 use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
-use haptic_sim::pair::Pair;
-use haptic_sim::scene::Scene;
+use haptic_sim::{pair::Pair, scene::Scene};
 
 /// Simulated time, s.
 pub const DURATION_S: f64 = 10.0;

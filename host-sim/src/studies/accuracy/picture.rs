@@ -35,7 +35,6 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> Option<(f64, f64)> {
     Some(((middle - half).exp(), (middle + half).exp()))
 }
 
-/// One comparison.
 fn panel(family: &Family, comparison: &Comparison, title: String) -> Panel {
     let unit = match comparison.unit {
         "1" => String::new(),
@@ -120,7 +119,6 @@ fn legend(curves: bool, processor: Processor) -> String {
     format!("Dashed: Pareto front{beaten}. Instructions of {}.", processor.label())
 }
 
-/// All comparisons of a family.
 fn family(family: &Family, processor: Processor) -> Figure {
     let panels = family.comparisons.iter().map(|comparison| panel(family, comparison, comparison.title.clone()));
     let curves =

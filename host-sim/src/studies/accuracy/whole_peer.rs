@@ -4,20 +4,17 @@
 //! where a better scheme and a faster one can be weighed against each other. Run in f32, against continuous control
 //! ([`super::continuous`]). Unit: m, N; instructions per millisecond of one peer.
 
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Choice, Refused};
+use haptic_core::{law::wave::Decode, object::IntegratorName};
 use rayon::prelude::*;
 
-use super::counts::Processor;
 use super::pair::{self, Apart, apart};
-use super::{Comparison, Family, continuous};
+use super::{Comparison, Family, continuous, counts::Processor};
 use haptic_sim::report::significant;
 
 /// Control rates, ticks each millisecond.
 const RATES: [u32; 4] = [1, 2, 4, 8];
 
-/// Measures.
 pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let exact = continuous::run(&pair::scene(IntegratorName::Exact, Decode::Implicit, 1), pair::DURATION_S);
     let schemes: Vec<_> = IntegratorName::ALL

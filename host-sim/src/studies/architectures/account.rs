@@ -28,7 +28,6 @@ pub(super) struct End {
     pub(super) bytes: [f64; 2],
 }
 
-/// Keeps account of a run.
 pub(super) struct Account {
     forces: Forces,
     views: Vec<[f64; 2]>,
@@ -58,7 +57,6 @@ impl Account {
         self.views.push(views);
     }
 
-    /// What it comes to.
     pub(super) fn row(self, architecture: Architecture, delay_ms: f64, end: End) -> Row {
         let count = self.views.len().max(1) as f64;
         let duration_s = TASK.duration_s;

@@ -4,14 +4,10 @@
 //! it owns the body and has come to rest at it (`GRIP_M`, `GRIP_M_PER_S`), so that how it grips does not depend on when
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
-use haptic_core::contact::Contact;
-use haptic_core::num::Motion;
-use haptic_core::object::AnyIntegrator;
+use haptic_core::{contact::Contact, num::Motion, object::AnyIntegrator};
 
 use super::TASK;
-use haptic_sim::plant::Linear;
-use haptic_sim::scene::Scene;
-use haptic_sim::user::minimum_jerk;
+use haptic_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
 
 /// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
 const GRIP_M: f64 = 2e-4;
@@ -32,7 +28,6 @@ pub(super) enum Doing {
     Waits,
     /// Carries it since this time, s.
     Carries(f64),
-    /// Has let go.
     Done,
 }
 

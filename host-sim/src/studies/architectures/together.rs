@@ -51,7 +51,6 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     Ok(account.row(architecture, delay_ms, end))
 }
 
-/// One dynamics engine.
 pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     // Half of the way to the server.
     let scene = scene(&[format!("network.extra_delay_s={}", 0.5e-3 * delay_ms)])?;

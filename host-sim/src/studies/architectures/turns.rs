@@ -162,7 +162,6 @@ fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize,
     Ok((vec![member(0), member(1)], 0, delay_us))
 }
 
-/// One run.
 pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;

@@ -2,10 +2,8 @@
 //!
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
-use haptic_core::device::AXES;
-use haptic_core::device::kinematics::KinematicsName;
-use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
+use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
 
 /// One tick of a board, as far as a calibration needs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,15 +54,6 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     }
 }
 
-/// What a line says of a value.
-pub(super) fn value(text: &str) -> Value<'_> {
-    match text {
-        "true" => Value::Flag(true),
-        "false" => Value::Flag(false),
-        _ => text.parse().map_or(Value::Text(text), Value::Number),
-    }
-}
-
 /// The settings that a calibration depends on, as the board has them.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
@@ -73,7 +62,7 @@ pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
         let answer = say(board, &format!("get {}", key.name))?;
         let text = answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"');
         settings
-            .set(key.name, value(text))
+            .set(key.name, Value::of_text(text))
             .map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
     }
     Ok(settings)

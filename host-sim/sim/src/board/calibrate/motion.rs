@@ -23,7 +23,6 @@ use super::board::{Board, Joint, Run, run, settings};
 use super::{Estimate, Found};
 use haptic_core::settings::Settings;
 
-/// Length of a window, s.
 const WINDOW_S: f64 = 0.05;
 /// Velocity is judged over so many ticks to either side.
 const REACH: usize = 4;

@@ -4,21 +4,17 @@
 //! a new one does, and runs the peer's own tick; of the operator's lines it knows those that calibration needs. The person does
 //! what is asked, exactly.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::{cell::RefCell, rc::Rc};
 
 use haptic_core::device::probe::{End, Probe, Request, Shape};
-use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
-use haptic_core::num::Motion;
-use haptic_core::safety::Mode;
-use haptic_core::settings::{Choice, Settings};
+use haptic_core::settings::{Choice, Settings, Value};
+use haptic_core::{device::velocity::VelocityName, num::Motion, safety::Mode};
 
-use super::board::{Board, Tick, value};
+use super::board::{Board, Tick};
 use super::{Person, Task};
 use crate::peers::{DynPeer, Laws};
-use crate::plant::Plant;
-use crate::scene::Scene;
+use crate::{plant::Plant, scene::Scene};
 
 /// The board and its device.
 #[derive(Debug)]
@@ -127,7 +123,7 @@ impl Simulated {
         let words: Vec<&str> = line.split_whitespace().collect();
         Some(match words.as_slice() {
             ["get", key] => format!("ok {key} = {}", self.settings.get(key)?),
-            ["set", key, text] => match self.settings.set(key, value(text)) {
+            ["set", key, text] => match self.settings.set(key, Value::of_text(text)) {
                 Ok(()) => format!("ok {key} = {text}"),
                 Err(error) => format!("error {error:?}"),
             },

@@ -5,7 +5,6 @@ use crate::shared::cooperative::run::Outcome;
 use crate::shared::cooperative::{Collision, Engine};
 use haptic_plot::{Figure, Panel, Series};
 
-/// A run over time.
 pub(super) fn over_time(row: &Row) -> Figure {
     let column = |name: &str, factor: f64| row.outcome.table.points("time_s", name, factor);
     let panel = |y_label: &str, series| Panel {

@@ -5,15 +5,12 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
-use crate::live::endpoint::Stop;
-use crate::shared::world;
-use crate::shared::world::PACKET_US;
-use crate::shared::world::host::MOST_LINES;
-use crate::trials::crowd;
+use crate::{
+    live::endpoint::Stop, shared::world, shared::world::PACKET_US, shared::world::host::MOST_LINES, trials::crowd,
+};
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;
-/// Packets of a client a second.
 const RATE_HZ: f64 = 1e6 / PACKET_US as f64;
 
 #[derive(Debug, Args)]

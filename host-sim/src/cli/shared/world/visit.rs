@@ -1,16 +1,13 @@
 //! `host-sim visit`: a client of a static world.
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
 
 use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};
-use crate::live::endpoint::Stop;
-use crate::live::visit;
-use crate::shared::world::host::MOST_LINES;
 use crate::shared::world::visitor::{Party, Setup};
+use crate::{live::endpoint::Stop, live::visit, shared::world::host::MOST_LINES};
 use haptic_sim::key_file;
 
 #[derive(Debug, Args)]
