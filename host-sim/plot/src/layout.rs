@@ -25,9 +25,10 @@ const GAP: f64 = 46.0;
 /// The figure as marks in pixels.
 pub(crate) fn sheet(figure: &Figure) -> Sheet {
     let axes = range::resolve(figure);
-    let tall = tall_legends(figure, &axes);
+    // Legends that stand below all panels.
+    let tall: Vec<bool> = needs(figure, &axes).into_iter().map(|need| need > 0.5).collect();
     let axes = with_headroom(figure, axes, &tall);
-    let mut writer = Writer { marks: Vec::new() };
+    let mut writer = Writer(Vec::new());
     let mut top = MARGIN;
     for line in font::wrap(&figure.title, TITLE, WIDTH - 2.0 * MARGIN) {
         top += LEADING * TITLE;
@@ -38,18 +39,18 @@ pub(crate) fn sheet(figure: &Figure) -> Sheet {
         let x_grid: Vec<f64> = slot.x_ticks.iter().map(|(v, _)| *v).filter(|_| panel.categories.is_empty()).collect();
         let y_grid: Vec<f64> = slot.y_ticks.iter().map(|(v, _)| *v).collect();
         let drawing = panel::draw(panel, axes, &slot.frame, &x_grid, &y_grid);
-        writer.marks.extend(drawing.marks);
+        writer.0.extend(drawing.marks);
         // The note stays with its panel.
         let inside = if *tall { &Panel { series: Vec::new(), ..panel.clone() } } else { panel };
         if let Some(spot) = legend::place(inside, &slot.frame, &drawing.obstacles) {
-            writer.marks.extend(legend::marks(inside, spot.area));
+            writer.0.extend(legend::marks(inside, spot.area));
         }
         writer.around(panel, axes, slot);
     }
     let mut base = bottom + 6.0;
     for (panel, _) in figure.panels.iter().zip(&tall).filter(|(_, tall)| **tall) {
         let (marks, end) = legend::below(panel, base, (MARGIN, WIDTH - MARGIN));
-        writer.marks.extend(marks);
+        writer.0.extend(marks);
         base = end + 6.0;
     }
     for line in font::wrap(&figure.caption, CAPTION, WIDTH - 2.0 * MARGIN) {
@@ -57,7 +58,7 @@ pub(crate) fn sheet(figure: &Figure) -> Sheet {
         writer.text((MARGIN, base), Anchor::Start, CAPTION, &line);
     }
     let (title, caption) = (figure.title.clone(), figure.caption.clone());
-    Sheet { height: (base + MARGIN).ceil(), title, caption, marks: writer.marks }
+    Sheet { height: (base + MARGIN).ceil(), title, caption, marks: writer.0 }
 }
 
 /// Where one panel lies and what stands around it.
@@ -146,12 +147,8 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64) -> (Vec<Slot>, f64) {
 fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> {
     if !panel.categories.is_empty() {
         let limit = width / panel.categories.len() as f64 - 10.0;
-        return panel
-            .categories
-            .iter()
-            .enumerate()
-            .map(|(i, name)| (i as f64, font::wrap(name, TICK, limit)))
-            .collect();
+        let wrapped = |(i, name): (usize, &String)| (i as f64, font::wrap(name, TICK, limit));
+        return panel.categories.iter().enumerate().map(wrapped).collect();
     }
     let fits = |ticks: &Vec<(f64, String)>| {
         let at = |v: f64| scale.fraction(v) * width;
@@ -176,11 +173,6 @@ fn needs(figure: &Figure, axes: &[Axes]) -> Vec<f64> {
     figure.panels.iter().zip(axes).zip(&slots).map(need).collect()
 }
 
-/// Which panels' legends stand below all panels.
-fn tall_legends(figure: &Figure, axes: &[Axes]) -> Vec<bool> {
-    needs(figure, axes).into_iter().map(|need| need > 0.5).collect()
-}
-
 /// The axes, with room made above the data where a legend would cover them.
 fn with_headroom(figure: &Figure, axes: Vec<Axes>, tall: &[bool]) -> Vec<Axes> {
     let needs = needs(figure, &axes).into_iter().zip(tall).map(|(need, tall)| if *tall { 0.0 } else { need });
@@ -193,18 +185,12 @@ fn with_headroom(figure: &Figure, axes: Vec<Axes>, tall: &[bool]) -> Vec<Axes> {
     axes.iter().map(widened).collect()
 }
 
-struct Writer {
-    marks: Vec<Mark>,
-}
+struct Writer(Vec<Mark>);
 
 impl Writer {
     fn text(&mut self, at: (f64, f64), anchor: Anchor, size: f64, text: &str) {
-        self.write(Text { at, anchor, size, color: INK, upward: false, text: text.to_owned() });
-    }
-
-    fn write(&mut self, text: Text) {
-        if !text.text.is_empty() {
-            self.marks.push(Mark::Text(text));
+        if !text.is_empty() {
+            self.0.push(Mark::text(at, anchor, size, INK, text));
         }
     }
 
@@ -233,7 +219,9 @@ impl Writer {
             }
             let at = (slot.label_left + LABEL - 2.0, (frame.top + frame.bottom) / 2.0);
             let (size, text) = (fitted(&panel.y_label, frame.height()), panel.y_label.clone());
-            self.write(Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text });
+            if !text.is_empty() {
+                self.0.push(Mark::Text(Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text }));
+            }
         }
     }
 }

@@ -5,8 +5,8 @@
 //! the layout when even that one covers data, so that it can make room above them, or write the series in columns below
 //! all panels ([`below`]).
 
-use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, Rgb, Text, color};
-use super::{Panel, Series, Shape, font};
+use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, color};
+use super::{Panel, Series, Shape, font, panel};
 
 /// Em of the letters.
 const SIZE: f64 = 20.0;
@@ -67,18 +67,16 @@ pub(crate) fn headroom(panel: &Panel, frame: &Frame) -> f64 {
 
 /// The box at its place.
 pub(crate) fn marks(panel: &Panel, area: Frame) -> Vec<Mark> {
-    let mut border = area.corners();
-    border.push((area.left, area.top));
     let mut marks = vec![
         Mark::Fill { frames: vec![area], color: PAPER, opacity: 0.88 },
-        Mark::Line { points: border, color: GRID, width: 1.0, dash: Dash::Solid },
+        Mark::Line { points: area.outline(), color: GRID, width: 1.0, dash: Dash::Solid },
     ];
     let (left, mut base) = (area.left + PADDING, area.top + PADDING + 16.0);
     for series in labelled(panel) {
         marks.extend(entry(series, (left, base)));
         base += LINE;
     }
-    marks.extend(panel.note.iter().map(|note| line(note, (left, base), ALERT)));
+    marks.extend(panel.note.iter().map(|note| Mark::text((left, base), Anchor::Start, SIZE, ALERT, note)));
     marks
 }
 
@@ -99,26 +97,22 @@ fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
     panel.series.iter().filter(|series| !series.label.is_empty())
 }
 
-fn line(text: &str, at: Point, color: Rgb) -> Mark {
-    Mark::Text(Text { at, anchor: Anchor::Start, size: SIZE, color, upward: false, text: text.to_owned() })
-}
-
 /// A sample of a series and its label, which begin at this point of the base line.
 fn entry(series: &Series, (left, base): Point) -> [Mark; 2] {
     let (color, middle) = (color(series.color), base - 7.0);
     let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
     let stroke = |dash: Dash| {
         let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
-        Mark::Line { points, color, width: super::panel::STROKE, dash }
+        Mark::Line { points, color, width: panel::STROKE, dash }
     };
     let sample = match &series.shape {
         Shape::Line { dash, .. } => stroke(*dash),
         Shape::Steps(_) => stroke(Dash::Solid),
-        Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: super::dots::DOT, color },
+        Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: panel::DOT, color },
         Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
-        Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: super::region::TINT },
+        Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: panel::TINT },
     };
-    [sample, line(&series.label, (left + SAMPLE, base), INK)]
+    [sample, Mark::text((left + SAMPLE, base), Anchor::Start, SIZE, INK, &series.label)]
 }
 
 #[cfg(test)]

@@ -16,17 +16,12 @@
 //! the envelope is exact to one pixel). Letters come from one built-in font (Latin, Greek, common signs); in an SVG the
 //! viewer's own font is fitted to the same widths.
 
-mod bars;
-mod dots;
-mod error;
 mod font;
 mod layout;
 mod legend;
-mod number;
 mod panel;
 mod png;
 mod range;
-mod region;
 mod scale;
 mod sheet;
 mod svg;
@@ -35,8 +30,7 @@ mod trace;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-pub use error::{ReportError, write_file};
-pub use number::significant;
+pub use scale::significant;
 pub use sheet::{Dash, PALETTE, WIDTH};
 
 /// A sheet of panels with a title above and a caption below.
@@ -181,17 +175,11 @@ pub fn svg(figure: &Figure) -> String {
 }
 
 /// The figure as a PNG file.
-///
-/// # Errors
-/// What the encoder says, in words.
 pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
     png::render(&layout::sheet(figure))
 }
 
 /// Draws the figure to `base` with `.svg` and with `.png` appended, creating the folder if needed. Returns both paths.
-///
-/// # Errors
-/// A file that cannot be written.
 pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let [svg_path, png_path] = [".svg", ".png"].map(|extension| {
         // Appended, not replaced: the base may contain a dot (`fig.6`).
@@ -202,6 +190,33 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
     write_file(&svg_path, "SVG", svg(figure).as_bytes())?;
     write_file(&png_path, "PNG", &png(figure).map_err(ReportError::write(&png_path, "PNG"))?)?;
     Ok(vec![svg_path, png_path])
+}
+
+/// A report file could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {} as {format}: {cause}", path.display())]
+pub struct ReportError {
+    /// The file.
+    pub path: PathBuf,
+    /// What it was to contain: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
+    pub format: &'static str,
+    /// What the operating system or the encoder said.
+    pub cause: String,
+}
+
+impl ReportError {
+    /// What a failed write of `path` as `format` becomes, for `map_err`.
+    pub fn write<E: std::fmt::Display>(path: &Path, format: &'static str) -> impl Fn(E) -> Self + use<E> {
+        let path = path.to_owned();
+        move |cause| Self { path: path.clone(), format, cause: cause.to_string() }
+    }
+}
+
+/// Writes a file, its folder made if needed.
+pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), ReportError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, bytes));
+    written.map_err(ReportError::write(path, format))
 }
 
 #[cfg(test)]

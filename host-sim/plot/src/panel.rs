@@ -3,17 +3,31 @@
 //! Regions lie at the bottom, then the grid, bars, lines and dots in their order, names, and the frame on top. Beside
 //! the marks a panel returns its obstacles: points of what was drawn, close enough together that a box without any
 //! covers nothing.
+//!
+//! Bars stand on zero, or on the lower edge of a logarithmic axis, and end at the frame at the latest. Those of several
+//! series share the room of a category. A bar without a finite value still has its value written: nothing is left out
+//! in silence.
+//!
+//! Borders of a region's cells lie half way between centres, in whole pixels, so that neighbouring cells neither overlap
+//! nor leave a seam. Cells next to each other in a row are one rectangle.
 
 use super::range::Axes;
-use super::sheet::{Dash, FAINT, Frame, GRID, INK, Mark, Point, color};
-use super::{Panel, Series, Shape, trace};
+use super::sheet::{Anchor, Dash, FAINT, Frame, GRID, INK, Mark, PAPER, Point, color};
+use super::{Panel, Series, Shape, font, significant, trace};
 
 /// Width of the lines of series.
 pub(crate) const STROKE: f64 = 2.6;
 /// Em of names beside dots and of values on bars.
-pub(super) const NAME: f64 = 19.0;
+const NAME: f64 = 19.0;
 /// Distance between obstacles along a line.
 const SPACING: f64 = 6.0;
+/// Radius of dots.
+pub(crate) const DOT: f64 = 7.0;
+/// Opacity of regions: four on top of each other can still be told apart.
+pub(crate) const TINT: f64 = 0.25;
+/// Part of a category's room that its bars fill together, and that one bar fills at most.
+const FILLED: f64 = 0.84;
+const WIDEST: f64 = 0.5;
 
 /// What one panel puts on the sheet.
 #[derive(Debug, Default)]
@@ -40,29 +54,27 @@ pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y
         }
     }
     canvas.names(&others);
-    let mut outline = frame.corners();
-    outline.push((frame.left, frame.top));
-    canvas.out.marks.push(Mark::Line { points: outline, color: INK, width: 1.5, dash: Dash::Solid });
+    canvas.out.marks.push(Mark::Line { points: frame.outline(), color: INK, width: 1.5, dash: Dash::Solid });
     canvas.out
 }
 
-/// A frame with its axes and what was drawn in it so far; `bars`, `dots` and `region` add the other shapes.
-pub(super) struct Canvas<'a> {
-    pub(super) axes: &'a Axes,
-    pub(super) frame: &'a Frame,
-    pub(super) out: Drawing,
+/// A frame with its axes and what was drawn in it so far.
+struct Canvas<'a> {
+    axes: &'a Axes,
+    frame: &'a Frame,
+    out: Drawing,
 }
 
 impl Canvas<'_> {
-    pub(super) fn x(&self, value: f64) -> f64 {
+    fn x(&self, value: f64) -> f64 {
         self.frame.left + self.axes.x.fraction(value) * self.frame.width()
     }
 
-    pub(super) fn y(&self, value: f64) -> f64 {
+    fn y(&self, value: f64) -> f64 {
         self.frame.bottom - self.axes.y.fraction(value) * self.frame.height()
     }
 
-    pub(super) fn pixels(&self, points: &[(f64, f64)]) -> Vec<Point> {
+    fn pixels(&self, points: &[(f64, f64)]) -> Vec<Point> {
         points.iter().map(|(x, y)| (self.x(*x), self.y(*y))).collect()
     }
 
@@ -91,6 +103,142 @@ impl Canvas<'_> {
             self.out.marks.push(Mark::Line { points, color: color(number), width: STROKE, dash });
         }
     }
+    /// Tints the cells inside.
+    fn region(&mut self, series: &Series) {
+        let Shape::Cells { xs, ys, inside } = &series.shape else { return };
+        if xs.is_empty() {
+            return;
+        }
+        let columns = edges(&xs.iter().map(|x| self.x(*x)).collect::<Vec<_>>(), self.frame.left, self.frame.right);
+        let rows = edges(&ys.iter().map(|y| self.y(*y)).collect::<Vec<_>>(), self.frame.top, self.frame.bottom);
+        let mut frames = Vec::new();
+        for (row, cells) in inside.chunks(xs.len().max(1)).take(ys.len()).enumerate() {
+            let mut column = 0;
+            for run in cells.chunk_by(|a, b| a == b) {
+                let (start, end) = (columns[column], columns[column + run.len()]);
+                column += run.len();
+                let (top, bottom) = (rows[row].min(rows[row + 1]), rows[row].max(rows[row + 1]));
+                if run[0] && start < end && top < bottom {
+                    frames.push(Frame { left: start, right: end, top, bottom });
+                }
+            }
+        }
+        if !frames.is_empty() {
+            self.out.marks.push(Mark::Fill { frames, color: color(series.color), opacity: TINT });
+        }
+    }
+
+    /// Draws every series of bars.
+    fn bars(&mut self, series: &[&Series]) {
+        let all: Vec<(usize, &[(f64, f64)])> = series.iter().filter_map(|s| heights(s)).collect();
+        let unit = (self.x(1.0) - self.x(0.0)).abs();
+        let mut written: Vec<Frame> = Vec::new();
+        for (number, (color, points)) in all.iter().enumerate() {
+            for (at, value) in points.iter().filter(|(at, _)| at.is_finite() && unit.is_finite()) {
+                let here = |(_, points): &&(usize, &[(f64, f64)])| points.iter().any(|(x, _)| x.round() == at.round());
+                let (count, place) = (all.iter().filter(here).count(), all.iter().take(number).filter(here).count());
+                let width = unit * (FILLED / count as f64).min(WIDEST);
+                let middle = self.x(*at) + (place as f64 - (count as f64 - 1.0) / 2.0) * width;
+                if middle > self.frame.left && middle < self.frame.right {
+                    let label = self.bar(middle, width, *value, *color, &written);
+                    written.push(label);
+                }
+            }
+        }
+    }
+
+    /// Draws one bar and its value, above any value already written there; returns where the value stands.
+    fn bar(&mut self, middle: f64, width: f64, value: f64, number: usize, written: &[Frame]) -> Frame {
+        let inside = |y: f64| y.clamp(self.frame.top, self.frame.bottom);
+        let zero = self.y(0.0);
+        let base = if zero.is_finite() { inside(zero) } else { self.frame.bottom };
+        let end = if value.is_nan() || self.y(value).is_nan() { base } else { inside(self.y(value)) };
+        let half = 0.46 * width;
+        let bar = Frame { left: middle - half, right: middle + half, top: base.min(end), bottom: base.max(end) };
+
+        let text = value_text(value);
+        let half = font::width(&text, NAME) / 2.0 + 2.0;
+        let (down, top) = if end > base { (1.0, end + 4.0) } else { (-1.0, end - NAME - 4.0) };
+        let at = |top: f64| Frame { left: middle - half, right: middle + half, top, bottom: top + NAME };
+        let free = |area: &Frame| !written.iter().any(|other| other.overlaps(area));
+        let label = (0..4).map(|i| at(top + down * NAME * f64::from(i))).find(free).unwrap_or_else(|| at(top));
+        let top = label.top.clamp(self.frame.top + 2.0, self.frame.bottom - NAME - 2.0);
+        let label = at(top);
+
+        self.out.obstacles.extend(lattice(&bar).into_iter().chain(lattice(&label)));
+        self.out.marks.push(Mark::Fill { frames: vec![bar], color: color(number), opacity: 1.0 });
+        if label.overlaps(&bar) {
+            self.out.marks.push(Mark::Fill { frames: vec![label], color: PAPER, opacity: 0.9 });
+        }
+        self.out.marks.push(Mark::text((middle, label.bottom - 4.0), Anchor::Middle, NAME, INK, &text));
+        label
+    }
+
+    fn dots(&mut self, points: &[(f64, f64)], number: usize) {
+        let visible: Vec<Point> = self.pixels(points).into_iter().filter(|p| self.frame.contains(*p)).collect();
+        self.out.marks.extend(visible.iter().map(|at| Mark::Disc { at: *at, radius: DOT, color: color(number) }));
+        self.out.obstacles.extend(visible);
+    }
+
+    /// Writes each name beside its dot, where it covers the least.
+    fn names(&mut self, series: &[&Series]) {
+        let named = series.iter().filter_map(|s| match &s.shape {
+            Shape::Dots { points, names } => Some(self.pixels(points).into_iter().zip(names.clone())),
+            _ => None,
+        });
+        let named: Vec<(Point, String)> = named.flatten().filter(|(at, _)| self.frame.contains(*at)).collect();
+        let mut taken: Vec<Frame> = Vec::new();
+        for (at, name) in named {
+            let (width, gap) = (font::width(&name, NAME), DOT + 5.0);
+            let sides =
+                [(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+            let place = |(sx, sy): (f64, f64)| {
+                let (x, y) = (at.0 + sx * (width / 2.0 + gap), at.1 + sy * (NAME / 2.0 + gap));
+                Frame { left: x - width / 2.0, right: x + width / 2.0, top: y - NAME / 2.0, bottom: y + NAME / 2.0 }
+            };
+            let cost = |area: &Frame| {
+                let inside = area.corners().into_iter().all(|corner| self.frame.grown(-3.0).contains(corner));
+                let names = taken.iter().filter(|other| area.overlaps(&other.grown(2.0))).count();
+                let data = self.out.obstacles.iter().filter(|p| area.grown(DOT - 2.0).contains(**p)).count();
+                usize::from(!inside) * 100_000 + names * 1_000 + data
+            };
+            if let Some(area) = sides.map(place).into_iter().min_by_key(cost) {
+                taken.push(area);
+                self.out.marks.push(Mark::text((area.left, area.bottom - 4.0), Anchor::Start, NAME, INK, &name));
+            }
+        }
+        taken.iter().for_each(|area| self.out.obstacles.extend(lattice(area)));
+    }
+}
+
+/// The borders of cells around these centres, in whole pixels and inside the limits: one more than there are centres.
+fn edges(centres: &[f64], low: f64, high: f64) -> Vec<f64> {
+    let inside = |v: f64| if v.is_nan() { low } else { v.clamp(low, high).round() };
+    let count = centres.len();
+    let at = |i: usize| centres[i.min(count - 1)];
+    let border = |i: usize| match i {
+        0 if count == 1 => low,
+        _ if count == 1 => high,
+        0 => 1.5 * at(0) - 0.5 * at(1),
+        _ if i == count => 1.5 * at(count - 1) - 0.5 * at(count - 2),
+        _ => (at(i - 1) + at(i)) / 2.0,
+    };
+    if count == 0 { Vec::new() } else { (0..=count).map(|i| inside(border(i))).collect() }
+}
+
+/// Colour and points of a series of bars.
+fn heights(series: &Series) -> Option<(usize, &[(f64, f64)])> {
+    match &series.shape {
+        Shape::Bars(points) => Some((series.color, points)),
+        _ => None,
+    }
+}
+
+/// Three significant digits without zeros at the end.
+fn value_text(value: f64) -> String {
+    let text = significant(value, 3).replace('-', "−");
+    let decimal = text.contains('.') && !text.contains('e');
+    if decimal { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// The points up to the first that is further outside than the frame is high, once they were inside: what follows in a
@@ -106,7 +254,7 @@ fn until_far(mut pixels: Vec<Point>, frame: &Frame) -> Vec<Point> {
 }
 
 /// Points on and in a rectangle, close enough together to be met by any box over it.
-pub(super) fn lattice(area: &Frame) -> Vec<Point> {
+fn lattice(area: &Frame) -> Vec<Point> {
     let along = |from: f64, to: f64| {
         let count = ((to - from) / (2.0 * SPACING)).ceil().max(1.0);
         (0..=count as usize).map(move |i| from + (to - from) * i as f64 / count)

@@ -18,7 +18,7 @@ const ZOOM: u32 = 3;
 pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let (width, height) = (WIDTH as u32, sheet.height.max(1.0) as u32);
     let mut large = vec![PAPER.0; 3 * (width * ZOOM) as usize * (height * ZOOM) as usize];
-    let mut painter = Painter { backend: BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)) };
+    let mut painter = Painter(BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)));
     sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;
     drop(painter);
     let mut bytes = Vec::new();
@@ -49,9 +49,7 @@ fn averaged(large: &[u8], width: usize) -> Vec<u8> {
     out
 }
 
-struct Painter<'a> {
-    backend: BitMapBackend<'a>,
-}
+struct Painter<'a>(BitMapBackend<'a>);
 
 impl Painter<'_> {
     fn paint(&mut self, mark: &Mark) -> Result<(), String> {
@@ -87,7 +85,7 @@ impl Painter<'_> {
                 (to.0 + dy, to.1 - dx),
                 (from.0 + dy, from.1 - dx),
             ];
-            self.backend.fill_polygon(corners.map(large), style).map_err(|e| e.to_string())?;
+            self.0.fill_polygon(corners.map(large), style).map_err(|e| e.to_string())?;
         }
         let joints = if width < 2.0 { &[] } else { points.get(1..points.len().max(2) - 1).unwrap_or(&[]) };
         joints.iter().try_for_each(|at| self.disc(*at, half, style))
@@ -97,15 +95,13 @@ impl Painter<'_> {
         let (left, top) = large((frame.left, frame.top));
         let (right, bottom) = large((frame.right, frame.bottom));
         // The backend excludes the last row and column; a line is at least one pixel wide.
-        self.backend
+        self.0
             .draw_rect((left, top), (right.max(left + 1), bottom.max(top + 1)), style, true)
             .map_err(|e| e.to_string())
     }
 
     fn disc(&mut self, at: Point, radius: f64, style: &ShapeStyle) -> Result<(), String> {
-        self.backend
-            .draw_circle(large(at), (radius * f64::from(ZOOM)).round() as u32, style, true)
-            .map_err(|e| e.to_string())
+        self.0.draw_circle(large(at), (radius * f64::from(ZOOM)).round() as u32, style, true).map_err(|e| e.to_string())
     }
 
     fn letters(&mut self, text: &Text) -> Result<(), String> {
@@ -121,7 +117,7 @@ impl Painter<'_> {
             let font = font::font(word.size * f64::from(ZOOM)).transform(transform.clone());
             let style = TextStyle::from(font).color(&ink);
             for shift in [0, 1] {
-                self.backend.draw_text(&word.text, &style, (at.0 + shift, at.1)).map_err(|e| e.to_string())?;
+                self.0.draw_text(&word.text, &style, (at.0 + shift, at.1)).map_err(|e| e.to_string())?;
             }
         }
         Ok(())

@@ -97,6 +97,13 @@ impl Frame {
         Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
     }
 
+    /// The corners, and the first of them again.
+    pub(crate) fn outline(&self) -> Vec<Point> {
+        let mut outline = self.corners();
+        outline.push((self.left, self.top));
+        outline
+    }
+
     pub(crate) fn corners(&self) -> Vec<Point> {
         vec![(self.left, self.top), (self.right, self.top), (self.right, self.bottom), (self.left, self.bottom)]
     }
@@ -156,6 +163,13 @@ pub(crate) enum Mark {
         color: Rgb,
     },
     Text(Text),
+}
+
+impl Mark {
+    /// A text to the right, the anchor of its base line at a point.
+    pub(crate) fn text(at: Point, anchor: Anchor, size: f64, color: Rgb, text: &str) -> Self {
+        Self::Text(Text { at, anchor, size, color, upward: false, text: text.to_owned() })
+    }
 }
 
 /// A figure after layout.

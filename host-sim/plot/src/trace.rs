@@ -68,14 +68,10 @@ fn segment_inside(from: Point, to: Point, frame: &Frame) -> Option<(Point, Point
             leave = leave.min(distance / direction);
         }
     }
-    let at = |t: f64| {
-        if t == 0.0 {
-            from
-        } else if t == 1.0 {
-            to
-        } else {
-            (from.0 + t * dx, from.1 + t * dy)
-        }
+    let at = |t: f64| match t {
+        0.0 => from,
+        1.0 => to,
+        t => (from.0 + t * dx, from.1 + t * dy),
     };
     (enter <= leave).then(|| (at(enter), at(leave)))
 }

@@ -20,3 +20,20 @@ fn a_lattice_leaves_no_hole_for_a_box() {
         assert!(points.iter().any(|p| other.contains(*p)), "{left}");
     }
 }
+
+#[test]
+fn values_carry_no_zeros_that_say_nothing() {
+    let cases = [(3.5, "3.5"), (0.099, "0.099"), (10620.0, "10620"), (-2.0, "−2"), (f64::NAN, "NaN"), (0.0, "0")];
+    for (value, text) in cases {
+        assert_eq!(value_text(value), text);
+    }
+}
+
+#[test]
+fn borders_are_half_way_and_inside() {
+    assert_eq!(edges(&[10.0, 20.0, 40.0], 0.0, 45.0), [5.0, 15.0, 30.0, 45.0]);
+    assert_eq!(edges(&[40.0, 20.0], 0.0, 45.0), [45.0, 30.0, 10.0]);
+    assert_eq!(edges(&[10.0], 0.0, 45.0), [0.0, 45.0]);
+    assert_eq!(edges(&[f64::NAN, 10.0], 0.0, 45.0).len(), 3);
+    assert!(edges(&[], 0.0, 45.0).is_empty());
+}
