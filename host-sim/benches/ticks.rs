@@ -6,8 +6,7 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haptic_cases::ticks::recording::{Recording, TICKS};
-use haptic_cases::ticks::{self, Measure};
+use haptic_cases::ticks::{self, Measure, Recording, TICKS};
 use haptic_core::law::Law;
 use haptic_core::num::Scalar;
 use haptic_core::settings::Settings;
@@ -28,7 +27,9 @@ struct Time<'a>(BenchmarkGroup<'a, WallTime>);
 impl Measure for Time<'_> {
     fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, settings: &Settings) {
         let recording = Recording::<S, L>::new(settings);
-        self.0.bench_function(BenchmarkId::new(scene, S::NAME), |bench| bench.iter(|| ticks::replay(&recording)));
+        self.0.bench_function(BenchmarkId::new(scene, S::NAME), |bench| {
+            bench.iter(|| recording.replay(ticks::measured_tick))
+        });
     }
 }
 

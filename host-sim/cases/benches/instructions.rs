@@ -9,17 +9,12 @@
 //! Counted: `ticks::measured_tick` with everything it calls, mean of [`TICKS`] ticks; the exchange before every 8th
 //! tick is in the mean with an eighth of its cost.
 
-use std::collections::BTreeMap;
 use std::process::{Command, ExitCode};
 
-use haptic_cases::ticks::recording::{Recording, TICKS};
-use haptic_cases::ticks::{self, Measure};
+use haptic_cases::ticks::{self, Measure, Recording, TICKS};
 use haptic_core::law::Law;
 use haptic_core::num::Scalar;
 use haptic_core::settings::Settings;
-
-/// Number types, in the order of the columns.
-const COLUMNS: [&str; 3] = ["f32", "f64", "i32f32"];
 
 /// Replays the one case that was asked for.
 struct Replay<'a> {
@@ -32,32 +27,21 @@ impl Measure for Replay<'_> {
     fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, settings: &Settings) {
         if scene == self.scene && S::NAME == self.scalar {
             self.found = true;
-            ticks::replay(&Recording::<S, L>::new(settings));
+            Recording::<S, L>::new(settings).replay(ticks::measured_tick);
         }
     }
 }
 
-/// Starts a counter for every case.
-#[derive(Default)]
-struct Count {
-    scenes: Vec<&'static str>,
-    counts: BTreeMap<(&'static str, &'static str), u64>,
-    failure: Option<String>,
-}
+/// Starts a counter for every case: rows of a scene and its counts, in the order of the columns; or why there are none.
+struct Count(Result<Vec<(&'static str, Vec<u64>)>, String>);
 
 impl Measure for Count {
     fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, _: &Settings) {
-        if self.failure.is_some() {
-            return;
-        }
-        if !self.scenes.contains(&scene) {
-            self.scenes.push(scene);
-        }
-        match count(scene, S::NAME) {
-            Ok(count) => {
-                self.counts.insert((scene, S::NAME), count);
-            }
-            Err(why) => self.failure = Some(why),
+        let Ok(rows) = &mut self.0 else { return };
+        match (count(scene, S::NAME), rows.last_mut().filter(|(last, _)| *last == scene)) {
+            (Ok(count), Some((_, counts))) => counts.push(count),
+            (Ok(count), None) => rows.push((scene, vec![count])),
+            (Err(why), _) => self.0 = Err(why),
         }
     }
 }
@@ -88,19 +72,21 @@ fn main() -> ExitCode {
         ticks::measure_all(&mut replay);
         return if replay.found { ExitCode::SUCCESS } else { ExitCode::from(2) };
     }
-    let mut count = Count::default();
+    let mut count = Count(Ok(Vec::new()));
     ticks::measure_all(&mut count);
-    if let Some(why) = count.failure {
-        eprintln!("error: {why}");
-        return ExitCode::FAILURE;
-    }
+    let rows = match count.0 {
+        Ok(rows) => rows,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return ExitCode::FAILURE;
+        }
+    };
     println!(
         "# Instructions of one tick, x86-64, release build. Checked by `cargo xtask bench-check`, rewritten by its --bless."
     );
-    println!("{:<36} {:>7} {:>7} {:>7}", "scene", COLUMNS[0], COLUMNS[1], COLUMNS[2]);
-    for scene in count.scenes {
-        let [a, b, c] = COLUMNS.map(|scalar| count.counts.get(&(scene, scalar)).copied().unwrap_or_default());
-        println!("{scene:<36} {a:>7} {b:>7} {c:>7}");
+    println!("{:<36} {:>7} {:>7} {:>7}", "scene", "f32", "f64", "i32f32");
+    for (scene, counts) in rows {
+        println!("{scene:<36}{}", counts.iter().map(|count| format!(" {count:>7}")).collect::<String>());
     }
     ExitCode::SUCCESS
 }

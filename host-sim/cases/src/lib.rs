@@ -32,7 +32,7 @@ use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::{Choice, Settings};
 
 use filters::{Bilinear, Exact, Filter, ForwardEuler};
-use ticks::recording::{Recording, TICKS, step};
+use ticks::{Recording, TICKS, step};
 
 /// Why a model of this package's own settings can be built.
 const GOOD: &str = "settings that are counted are good";

@@ -72,39 +72,28 @@ pub fn run(
         let (key, text) = line.split_once('=').ok_or(Unreadable::Settings)?;
         settings.set(key, Value::of_text(text)).map_err(|_| Unreadable::Settings)?;
     }
-    let mut numbers = |count: usize| -> Option<[f32; 4]> {
+    let mut take = |size: usize| {
         let mut bytes = [0; 16];
-        let whole = read(bytes.get_mut(..4 * count)?);
-        let mut each = bytes.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-        whole.then(|| core::array::from_fn(|_| each.next().unwrap_or_default()))
+        let whole = bytes.get_mut(..size).is_some_and(&mut read);
+        if whole { Ok(bytes) } else { Err(Unreadable::Short) }
     };
-    let [x, y, ..] = numbers(AXES).ok_or(Unreadable::Short)?;
+    let [x, y, ..] = floats(&take(4 * AXES)?);
     let device = [Motion::at(x), Motion::at(y)];
     let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, device).map_err(|_| Unreadable::Settings)?;
     peer.command(Command::Arm);
     let (mut ticks, mut hash) = (0, SEED);
-    let mut flags = [0];
-    while read(&mut flags) {
-        let [flags] = flags;
-        let mut bytes = [0; 16];
-        let size = if flags & EXACT != 0 { 16 } else { 4 };
-        if !bytes.get_mut(..size).is_some_and(&mut read) {
-            return Err(Unreadable::Short);
-        }
+    while let Ok([flags, ..]) = take(1) {
         let reading = if flags & EXACT != 0 {
-            let [a, b, c, d] = floats(&bytes);
+            let [a, b, c, d] = floats(&take(16)?);
             Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
         } else {
-            let [a, b, c, d, ..] = bytes;
+            let [a, b, c, d, ..] = take(4)?;
             Reading::Counts([Counts(u16::from_le_bytes([a, b])), Counts(u16::from_le_bytes([c, d]))])
         };
         let mut incoming = None;
         if flags & PACKET != 0 {
-            let (mut small, mut wide) = ([0; 16], [0; 16]);
-            if !(small.get_mut(..12).is_some_and(&mut read) && read(&mut wide)) {
-                return Err(Unreadable::Short);
-            }
-            let [position, velocity, wave, _] = floats(&small);
+            let [position, velocity, wave, _] = floats(&take(12)?);
+            let wide = take(16)?;
             let mut doubles = wide.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
             let mut double = || doubles.next().unwrap_or_default();
             let (energy_j, wave_integral) = (double(), double());

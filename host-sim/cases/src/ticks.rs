@@ -1,11 +1,9 @@
-//! A recording of a peer: two peers are driven along smooth paths and talk with one packet of delay; what peer 1 is given
-//! is recorded, after as many ticks that are not. So a replay is the peer alone: no plant, no network, no sine.
+//! The ticks that are measured: one short [`Recording`] per scene, the same for every number type and every tool.
 //!
-//! Leans on `haptic_core`, `libm` and `alloc` alone: the same text is counted on a PC (`benches/instructions.rs`,
-//! `host-sim/benches/choices.rs`), timed there (`host-sim/benches/ticks.rs`) and counted on the board's processor
-//! (`tests/count`).
-
-extern crate alloc;
+//! Two peers are driven along smooth paths and talk with one packet of delay; what peer 1 is given is recorded, after as
+//! many ticks that are not. So a replay is the peer alone: no plant, no network, no sine. The same text is counted on a PC
+//! (`benches/instructions.rs`, `host-sim/benches/choices.rs`), timed there (`host-sim/benches/ticks.rs`) and counted on
+//! the board's processor (`tests/count`).
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -16,11 +14,80 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{Law, Packet};
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::law::wave::{Decode, PassiveWave};
+use haptic_core::law::{AnyLaw, Law, Packet};
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::Settings;
+
+/// Whatever measures the cases.
+pub trait Measure {
+    /// Measures the scene that `settings` describe, called `scene`, computing in `S`.
+    fn case<S: Scalar, L: Law<S>>(&mut self, scene: &'static str, settings: &Settings);
+}
+
+/// Every scene in every number type.
+pub fn measure_all(measure: &mut impl Measure) {
+    for (scene, change) in SCENES {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        measure.case::<f32, AnyLaw<f32>>(scene, &settings);
+        measure.case::<f64, AnyLaw<f64>>(scene, &settings);
+        measure.case::<Fixed, AnyLaw<Fixed>>(scene, &settings);
+    }
+    let settings = Settings::default();
+    measure.case::<f32, PassiveWave<f32>>(NAMED, &settings);
+    measure.case::<f64, PassiveWave<f64>>(NAMED, &settings);
+    measure.case::<Fixed, PassiveWave<Fixed>>(NAMED, &settings);
+}
+
+type Change = fn(&mut Settings);
+
+/// What each scene changes of the default settings, which are the paper's: passive wave, delayed decode. Stiffnesses are
+/// the largest the paper found at a round trip of 16 ms.
+const SCENES: &[(&str, Change)] = &[
+    ("no-coordination", |settings| settings.coordination.comm = "none"),
+    ("power", |settings| {
+        (settings.coordination.comm, settings.coordination.stiffness_n_per_m) = ("power", 310.0);
+    }),
+    ("wave", |settings| {
+        (settings.coordination.comm, settings.coordination.stiffness_n_per_m) = ("wave", 1590.0);
+    }),
+    ("passive-wave", |_| {}),
+    ("passive-wave-implicit", |settings| settings.coordination.decode = Decode::Implicit),
+    ("passive-mean-implicit", passive_mean),
+    ("passive-mean-implicit-ledger-drift", |settings| {
+        passive_mean(settings);
+        settings.coordination.ledger = true;
+        settings.coordination.drift_correction = true;
+    }),
+    ("one-sided-gap", |settings| {
+        (settings.contact.one_sided, settings.contact.gap_m) = (true, 0.002);
+    }),
+    ("encoder-adaptive-two-axes", two_axes),
+    ("five-bar-adaptive-two-axes", |settings| {
+        two_axes(settings);
+        settings.kinematics.model = KinematicsName::FiveBar;
+    }),
+];
+
+fn passive_mean(settings: &mut Settings) {
+    (settings.coordination.comm, settings.coordination.decode) = ("passive-mean", Decode::Implicit);
+}
+
+fn two_axes(settings: &mut Settings) {
+    (settings.axis.count, settings.axis.velocity) = (2, VelocityName::Adaptive);
+}
+
+/// The passive wave again, in an image that names its law and carries no other.
+const NAMED: &str = "passive-wave-named-law";
+
+/// [`step`] as a function that tools can find by its name, called by nothing but what measures.
+#[inline(never)]
+pub fn measured_tick<S: Scalar, L: Law<S>>(peer: &mut Peer<S, L>, input: &Input<S>) -> Actuators<S> {
+    step(peer, input)
+}
 
 /// Ticks of a replay: whole packets, and one whole period of the paths.
 pub const TICKS: usize = 800;
