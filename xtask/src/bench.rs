@@ -96,8 +96,7 @@ impl Group {
     /// Time of one iteration in the fastest sample, ns.
     fn fastest_ns(&self, bench: &str) -> Result<f64, Failure> {
         let file = self.folder.join(bench).join("new/sample.json");
-        let text = std::fs::read_to_string(&file)
-            .map_err(|cause| Failure::new(format!("cannot read criterion's {}: {cause}", file.display())))?;
+        let text = run::read(&file)?;
         let samples = numbers(&text, "\"times\":[").zip(numbers(&text, "\"iters\":["));
         samples.map(|(time, iterations)| time / iterations).min_by(f64::total_cmp).ok_or_else(|| {
             Failure::new(format!("criterion's {} holds no samples: has its format changed?", file.display()))

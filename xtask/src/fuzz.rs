@@ -9,7 +9,7 @@
 
 use std::env;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
 use crate::options::Options;
@@ -124,13 +124,8 @@ fn run_one(binaries: &Path, target: &str, seconds: u32) -> Result<String, Failur
 
 /// Runs and gives what went to standard error, which is shown only when it failed.
 fn quietly(command: &mut Command, failed: impl Fn() -> String) -> Result<String, Failure> {
-    eprintln!("    {}", run::spelled(command));
-    let output = command
-        .stdout(Stdio::null())
-        .output()
-        .map_err(|cause| Failure::new(format!("cannot run {}: {cause}", command.get_program().to_string_lossy())))?;
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    if output.status.success() {
+    let (succeeded, said) = run::told(command)?;
+    if succeeded {
         return Ok(said);
     }
     eprintln!("{said}");

@@ -22,7 +22,6 @@ use std::process::ExitCode;
 use options::Options;
 use run::Failure;
 
-/// A command.
 struct Chore {
     name: &'static str,
     /// What may follow it.

@@ -23,7 +23,7 @@ const ASTRAY: &str = ") is being placed in '.text";
 
 /// Links it with and without the mistake.
 pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
-    let (linked, words) = outcome(&mut build(ready, "proof"))?;
+    let (linked, words) = run::told(&mut build(ready, "proof"))?;
     if !linked {
         let reason = if words.contains(NOWHERE) {
             "a panic is reachable from the tick: look for an index, an unwrap, an integer division or a clamp"
@@ -36,7 +36,7 @@ pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
         eprint!("{words}");
         return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, "proof")))));
     }
-    match outcome(&mut build(ready, "planted-panic"))? {
+    match run::told(&mut build(ready, "planted-panic"))? {
         (false, words) if words.contains(NOWHERE) && astray(&words).contains(&"planted") => Ok(()),
         (true, _) => Err(Failure::new("the proof links with a panic planted in it: it proves nothing")),
         (false, words) => {
@@ -50,13 +50,6 @@ pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
 fn astray(words: &str) -> Vec<&str> {
     let sections = words.lines().filter(|line| line.contains(ASTRAY)).filter_map(|line| line.rsplit_once("'.text."));
     sections.map(|(_, name)| name.trim_end_matches('\'')).collect()
-}
-
-/// Whether a command succeeds, and what it says on standard error.
-fn outcome(command: &mut Command) -> Result<(bool, String), Failure> {
-    eprintln!("    {}", run::spelled(command));
-    let output = command.output().map_err(|cause| Failure::new(format!("cannot run cargo: {cause}")))?;
-    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
 }
 
 #[cfg(test)]

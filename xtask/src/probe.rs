@@ -78,8 +78,7 @@ impl Drop for Image {
 
 /// Where memory.x puts the key.
 fn address() -> Result<String, Failure> {
-    let text = std::fs::read_to_string(run::root().join("memory.x"))
-        .map_err(|cause| Failure::new(format!("cannot read memory.x: {cause}")))?;
+    let text = run::read(&run::root().join("memory.x"))?;
     let line = text.lines().find(|line| line.trim_start().starts_with("KEY ") && line.contains("ORIGIN"));
     let address = line.and_then(|line| line.split_once("ORIGIN = ")?.1.split_once(',')).map(|(address, _)| address);
     address.map(str::to_owned).ok_or_else(|| Failure::new("memory.x names no KEY"))

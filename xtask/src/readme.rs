@@ -52,7 +52,7 @@ fn marker(line: &str) -> Option<&str> {
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
 fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Failure> {
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
-    let old = std::fs::read_to_string(page).map_err(|cause| failed("read", page, &cause))?;
+    let old = run::read(page)?;
     let mut fresh = String::new();
     let mut lines = old.lines();
     while let Some(line) = lines.next() {
@@ -73,8 +73,7 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
             }
         } else if command.starts_with("host-sim ") || command.starts_with("file ") {
             let printed = match command.strip_prefix("file ") {
-                Some(path) => std::fs::read_to_string(run::root().join(path))
-                    .map_err(|cause| failed("read", Path::new(path), &cause))?,
+                Some(path) => run::read(&run::root().join(path))?,
                 None => host_sim(empty, command.trim_start_matches("host-sim "))?,
             };
             let shown: Vec<&str> = printed.trim_end().lines().take(most).collect();

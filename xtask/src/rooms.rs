@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use crate::run::{self, Failure};
+use crate::run::{self, Failure, read};
 
 /// Order and size of the rooms, under review.
 const FILE: &str = "xtask/rooms.txt";
@@ -87,22 +87,18 @@ struct File {
 impl Package {
     fn read(folder: &Path) -> Result<Self, Failure> {
         let name = package_name(folder)?;
-        let source = folder.join("src");
         let mut paths = Vec::new();
-        collect(&source, &mut paths);
+        collect(&folder.join("src"), &mut paths);
+        collect(&folder.join("benches"), &mut paths);
         let mut lines = 0;
         let mut files = BTreeMap::new();
         for path in &paths {
             let text = read(path)?;
             lines += text.lines().count();
-            let relative = path.strip_prefix(&source).unwrap_or(path);
+            // Benches count, but nobody imports them.
+            let Ok(relative) = path.strip_prefix(folder.join("src")) else { continue };
             let file = relative.to_string_lossy().into_owned();
             files.insert(file, File { module: module_of(relative), code: without_tests(&without_comments(&text)) });
-        }
-        let mut benches = Vec::new();
-        collect(&folder.join("benches"), &mut benches);
-        for path in &benches {
-            lines += read(path)?.lines().count();
         }
         let modules = Modules::new(&files, name);
         let imports = files
@@ -124,13 +120,12 @@ impl Package {
         let mut seen = BTreeSet::new();
         let mut circles = Vec::new();
         for (file, far) in &reach {
-            if !far.contains(file) || seen.contains(file) {
-                continue;
+            if far.contains(file) && !seen.contains(file) {
+                let back = |other: &&&str| reach.get(**other).is_some_and(|back| back.contains(file));
+                let circle: Vec<&str> = far.iter().filter(back).copied().collect();
+                seen.extend(circle.iter().copied());
+                circles.push(circle.into_iter().map(str::to_owned).collect());
             }
-            let circle: Vec<&str> =
-                far.iter().copied().filter(|other| reach.get(other).is_some_and(|back| back.contains(file))).collect();
-            seen.extend(circle.iter().copied());
-            circles.push(circle.into_iter().map(str::to_owned).collect());
         }
         circles
     }
@@ -155,21 +150,14 @@ impl Package {
             order.iter().position(|rooms| rooms.contains(&room))
         };
         let mut climbs = Vec::new();
-        if order.iter().all(Vec::is_empty) {
-            return climbs;
-        }
-        for (file, seen) in &self.imports {
-            for other in seen {
-                // The root only names its rooms.
-                if matches!(file.as_str(), "lib.rs" | "main.rs") {
-                    continue;
-                }
-                match (level(file), level(other)) {
-                    (Some(from), Some(to)) if to < from => climbs.push(format!("{file} climbs to {other}")),
-                    (None, _) => climbs.push(format!("{file} is in no room of {FILE}")),
-                    _ => {}
-                }
-            }
+        // The root only names its rooms; a package may have no order.
+        let ordered = |file: &str| !matches!(file, "lib.rs" | "main.rs") && !order.iter().all(Vec::is_empty);
+        for (file, seen) in self.imports.iter().filter(|(file, _)| ordered(file)) {
+            climbs.extend(seen.iter().filter_map(|other| match (level(file), level(other)) {
+                (Some(from), Some(to)) if to < from => Some(format!("{file} climbs to {other}")),
+                (None, _) => Some(format!("{file} is in no room of {FILE}")),
+                _ => None,
+            }));
         }
         climbs.dedup();
         climbs
@@ -291,15 +279,8 @@ fn uses(code: &str) -> Vec<(bool, Vec<String>)> {
 }
 
 fn find_use(statement: &str) -> Option<usize> {
-    let mut from = 0;
-    while let Some(at) = statement[from..].find("use ") {
-        let at = from + at;
-        if statement[..at].chars().next_back().is_none_or(|sign| sign.is_whitespace()) {
-            return Some(at);
-        }
-        from = at + 4;
-    }
-    None
+    let alone = |at: &usize| statement[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    statement.match_indices("use ").map(|(at, _)| at).find(alone)
 }
 
 fn take_apart(tree: &str, before: &[String], each: &mut impl FnMut(Vec<String>)) {
@@ -394,10 +375,6 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
             found.push(path);
         }
     }
-}
-
-fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|cause| Failure::new(format!("cannot read {}: {cause}", path.display())))
 }
 
 #[cfg(test)]

@@ -78,6 +78,18 @@ pub(crate) fn output(command: &mut Command) -> Result<String, Failure> {
     }
 }
 
+/// Whether a command succeeds, and what it says on standard error.
+pub(crate) fn told(command: &mut Command) -> Result<(bool, String), Failure> {
+    eprintln!("    {}", spelled(command));
+    let output = command.output().map_err(|cause| cannot_run(command, &cause))?;
+    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+}
+
+/// The text of a file.
+pub(crate) fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|cause| Failure::new(format!("cannot read {}: {cause}", path.display())))
+}
+
 /// Whether a command runs and succeeds; its output is thrown away.
 pub(crate) fn succeeds(command: &mut Command) -> bool {
     command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())

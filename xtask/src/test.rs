@@ -14,30 +14,25 @@ use crate::{board, count, no_panic, qemu};
 pub(crate) fn test() -> Result<(), Failure> {
     let start = Instant::now();
     let ready = step("set-up", setup::setup)?;
-
     step("format", format)?;
-
     step("lints", lints)?;
-
     step("rooms", || crate::rooms::rooms(run::root()))?;
-
     step("rooms of the microcontroller", || {
         let mut build = ready.cargo(&["build", "--locked", "--release", "--target", THUMB_TARGET]);
         run(build.args(["--package", "haptic-core", "--package", "haptic-protocol"]))
     })?;
-
     step("documentation", || run(cargo(&["doc", "--locked", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")))?;
-
     step("tests, debug", || run(&mut cargo(&["test", "--locked"])))?;
-
-    step("parts of the image", parts_of_the_image)?;
-
-    step("golden traces, release", golden_traces)?;
-
+    step("parts of the image", || {
+        // What of it needs no chip.
+        run(&mut cargo(&["test", "--locked", "--package", "firmware", "--test", "parts"]))
+    })?;
+    step("golden traces, release", || {
+        // The same bits in every build.
+        run(&mut cargo(&["test", "--locked", "--release", "--package", "haptic-sim", "--test", "golden"]))
+    })?;
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
-
     step("README", || crate::readme::readme(true))?;
-
     step("instructions of one tick", || match count::obstacle() {
         None => count::ticks(false),
         Some(obstacle) => {
@@ -45,15 +40,10 @@ pub(crate) fn test() -> Result<(), Failure> {
             Ok(())
         }
     })?;
-
     step("exchange cells under every interleaving", exchange)?;
-
     step("second opinion", || second_opinion(&ready))?;
-
     step("lints of image and bench", || lints_of_image(&ready))?;
-
     virtual_board(&ready)?;
-
     passed(start);
     Ok(())
 }
@@ -81,11 +71,6 @@ fn format() -> Result<(), Failure> {
 
 fn lints() -> Result<(), Failure> {
     run(&mut cargo(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"]))
-}
-
-/// What of the image needs no chip.
-fn parts_of_the_image() -> Result<(), Failure> {
-    run(&mut cargo(&["test", "--locked", "--package", "firmware", "--test", "parts"]))
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
@@ -137,11 +122,6 @@ fn virtual_board(ready: &Ready) -> Result<(), Failure> {
             )
         })
     })
-}
-
-/// The golden traces of every built-in scene: the same bits in every build.
-fn golden_traces() -> Result<(), Failure> {
-    run(&mut cargo(&["test", "--locked", "--release", "--package", "haptic-sim", "--test", "golden"]))
 }
 
 fn advice(failure: &Failure, advice: &str) -> Failure {

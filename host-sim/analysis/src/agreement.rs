@@ -60,7 +60,8 @@ fn devices(places: &[Place]) -> Vec<usize> {
 
 fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let locals = driven_order(linear);
-    let second = (driven.matrix.nrows() - packets(linear)) / 2;
+    let in_flight = delays_packets(linear).iter().sum::<usize>() * packet();
+    let second = (driven.matrix.nrows() - in_flight) / 2;
     let kept = prune::kept(&constructed.lifted.matrix, &devices(&constructed.places));
     let same: Vec<Option<usize>> =
         kept.iter().map(|at| driven_place(linear, constructed.places[*at], &locals, second)).collect();
@@ -91,14 +92,11 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
 
 /// Core's order of a peer's states, as far as they are known here.
 fn driven_order(linear: &Scene) -> Vec<Option<State>> {
-    use State::{
-        CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity,
-        FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
-    };
+    use State::*;
     let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
     let law: &[Option<State>] = match linear.peer.coordination.comm {
+        // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
         "wave" | "passive-wave" => {
-            // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, Some(Outgoing)]
         }
         // The sum before the mean is zero at every exchange.
@@ -110,11 +108,6 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
     };
     let estimator = [Some(LastReading), Some(FilteredVelocity)];
     body.into_iter().map(Some).chain(law.iter().copied()).chain(estimator).collect()
-}
-
-/// Numbers on their way in the driven pair.
-fn packets(linear: &Scene) -> usize {
-    delays_packets(linear).iter().sum::<usize>() * packet()
 }
 
 /// Numbers in a packet: position, velocity, wave, and what else core has come to send.

@@ -31,19 +31,8 @@ pub enum AnalysisError {
         to: f64,
     },
     /// A number outside what an analysis can take.
-    #[error("{key} = {value} is not allowed: it must be a number from {min} to {max} {unit}")]
-    OutOfRange {
-        /// What it is called.
-        key: String,
-        /// What was offered.
-        value: f64,
-        /// Smallest.
-        min: f64,
-        /// Largest.
-        max: f64,
-        /// Unit of all three.
-        unit: &'static str,
-    },
+    #[error("{0}")]
+    OutOfRange(String),
     /// The eigenvalue iteration gave up.
     #[error("the eigenvalues of this scene's lifted matrix did not converge")]
     NoConvergence,
@@ -51,8 +40,11 @@ pub enum AnalysisError {
 
 impl AnalysisError {
     /// Refuses a number that does not lie within `[min, max]`.
-    pub(crate) fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &'static str) -> Result<(), Self> {
-        let inside = value >= min && value <= max;
-        if inside { Ok(()) } else { Err(Self::OutOfRange { key: key.to_owned(), value, min, max, unit }) }
+    pub(crate) fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &str) -> Result<(), Self> {
+        if value >= min && value <= max {
+            return Ok(());
+        }
+        let allowed = format!("it must be a number from {min} to {max} {unit}");
+        Err(Self::OutOfRange(format!("{key} = {value} is not allowed: {allowed}")))
     }
 }

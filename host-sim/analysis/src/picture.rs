@@ -22,7 +22,6 @@ pub fn region(title: &str, map: &Map) -> Figure {
     let mut series = vec![Series::cells("stable", 0, x.values(), y.values(), map.cells())];
     series.extend(lines(map, "", 0, Dash::Solid));
     let panel = Panel {
-        title: String::new(),
         x_label: label(&x.range.key, map.units[0]),
         y_label: label(&y.range.key, map.units[1]),
         x_range: Some((x.range.from, x.range.to)),

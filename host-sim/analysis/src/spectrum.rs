@@ -30,12 +30,8 @@ impl std::fmt::Debug for Spectrum {
 
 impl Default for Spectrum {
     fn default() -> Self {
-        Self {
-            size: 0,
-            real: Diag::zeros(0),
-            imaginary: Diag::zeros(0),
-            memory: MemBuffer::new(faer::dyn_stack::StackReq::EMPTY),
-        }
+        let memory = MemBuffer::new(faer::dyn_stack::StackReq::EMPTY);
+        Self { size: 0, real: Diag::zeros(0), imaginary: Diag::zeros(0), memory }
     }
 }
 

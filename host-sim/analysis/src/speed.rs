@@ -6,24 +6,18 @@
 
 use std::time::Instant;
 
-use serde::Serialize;
-
 use super::error::AnalysisError;
 use super::figure4;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
 
 /// What was measured.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Speed {
     /// States of the pair.
     pub states: usize,
     /// Threads that worked at the same time.
     pub threads: usize,
-    /// Radii computed.
-    pub radii: usize,
-    /// Wall time, s.
-    pub wall_s: f64,
     /// Radii per second, all threads together.
     pub radii_per_s: f64,
     /// Radii per second and thread.
@@ -49,26 +43,16 @@ pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
         Ok::<_, AnalysisError>((sum, states))
     };
     let start = Instant::now();
-    let results = std::thread::scope(|scope| {
+    let results: Vec<_> = std::thread::scope(|scope| {
         let handles: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        handles.into_iter().map(|handle| handle.join()).collect::<Vec<_>>()
+        let joined = handles.into_iter().map(|handle| handle.join());
+        joined.map(|result| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     });
     let wall_s = start.elapsed().as_secs_f64();
     let (mut checksum, mut states) = (0.0, 0);
     for result in results {
-        match result {
-            Ok(result) => (checksum, states) = result?,
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
+        (checksum, states) = result?;
     }
     let radii_per_s = (radii * threads) as f64 / wall_s;
-    Ok(Speed {
-        states,
-        threads,
-        radii: radii * threads,
-        wall_s,
-        radii_per_s,
-        radii_per_s_and_core: radii_per_s / threads as f64,
-        checksum,
-    })
+    Ok(Speed { states, threads, radii_per_s, radii_per_s_and_core: radii_per_s / threads as f64, checksum })
 }

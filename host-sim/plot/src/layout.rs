@@ -77,15 +77,17 @@ struct Slot {
 impl Slot {
     fn below(&self, panel: &Panel) -> f64 {
         let lines = self.x_ticks.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0) as f64;
-        let label = if panel.x_label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 };
-        if self.shows_x { 8.0 + LEADING * TICK * lines + label } else { 0.0 }
+        if self.shows_x { 8.0 + LEADING * TICK * lines + room(&panel.x_label) } else { 0.0 }
     }
 
     fn beside(&self, panel: &Panel) -> f64 {
         let widths = self.y_ticks.iter().map(|(_, text)| font::width(text, TICK));
-        let label = if panel.y_label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 };
-        if self.shows_y { 10.0 + widths.fold(0.0, f64::max) + label } else { 0.0 }
+        if self.shows_y { 10.0 + widths.fold(0.0, f64::max) + room(&panel.y_label) } else { 0.0 }
     }
+}
+
+fn room(label: &str) -> f64 {
+    if label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 }
 }
 
 /// All panels' slots, the first row starting at `top`, and where the last row ends.

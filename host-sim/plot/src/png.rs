@@ -79,13 +79,9 @@ impl Painter<'_> {
             }
             let length = (to.0 - from.0).hypot(to.1 - from.1);
             let (dx, dy) = ((to.0 - from.0) / length * half, (to.1 - from.1) / length * half);
-            let corners = [
-                (from.0 - dy, from.1 + dx),
-                (to.0 - dy, to.1 + dx),
-                (to.0 + dy, to.1 - dx),
-                (from.0 + dy, from.1 - dx),
-            ];
-            self.0.fill_polygon(corners.map(large), style).map_err(|e| e.to_string())?;
+            let [left, right] =
+                [1.0, -1.0].map(|side| [from, to].map(|at| large((at.0 - side * dy, at.1 + side * dx))));
+            self.0.fill_polygon([left[0], left[1], right[1], right[0]], style).map_err(|e| e.to_string())?;
         }
         let joints = if width < 2.0 { &[] } else { points.get(1..points.len().max(2) - 1).unwrap_or(&[]) };
         joints.iter().try_for_each(|at| self.disc(*at, half, style))

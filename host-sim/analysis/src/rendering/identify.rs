@@ -64,14 +64,12 @@ pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
         let delayed = largest(&at(&wall, NETWORK, DELAY_S, None))?;
         let (short, short_sampled) = (STIFFNESS_N_PER_M / delayed, STIFFNESS_N_PER_M / sampled);
         if (short - 1.0).abs().max((short_sampled - 1.0).abs()) < 2e-3 {
-            let (at_200_hz_n_per_m, at_5_ms_n_per_m) = (sampled, delayed);
-            let computing_ticks = late - 0.5;
             return Ok(Identified {
                 mass_kg,
                 damping_n_s_per_m: damping,
-                computing_ticks,
-                at_200_hz_n_per_m,
-                at_5_ms_n_per_m,
+                computing_ticks: late - 0.5,
+                at_200_hz_n_per_m: sampled,
+                at_5_ms_n_per_m: delayed,
             });
         }
         damping *= short;

@@ -15,29 +15,15 @@ use haptic_sim::scene::Scene;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     /// A state of a peer (0 or 1).
-    Local {
-        /// Which peer.
-        peer: usize,
-        /// Which state.
-        state: State,
-    },
-    /// A number on its way.
-    InFlight {
-        /// The peer (0 or 1) that it is on its way to.
-        to: usize,
-        /// How many periods it has been waiting; 0 is the youngest.
-        slot: usize,
-        /// The sender's state that it was.
-        state: State,
-    },
+    Local { peer: usize, state: State },
+    /// A sender's state on its way `to` a peer (0 or 1), for as many periods as `slot` says: 0 is the youngest.
+    InFlight { to: usize, slot: usize, state: State },
 }
 
 /// The pair's lifted matrix, with the place of each of its states.
 #[derive(Clone, Debug)]
 pub(crate) struct Constructed {
-    /// Matrix and rest modes.
     pub lifted: Lifted,
-    /// What each row and column stands for.
     pub places: Vec<Place>,
 }
 
