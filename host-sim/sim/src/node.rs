@@ -12,7 +12,7 @@
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does.
 
-use haptic_core::peer::{Actuators, Observed};
+use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
 use haptic_protocol::peer::{Inbox, flow_of, packet_of, parameters_of};
@@ -47,13 +47,16 @@ impl Says for Link {
 /// One peer, its device and its link.
 #[derive(Debug)]
 pub struct Node {
-    peer: Box<dyn DynPeer<f32>>,
+    /// The peer; only the node gives it a tick.
+    pub peer: Box<dyn DynPeer<f32>>,
     plant: Plant,
-    line: Line,
+    /// Its end of the line to the other one.
+    pub line: Line,
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
-    armed_ticks: u64,
+    /// Control periods since it was armed.
+    pub armed_ticks: u64,
     /// Control periods until the other one is told how this one is doing.
     until_telemetry: u32,
 }
@@ -222,37 +225,12 @@ impl Node {
         plant
     }
 
-    /// Control periods since it was armed.
-    pub fn armed_ticks(&self) -> u64 {
-        self.armed_ticks
-    }
-
-    /// What the last tick saw and did.
-    pub fn observed(&self) -> &Observed<f32> {
-        self.peer.observed()
-    }
-
-    /// Whether forces reach the motors, and what stopped them.
-    pub fn mode(&self) -> Mode {
-        self.peer.mode()
-    }
-
-    /// Whether the coordination acts.
-    pub fn is_engaged(&self) -> bool {
-        self.peer.is_engaged()
-    }
-
-    /// Its end of the line to the other one.
-    pub fn line(&self) -> &Line {
-        &self.line
-    }
-
     /// How the node stands with the other one: what a datagram that is not the other one's must never change.
     pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
         let link = &self.line.link;
         let tick = self.line.inbox.newest().map(|flow| flow.tick);
         let level = link.engagement().to_bits();
-        (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.is_engaged())
+        (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.peer.is_engaged())
     }
 
     /// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.

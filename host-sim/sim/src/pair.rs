@@ -22,7 +22,8 @@ pub struct Side<S: Scalar> {
     inbox: Inbox<Packet<S>>,
     /// The seat that its packets are for.
     to: usize,
-    sent: u64,
+    /// Packets sent so far.
+    pub sent: u64,
     period_s: f64,
     period_ns: u64,
     exchanged: Option<Option<Packet<S>>>,
@@ -47,11 +48,6 @@ impl<S: Number> Side<S> {
             exchanged: None,
             actuators: Actuators::default(),
         })
-    }
-
-    /// Packets sent so far.
-    pub fn sent(&self) -> u64 {
-        self.sent
     }
 }
 

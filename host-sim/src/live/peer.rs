@@ -99,8 +99,8 @@ impl Actor<SocketAddr> for Peer {
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let node = &mut self.node;
         node.beat(now_ns / 1_000, |bytes| out(self.connect, bytes));
-        if let Some(tick) = node.armed_ticks().checked_sub(1) {
-            let seen = node.observed();
+        if let Some(tick) = node.armed_ticks.checked_sub(1) {
+            let seen = node.peer.observed();
             let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
             self.halves.see(tick, [discrepancy_m, f64::from(seen.coordination_force)]);
         }
@@ -109,13 +109,13 @@ impl Actor<SocketAddr> for Peer {
 
 impl Live for Peer {
     fn end(&self) -> Option<Result<(), String>> {
-        let over = (self.node.armed_ticks() >= self.ticks).then_some(Ok(()));
-        differs(&self.node.line().link, "the other peer").map(Err).or(over)
+        let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
+        differs(&self.node.line.link, "the other peer").map(Err).or(over)
     }
 
     fn missing(&self) -> Option<String> {
         let Self { connect, patience_s, .. } = self;
-        (self.node.mode() == Mode::Disarmed).then(|| match self.node.line().link.is_up() {
+        (self.node.peer.mode() == Mode::Disarmed).then(|| match self.node.line.link.is_up() {
             true => format!(
                 "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
@@ -147,14 +147,14 @@ pub(crate) fn run(
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
     let Peer { node, halves, .. } = peer;
     let [discrepancy_m, coordination_force_n] = halves.means();
-    let (line, link) = (node.line(), &node.line().link);
+    let (line, link) = (&node.line, &node.line.link);
     let counts = link.counts();
     Ok(Report {
         peer: number,
-        ticks: node.armed_ticks(),
+        ticks: node.armed_ticks,
         decoded_discrepancy_mm: 1e3 * discrepancy_m,
         coordination_force_n,
-        fault: match node.mode() {
+        fault: match node.peer.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,
         },

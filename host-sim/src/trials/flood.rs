@@ -319,8 +319,8 @@ fn evaluate(
     let missing = sent(flood.end..ticks.saturating_sub(2 * packet)).filter(|tick| !came(tick)).max();
     Attacked {
         session_stayed: flows.first().is_some_and(|[_, first]| *first < flood.start)
-            && !node.line().notices.iter().any(lost),
-        engaged: node.is_engaged(),
+            && !node.line.notices.iter().any(lost),
+        engaged: node.peer.is_engaged(),
         flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
         longest_silence_ms: ms(silence),
         whole_after_ms: missing.map_or(0, |sent| ms(sent + packet - flood.end)),

@@ -89,9 +89,9 @@ struct World<'a> {
 
 /// Takes in what a peer did.
 fn measure(report: &mut Report, life: &mut Life) {
-    let engaged = life.node.is_engaged();
+    let engaged = life.node.peer.is_engaged();
     if engaged && !life.engaged {
-        let first = f64::from(life.node.observed().coordination_force).abs();
+        let first = f64::from(life.node.peer.observed().coordination_force).abs();
         report.first_force_n = report.first_force_n.max(first);
     }
     life.engaged = engaged;
@@ -163,7 +163,7 @@ pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
         let met_s = met.unwrap_or(PATIENCE_S);
         sum_s += met_s;
         world.report.slowest_ms = world.report.slowest_ms.max(1e3 * met_s);
-        let faulted = |life: &&mut Life| matches!(life.node.mode(), Mode::Faulted(_));
+        let faulted = |life: &&mut Life| matches!(life.node.peer.mode(), Mode::Faulted(_));
         world.report.faults += world.lives().filter(faulted).count() as u64;
     }
     world.report.mean_ms = 1e3 * sum_s / count.max(1) as f64;

@@ -12,7 +12,7 @@ use super::operator;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor::{self, Known};
+use haptic_sim::board::calibrate::motor;
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::{board::calibrate::board::Board, board::calibrate::simulated::Shared};
 
@@ -148,14 +148,11 @@ impl Calibrate {
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
             Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
-            Self::Motor { at, gauge, added_mass_kg } => {
-                let known = match (gauge, added_mass_kg) {
-                    (true, _) => Known::Gauge,
-                    (_, Some(kilograms)) => Known::Mass(*kilograms),
-                    _ => return Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
-                };
-                at.run(ui, |board, person| motor::calibrate(board, person, at.joint, known))
+            Self::Motor { at, gauge: true, .. } => at.run(ui, |board, person| motor::gauge(board, person, at.joint)),
+            Self::Motor { at, added_mass_kg: Some(kilograms), .. } => {
+                at.run(ui, |board, person| motor::mass(board, person, at.joint, *kilograms))
             }
+            Self::Motor { .. } => Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
             Self::Friction(at) => at.run(ui, |board, _| motion::friction(board, at.joint)),
             Self::Inertia(at) => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }

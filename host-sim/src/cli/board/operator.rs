@@ -10,10 +10,8 @@ use serde_json::json;
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::{live::endpoint::Stop, live::operator::Operator};
-use haptic_sim::{
-    board::calibrate::board::say, board::calibrate::settings_file, board::operator::PORT, board::recording,
-    report::files::write_csv,
-};
+use haptic_sim::board::{calibrate::board::say, calibrate::settings_file, operator::PORT, recording};
+use haptic_sim::report::files::write_csv;
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);

@@ -61,70 +61,45 @@ pub const TASK: Task = Task {
     arm_mass_kg: 0.4,
 };
 
-/// An architecture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Architecture {
-    /// A copy each.
-    Static,
-    /// One at a time, by a lock at a server.
-    CollaborativeLock,
-    /// One at a time, by a token that goes round.
-    CollaborativeRing,
-    /// One dynamics engine at a server.
-    CooperativeServer,
-    /// The same, with the scene's contact whatever the round trip.
-    CooperativeServerUnbounded,
-    /// The dynamics engine at user 1, with the bounder.
-    CooperativeClient,
-    /// Two copies, coordinated by positions and velocities.
-    DistributedPower,
-    /// Two copies, coordinated by waves.
-    DistributedWave,
-    /// Two copies, by waves with the paper's filter.
-    DistributedPassiveWave,
-    /// Two copies, by waves of which the mean is sent.
-    DistributedPassiveMean,
+/// Declares them: variant, key, name, meaning.
+macro_rules! architectures {
+    ($($Variant:ident, $key:literal, $name:literal, $meaning:literal;)+) => {
+        /// An architecture.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Architecture { $(#[doc = $meaning] $Variant),+ }
+
+        impl Architecture {
+            /// All of them.
+            pub const ALL: [Self; [$($key),+].len()] = [$(Self::$Variant),+];
+
+            /// For programs.
+            pub fn key(self) -> &'static str {
+                match self { $(Self::$Variant => $key),+ }
+            }
+
+            /// For tables and legends.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$Variant => $name),+ }
+            }
+        }
+    };
 }
 
-impl Architecture {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
-        Self::Static,
-        Self::CollaborativeLock,
-        Self::CollaborativeRing,
-        Self::CooperativeServer,
-        Self::CooperativeServerUnbounded,
-        Self::CooperativeClient,
-        Self::DistributedPower,
-        Self::DistributedWave,
-        Self::DistributedPassiveWave,
-        Self::DistributedPassiveMean,
-    ];
-
-    /// For programs.
-    pub fn key(self) -> &'static str {
-        self.names()[0]
-    }
-
-    /// For tables and legends.
-    pub fn name(self) -> &'static str {
-        self.names()[1]
-    }
-
-    fn names(self) -> [&'static str; 2] {
-        match self {
-            Self::Static => ["static"; 2],
-            Self::CollaborativeLock => ["collaborative-lock", "collaborative, lock"],
-            Self::CollaborativeRing => ["collaborative-ring", "collaborative, ring"],
-            Self::CooperativeServer => ["cooperative-server", "cooperative, engine at server"],
-            Self::CooperativeServerUnbounded => ["cooperative-server-unbounded", "the same without bounder"],
-            Self::CooperativeClient => ["cooperative-client", "cooperative, engine at client"],
-            Self::DistributedPower => ["distributed-power", "distributed, power"],
-            Self::DistributedWave => ["distributed-wave", "distributed, wave"],
-            Self::DistributedPassiveWave => ["distributed-passive-wave", "distributed, passive wave"],
-            Self::DistributedPassiveMean => ["distributed-passive-mean", "distributed, passive mean"],
-        }
-    }
+architectures! {
+    Static, "static", "static", "A copy each.";
+    CollaborativeLock, "collaborative-lock", "collaborative, lock", "One at a time, by a lock at a server.";
+    CollaborativeRing, "collaborative-ring", "collaborative, ring", "One at a time, by a token that goes round.";
+    CooperativeServer, "cooperative-server", "cooperative, engine at server", "One dynamics engine at a server.";
+    CooperativeServerUnbounded, "cooperative-server-unbounded", "the same without bounder",
+        "The same, with the scene's contact whatever the round trip.";
+    CooperativeClient, "cooperative-client", "cooperative, engine at client",
+        "The dynamics engine at user 1, with the bounder.";
+    DistributedPower, "distributed-power", "distributed, power", "Two copies, coordinated by positions and velocities.";
+    DistributedWave, "distributed-wave", "distributed, wave", "Two copies, coordinated by waves.";
+    DistributedPassiveWave, "distributed-passive-wave", "distributed, passive wave",
+        "Two copies, by waves with the paper's filter.";
+    DistributedPassiveMean, "distributed-passive-mean", "distributed, passive mean",
+        "Two copies, by waves of which the mean is sent.";
 }
 
 /// One architecture at one delay.

@@ -36,7 +36,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     let bytes = if comm == "none" {
         2.0 * presence_bytes_per_s() * TASK.duration_s
     } else {
-        let packets: u64 = pair.sides().into_iter().map(|side| side.sent()).sum();
+        let packets: u64 = pair.sides().into_iter().map(|side| side.sent).sum();
         (packets * (SEAL_LEN + Flow::LEN) as u64) as f64
     };
     // A server of a static world tells everybody where the others are.

@@ -146,19 +146,19 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
         let mut farthest_m = 0.0_f64;
         for _ in 0..3_000 {
             meeting.step();
-            if meeting.peers().all(|peer| peer.armed_ticks() == 0) {
+            if meeting.peers().all(|peer| peer.armed_ticks == 0) {
                 continue;
             }
             memory.step();
             for (peer, copy) in meeting.peers().zip(memory.copies()) {
-                let apart = f64::from(peer.observed().object.position) - copy.position;
+                let apart = f64::from(peer.peer.observed().object.position) - copy.position;
                 farthest_m = farthest_m.max(copy.position.abs());
                 // f32 here, f64 there.
                 assert!(apart.abs() < 1e-7, "{users} users, tick {}: {apart} m apart", meeting.engine.tick());
             }
         }
-        assert!(farthest_m > 0.02 && meeting.peers().all(|peer| peer.mode() == Mode::Armed), "{farthest_m} m");
-        assert!(meeting.peers().all(|peer| peer.armed_ticks() > 2_900), "they began late");
+        assert!(farthest_m > 0.02 && meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed), "{farthest_m} m");
+        assert!(meeting.peers().all(|peer| peer.armed_ticks > 2_900), "they began late");
     }
 }
 
@@ -194,7 +194,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
             }
             meeting.step();
             for (peer, before) in meeting.peers().take(3).zip(&mut forces) {
-                let force = f64::from(peer.observed().coordination_force);
+                let force = f64::from(peer.peer.observed().coordination_force);
                 if tick >= 1_000 {
                     let jump_n = &mut jumps_n[usize::from(tick >= 4_000)];
                     *jump_n = jump_n.max((force - *before).abs());
@@ -209,7 +209,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
         }
         assert!(back_at.is_some_and(|tick| tick < 5_500), "back at {back_at:?}");
         assert_eq!(meeting.lives_on(3), 3);
-        assert!(meeting.peers().all(|peer| peer.mode() == Mode::Armed && peer.is_engaged()));
+        assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
         // What the network itself does, and a step of the ladder: a ninth of the push that the line carries.
         let [calm_n, disturbed_n] = jumps_n;
         assert!(disturbed_n < calm_n + 0.5 / 9.0, "{network:?}: {disturbed_n} N, {calm_n} N before");
@@ -223,7 +223,7 @@ fn a_planted_rule_loses_what_it_says() {
     let every_third = |number: u64, _: u64| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass };
     meeting.engine.route(0, 2).rule = Some(Box::new(every_third));
     (0..3_000).for_each(|_| meeting.step());
-    assert!(meeting.peers().all(|peer| peer.mode() == Mode::Armed && peer.is_engaged()));
+    assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
     let [there, back] = [(0, 2), (2, 0)].map(|(from, to)| meeting.engine.route(from, to).counts());
     assert_eq!((there.lost, back.lost), (there.taken.div_ceil(3), 0));
     // The hub is told of what it did not get.

@@ -11,7 +11,7 @@ use board_bench::image::Firmware;
 use board_bench::wire::Line;
 use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor::{self, Known};
+use haptic_sim::board::calibrate::motor;
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::scene::Scene;
 
@@ -118,7 +118,7 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     assert_eq!(found, [Found::flag("motor.reversed", false)]);
     keep(&found, &mut board);
 
-    let found = motor::calibrate(&mut board, &mut person, 1, Known::Mass(0.2)).expect("motor");
+    let found = motor::mass(&mut board, &mut person, 1, 0.2).expect("motor");
     near("motor.newton_or_newton_metre_per_a", &found, 6.5, 0.02);
     keep(&found, &mut board);
 

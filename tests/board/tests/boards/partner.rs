@@ -29,24 +29,24 @@ fn hold_one_object(set: &[&str]) {
     assert!(status.contains("ok board 1 armed") && status.contains("link running"), "{status}");
     let partner = bench.partner.take().expect("it is there");
     let (node, records) = (&partner.node, bench.armed_ticks(1));
-    assert_eq!((node.mode(), node.is_engaged()), (Mode::Armed, true));
+    assert_eq!((node.peer.mode(), node.peer.is_engaged()), (Mode::Armed, true));
 
     let engaged = records.iter().position(|record| record.flags() & ENGAGED != 0).expect("the board engages");
     assert_eq!(records[..engaged].iter().map(|record| record.observed().coordination_force).fold(0.0, f32::max), 0.0);
     let last = records.last().expect("ticks were recorded");
-    let (last, counts) = (last.observed(), node.line().link.counts());
+    let (last, counts) = (last.observed(), node.line.link.counts());
     let force = last.coordination_force;
     println!(
         "engaged after {engaged} ticks; coordination {force:.3} N on the board, {:.3} N in host-sim; decoded {:.3} mm; {counts:?}",
-        node.observed().coordination_force,
+        node.peer.observed().coordination_force,
         1e3 * (last.object.position - last.desired.position),
     );
     // What one pulls the other is pulled by: the forces of a line that is at rest are equal and opposite.
-    let sum = force + node.observed().coordination_force;
+    let sum = force + node.peer.observed().coordination_force;
     assert!(
         force.abs() > 0.5 && sum.abs() < 0.2 * force.abs(),
         "{force} N and {} N",
-        node.observed().coordination_force
+        node.peer.observed().coordination_force
     );
 
     // And every tick of the board is what the code here makes of the same arrivals.

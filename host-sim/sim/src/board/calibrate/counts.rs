@@ -82,8 +82,9 @@ pub fn calibrate(
     number: u32,
     distance: Distance,
 ) -> Result<Vec<Found>, String> {
-    let length = match distance {
-        Distance::Metres(length) | Distance::Revolutions(length) => length,
+    let (length, turn, task) = match distance {
+        Distance::Metres(metres) => (metres, false, Task::MoveMetres { joint: number, metres }),
+        Distance::Revolutions(revolutions) => (revolutions, true, Task::Turn { joint: number, revolutions }),
     };
     if !(length > 0.0 && length <= 100.0) {
         return Err(format!("a distance of {length} is not allowed: it must be above 0 and up to 100"));
@@ -93,19 +94,13 @@ pub fn calibrate(
     if !turns {
         Joint::of(&settings, number)?;
     }
-    match distance {
-        Distance::Metres(_) if turns => {
-            return Err("this joint turns: say by how many revolutions, not by what distance".to_owned());
-        }
-        Distance::Revolutions(_) if !turns => {
+    match (turns, turn) {
+        (true, false) => return Err("this joint turns: say by how many revolutions, not by what distance".to_owned()),
+        (false, true) => {
             return Err("this joint is a slide: say by what distance, not by how many revolutions".to_owned());
         }
         _ => {}
     }
-    let task = match distance {
-        Distance::Metres(metres) => Task::MoveMetres { joint: number, metres },
-        Distance::Revolutions(revolutions) => Task::Turn { joint: number, revolutions },
-    };
     person.please(&Task::HoldStill { joint: number })?;
     board.ticks(0.0)?;
     say(board, &format!("stream {EVERY}"))?;

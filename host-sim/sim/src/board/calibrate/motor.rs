@@ -9,15 +9,6 @@ use haptic_core::settings::Settings;
 use super::board::{Board, Joint, run, say, settings};
 use super::{Estimate, Found, Person, Task, motion};
 
-/// What is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Known {
-    /// Force at the hand, by a gauge.
-    Gauge,
-    /// A mass that can be fastened to the hand, kg.
-    Mass(f64),
-}
-
 /// Slope of a line through points, with its 95 % interval.
 pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     let count = points.len() as f64;
@@ -51,20 +42,8 @@ fn constant(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Fo
     Found::number("motor.newton_or_newton_metre_per_a", estimate, unit)
 }
 
-/// Finds the constant of joint `number`'s motor.
-pub fn calibrate(
-    board: &mut dyn Board,
-    person: &mut dyn Person,
-    number: u32,
-    known: Known,
-) -> Result<Vec<Found>, String> {
-    match known {
-        Known::Gauge => gauge(board, person, number),
-        Known::Mass(kilograms) => mass(board, person, number, kilograms),
-    }
-}
-
-fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<Vec<Found>, String> {
+/// Finds the constant of joint `number`'s motor with a force gauge, which the person reads.
+pub fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<Vec<Found>, String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let most = settings.probe.max_duty.min(settings.motor.max_duty);
@@ -84,7 +63,8 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
     Ok(vec![constant(slope(&points)?, &settings, &joint)])
 }
 
-fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: f64) -> Result<Vec<Found>, String> {
+/// Finds it with a mass, kg, that the person fastens to the hand.
+pub fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: f64) -> Result<Vec<Found>, String> {
     if !(kilograms > 0.0 && kilograms <= 100.0) {
         return Err(format!("an added mass of {kilograms} kg is not allowed: it must be above 0 and up to 100"));
     }

@@ -5,9 +5,8 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
-use crate::{
-    live::endpoint::Stop, shared::world, shared::world::PACKET_US, shared::world::host::MOST_LINES, trials::crowd,
-};
+use crate::shared::world::{self, PACKET_US, host::MOST_LINES};
+use crate::{live::endpoint::Stop, trials::crowd};
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;
