@@ -20,7 +20,6 @@ pub struct DoubleDouble {
     low: f64,
 }
 
-/// π/2.
 const QUARTER_TURN: DoubleDouble = DoubleDouble { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
 /// a + b exactly, as a sum of two.

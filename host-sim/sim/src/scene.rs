@@ -141,8 +141,8 @@ impl Scene {
         let mut settings: Vec<_> = self.keys().into_iter().filter_map(|(name, _)| value(name)).collect();
         let users = (1..)
             .zip(&self.users)
-            .filter_map(|(user, own)| Some((format!("user.{user}.trace"), own.trace.as_ref()?.file())));
-        let network = self.network_trace.iter().map(|trace| ("network.trace".to_owned(), trace.file()));
+            .filter_map(|(user, own)| Some((format!("user.{user}.trace"), &own.trace.as_ref()?.file)));
+        let network = self.network_trace.iter().map(|trace| ("network.trace".to_owned(), &trace.file));
         settings.extend(users.chain(network).map(|(key, file)| (key, format!("{:?}", file.display().to_string()))));
         settings
     }

@@ -82,7 +82,8 @@ pub fn minimum_jerk(distance_m: f64, duration_s: f64, time_s: f64) -> (f64, f64)
 /// A force recorded over time, interpolated linearly, constant before its first and after its last sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    file: PathBuf,
+    /// The file it was read from; empty for none.
+    pub file: PathBuf,
     samples: Vec<(f64, f64)>,
 }
 
@@ -119,11 +120,6 @@ impl Trace {
             return Err(format!("{path}: no samples"));
         }
         Ok(Self { file: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()), samples })
-    }
-
-    /// The file it was read from; empty for none.
-    pub fn file(&self) -> &Path {
-        &self.file
     }
 
     /// A straight line from 0 N at 0 s to `force_n` at `until_s`.

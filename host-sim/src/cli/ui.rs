@@ -73,7 +73,6 @@ impl Ui {
         self.text(title, document)
     }
 
-    /// The text alone.
     pub(super) fn text(&self, title: &str, document: &impl Serialize) -> Result<(), Failure> {
         let is_list = |value: &Value| value.as_array().is_some_and(|items| !items.iter().all(Value::is_number));
         let (lists, facts) = match serde_json::to_value(document)? {

@@ -44,7 +44,8 @@ pub struct Arrival {
 /// A recording of what a network did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NetworkTrace {
-    file: PathBuf,
+    /// The file it was read from; empty for none.
+    pub file: PathBuf,
     packets: [Vec<Vec<Arrival>>; 2],
 }
 
@@ -99,11 +100,6 @@ impl NetworkTrace {
             return Err(format!("{place}: both directions need at least one packet"));
         }
         Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
-    }
-
-    /// The file it was read from; empty for none.
-    pub fn file(&self) -> &Path {
-        &self.file
     }
 
     /// Writes the trace.

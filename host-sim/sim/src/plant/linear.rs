@@ -28,7 +28,6 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
     c
 }
 
-/// e^(A·time) by scaling and squaring.
 fn exponential(a: &Matrix, time: f64) -> Matrix {
     let norm = a.iter().flatten().map(|x| (x * time).abs()).sum::<f64>();
     let halvings = (libm::log2(norm.max(1e-300)).ceil() + 4.0).max(0.0) as i32;

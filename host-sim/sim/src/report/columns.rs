@@ -107,7 +107,6 @@ enum Digits {
     Significant(usize),
     /// So many behind the point of a power of ten.
     Power(usize),
-    /// With its sign.
     Signed,
     /// As many as it takes where those are few, else six that count.
     Short,

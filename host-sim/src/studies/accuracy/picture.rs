@@ -13,7 +13,6 @@ use haptic_plot::{Dash, Figure, Panel, Series};
 const LEAST_X: f64 = 4.0;
 /// Least ratio of the ends of an axis of errors.
 const LEAST_Y: f64 = 30.0;
-/// Scenes of the overview's bars.
 const MAIN_SCENES: [(&str, &str); 6] = [
     ("none", "one peer"),
     ("power", "power"),

@@ -78,7 +78,6 @@ pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<R
     Ok(account.row(architecture, delay_ms, end))
 }
 
-/// What there is of both users.
 fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
     [(); 2].map(|()| values.next().unwrap_or(0.0))
 }

@@ -41,7 +41,6 @@ pub(super) fn over_time(row: &Row) -> Figure {
     }
 }
 
-/// Discrepancy and stiffness against delay.
 pub(super) fn sweep(rows: &[Row]) -> Figure {
     let line = |bounder: bool, value: fn(&Outcome) -> f64| {
         let of_these = rows.iter().filter(|row| row.bounder == bounder && row.outcome.stable);
