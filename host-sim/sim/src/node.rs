@@ -1,7 +1,7 @@
 //! One peer on a wire, whoever brings the time and the datagrams: the tick and exchange that fly, a simulated device in a
 //! simulated hand, a sealed link.
 //!
-//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::beat`]. Real time, a flood and restarts in
+//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real time, a flood and restarts in
 //! virtual time drive the same lines.
 //!
 //! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
@@ -149,7 +149,7 @@ impl Node {
     }
 
     /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
-    pub fn beat(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
+    pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us, || self.peer.part());
         let due = self.peer.packet_due();

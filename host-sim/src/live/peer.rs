@@ -98,7 +98,7 @@ impl Actor<SocketAddr> for Peer {
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let node = &mut self.node;
-        node.beat(now_ns / 1_000, |bytes| out(self.connect, bytes));
+        node.tick(now_ns / 1_000, |bytes| out(self.connect, bytes));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
             let seen = node.peer.observed();
             let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());

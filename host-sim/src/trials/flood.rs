@@ -189,7 +189,7 @@ impl Actor<SocketAddr> for Held<'_> {
 
     fn act(&mut self, _: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let Self { field, node, now, period_us, .. } = self;
-        node.beat(*now * *period_us, |bytes| out(self.other, bytes));
+        node.tick(*now * *period_us, |bytes| out(self.other, bytes));
         *now += 1;
         // Both peers end a tick before either begins the next, and have read the same of the flood.
         if field.tick.wait().is_leader() {

@@ -75,7 +75,7 @@ impl Actor<usize> for Life {
     }
 
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
-        self.did = [self.node.beat(now_ns / 1_000, |bytes| out(self.to, bytes)), self.did[0]];
+        self.did = [self.node.tick(now_ns / 1_000, |bytes| out(self.to, bytes)), self.did[0]];
     }
 }
 

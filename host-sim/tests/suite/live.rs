@@ -86,7 +86,7 @@ fn compare(live: &Value, memory: &Value) {
     assert_eq!((number(other, "mode"), number(other, "fault")), (1.0, 0.0), "{live}");
     let pull = number(other, "coordination_force_n") * number(live, "coordination_force_n").signum();
     assert!((pull + 1.0).abs() < 0.1 && number(other, "ticks") >= 3000.0, "{live}");
-    // One beat a millisecond since it was started, none skipped and none too many; the latest is as late as the missed ones say.
+    // One tick a millisecond since it was started, none skipped and none too many; the latest is as late as the missed ones say.
     let kept = &live["punctuality"];
     let last_s = live["notices"].as_array().and_then(|notices| notices.last()?[0].as_f64()).expect("notices");
     assert!((4000.0..1000.0 * (last_s + 4.0) + 2000.0).contains(&number(kept, "beats")), "{live}");

@@ -50,11 +50,11 @@ impl Partner {
     }
 
     /// One control period; the frames that leave.
-    pub fn beat(&mut self, now_ns: u64) -> Vec<Vec<u8>> {
+    pub fn tick(&mut self, now_ns: u64) -> Vec<Vec<u8>> {
         let end = |number| (board_mac(number), board_ip(number), FLOW);
         let (own, other) = (end(self.number), end(3 - self.number));
         let mut out = std::mem::take(&mut self.out);
-        self.node.beat(now_ns / 1000, |bytes| out.push(udp(own, other, bytes)));
+        self.node.tick(now_ns / 1000, |bytes| out.push(udp(own, other, bytes)));
         out
     }
 }

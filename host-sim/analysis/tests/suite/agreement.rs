@@ -80,9 +80,9 @@ fn the_peer_is_linear_where_it_is_analysed() {
         let whole = pair_matrix(&linear).unwrap().matrix;
         let mut response = Response::default();
         response.measure(&linear, 0).unwrap();
-        let mut dice = random::Dice::new(seed);
-        let local: Vec<f64> = (0..response.states()).map(|_| dice.unit() - 0.5).collect();
-        let packet: Vec<f64> = (0..response.packet()).map(|_| dice.unit() - 0.5).collect();
+        let mut random = random::Random::new(seed);
+        let local: Vec<f64> = (0..response.states()).map(|_| random.unit() - 0.5).collect();
+        let packet: Vec<f64> = (0..response.packet()).map(|_| random.unit() - 0.5).collect();
         let driven = Response::drive(&linear, 0, &local, &packet).unwrap();
         let (own, heard) = (apply(&response.own, &local), apply(&response.heard, &packet));
         let scale = whole.norm_max().max(1.0);

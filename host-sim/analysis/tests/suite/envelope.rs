@@ -9,7 +9,7 @@ use haptic_sim::pair::Pair;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
-use super::random::{self, Dice};
+use super::random::{self, Random};
 
 const SCENES: usize = 1000;
 
@@ -34,8 +34,8 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
 /// Whether the simulated pair settles; `None` where it does neither.
 fn settles(linear: &Scene, verdict: &Verdict, seed: u64) -> Option<bool> {
     let mut pair = Pair::<f64>::new(linear).unwrap();
-    let mut dice = Dice::new(!seed);
-    let mut random = || (dice.unit() - 0.5) * 2.0_f64.powi(-200);
+    let mut random = Random::new(!seed);
+    let mut random = || (random.unit() - 0.5) * 2.0_f64.powi(-200);
     for side in pair.sides_mut() {
         side.peer.visit(&mut |number: &mut f64| *number = random());
         let (motion, motor) = side.plant.free_axis();

@@ -8,10 +8,10 @@ use haptic_core::schema::Schema;
 use haptic_sim::scene::Scene;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
-pub(crate) struct Dice(u64);
+pub(crate) struct Random(u64);
 
-impl Dice {
-    /// Dice number `seed`.
+impl Random {
+    /// Number `seed`.
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
@@ -56,44 +56,44 @@ impl Dice {
 
 /// A random linear scene: any law, decode, integrator, delay, one to sixteen ticks per packet, with and without arms.
 pub(crate) fn scene(seed: u64) -> Scene {
-    let mut dice = Dice::new(seed);
+    let mut random = Random::new(seed);
     let mut scene = Scene::default();
     let peer = &mut scene.peer;
-    peer.timing.control_period_s = dice.one(&[0.0005, 0.001, 0.001, 0.002]);
-    peer.timing.ticks_per_packet = dice.whole(1, 16);
-    peer.contact.stiffness_n_per_m = dice.spread(10.0, 5000.0);
-    let damping = dice.spread(0.1, 20.0);
-    peer.contact.damping_n_s_per_m = dice.sometimes(damping);
-    peer.object.mass_kg = dice.spread(0.02, 2.0);
-    let damping = dice.spread(0.1, 5.0);
-    peer.object.damping_n_s_per_m = dice.sometimes(damping);
-    peer.object.force_delay_ticks = dice.delay();
-    peer.object.integrator = dice.one(IntegratorName::ALL);
-    peer.coordination.comm = dice.one(Schema::BUILT_IN.kinds()).name;
-    peer.coordination.decode = dice.one(Decode::ALL);
-    peer.coordination.stiffness_n_per_m = dice.spread(1.0, 1e5);
-    let damping = dice.spread(0.1, 20.0);
-    peer.coordination.damping_n_s_per_m = dice.sometimes(damping);
-    peer.coordination.wave_impedance_n_s_per_m = dice.spread(1.0, 100.0);
-    peer.coordination.cutoff_hz = dice.spread(5.0, 500.0);
+    peer.timing.control_period_s = random.one(&[0.0005, 0.001, 0.001, 0.002]);
+    peer.timing.ticks_per_packet = random.whole(1, 16);
+    peer.contact.stiffness_n_per_m = random.spread(10.0, 5000.0);
+    let damping = random.spread(0.1, 20.0);
+    peer.contact.damping_n_s_per_m = random.sometimes(damping);
+    peer.object.mass_kg = random.spread(0.02, 2.0);
+    let damping = random.spread(0.1, 5.0);
+    peer.object.damping_n_s_per_m = random.sometimes(damping);
+    peer.object.force_delay_ticks = random.delay();
+    peer.object.integrator = random.one(IntegratorName::ALL);
+    peer.coordination.comm = random.one(Schema::BUILT_IN.kinds()).name;
+    peer.coordination.decode = random.one(Decode::ALL);
+    peer.coordination.stiffness_n_per_m = random.spread(1.0, 1e5);
+    let damping = random.spread(0.1, 20.0);
+    peer.coordination.damping_n_s_per_m = random.sometimes(damping);
+    peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 100.0);
+    peer.coordination.cutoff_hz = random.spread(5.0, 500.0);
     peer.axis.velocity =
-        dice.one(&[VelocityName::Measured, VelocityName::Measured, VelocityName::Difference, VelocityName::Filtered]);
-    peer.axis.velocity_cutoff_hz = dice.spread(5.0, 240.0);
+        random.one(&[VelocityName::Measured, VelocityName::Measured, VelocityName::Difference, VelocityName::Filtered]);
+    peer.axis.velocity_cutoff_hz = random.spread(5.0, 240.0);
     let world = &mut scene.world;
-    world.device.mass_kg = dice.spread(0.02, 2.0);
-    let damping = dice.spread(0.1, 10.0);
-    world.device.damping_n_s_per_m = dice.sometimes(damping);
-    world.device.force_delay_ticks = dice.delay();
-    world.network.one_way_delay_packets = dice.whole(0, 8);
+    world.device.mass_kg = random.spread(0.02, 2.0);
+    let damping = random.spread(0.1, 10.0);
+    world.device.damping_n_s_per_m = random.sometimes(damping);
+    world.device.force_delay_ticks = random.delay();
+    world.network.one_way_delay_packets = random.whole(0, 8);
     // In every fourth scene the way back is longer, by whole packets and fractions.
     let packet_s = peer.timing.packet_period_s();
-    let longer = packet_s * 3.0 * dice.unit();
-    world.network.asymmetry_s = dice.one(&[0.0, 0.0, 0.0, longer]);
-    world.network.extra_delay_s = dice.one(&[0.0, 0.0, 0.0, longer]);
+    let longer = packet_s * 3.0 * random.unit();
+    world.network.asymmetry_s = random.one(&[0.0, 0.0, 0.0, longer]);
+    world.network.extra_delay_s = random.one(&[0.0, 0.0, 0.0, longer]);
     // No arms, equal arms, two different arms, one arm.
-    let case = dice.whole(0, 4);
+    let case = random.whole(0, 4);
     for user in 0..2 {
-        let arm = (dice.spread(1.0, 1000.0), dice.spread(0.1, 20.0), dice.spread(0.01, 2.0));
+        let arm = (random.spread(1.0, 1000.0), random.spread(0.1, 20.0), random.spread(0.01, 2.0));
         let to = &mut scene.users[user].settings.user;
         if case > 1 && !(case == 4 && user == 1) {
             (to.arm_stiffness_n_per_m, to.arm_damping_n_s_per_m, to.arm_mass_kg) = arm;

@@ -44,7 +44,7 @@ impl Actor<usize> for Part {
 
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
         if let Self::Peer(node, hub) = self {
-            let _ = node.beat(now_ns / 1_000, |bytes| out(*hub, bytes));
+            let _ = node.tick(now_ns / 1_000, |bytes| out(*hub, bytes));
         }
     }
 

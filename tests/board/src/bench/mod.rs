@@ -193,7 +193,7 @@ impl Bench {
             for frame in self.wire.receive(1, self.now_ns) {
                 partner.hear(self.now_ns, &frame);
             }
-            for frame in partner.beat(self.now_ns) {
+            for frame in partner.tick(self.now_ns) {
                 self.wire.send(1, self.now_ns, &frame);
             }
         }

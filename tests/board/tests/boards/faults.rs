@@ -198,7 +198,7 @@ fn outputs_go_off_and_stay_off() {
     let impostor = RefCell::new(Impostor::default());
     let sealed = |bench: &mut Bench, _: &Firmware, ms: u64| {
         let mut impostor = impostor.borrow_mut();
-        impostor.beat(bench);
+        impostor.tick(bench);
         // 40 ms are enough to meet.
         if ms > 40 && ms.is_multiple_of(8) {
             assert!(impostor.seal(bench, &bytes), "there is a session");

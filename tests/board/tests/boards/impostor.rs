@@ -27,7 +27,7 @@ pub struct Impostor {
 
 impl Impostor {
     /// Answers what board 1 asks: where it is, and hellos. Those that waited for the first answer may be of another life.
-    pub fn beat(&mut self, bench: &mut Bench) {
+    pub fn tick(&mut self, bench: &mut Bench) {
         let now_ns = bench.now_ns();
         for frame in bench.wire.receive(PORT, now_ns) {
             if let Some(answer) = resolved(&frame, board_mac(2), board_ip(2)) {
