@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::flags::{Out, Time};
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::figures;
+use crate::studies::{doubt, figures};
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
@@ -72,6 +72,7 @@ impl Cooperate {
         })?;
 
         let verdict = haptic_analysis::verdict(&scene)?;
+        let outcome = outcome.doubted(doubt(&scene, &verdict));
         let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(&scene)?] };
         if !scene.users.iter().any(pushes) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
@@ -108,41 +109,57 @@ fn hash(outcome: &Outcome) -> String {
 
 /// What a run gave, with what the analyser says of the scene.
 fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall_s: f64) -> Result<Columns, Failure> {
-    let mass = if verdict.stable { Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()) } else { None };
+    let mass = if outcome.is_stable() && verdict.stable {
+        Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite())
+    } else {
+        None
+    };
     let stop = |(peer, fault): (usize, Fault)| {
         format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
     };
-    let force_n = outcome.coordination_force_n;
-    let per_n = (outcome.contact_force_n > 0.0).then(|| outcome.true_discrepancy_mm / outcome.contact_force_n);
+    let per_n = |o: &Outcome| (o.contact_force_n > 0.0).then(|| o.true_discrepancy_mm / o.contact_force_n);
     let mut columns = Columns::of(&[()])
         .value("scene", |()| name)
         .data_only()
-        // Nothing faulted or grew, and (for a linear scene) no eigenvalue lies outside the unit circle.
-        .value("stable", |()| outcome.bounded && (verdict.stable || !scene.is_linear()))
+        .value("stable", |()| outcome.is_stable())
+        .value("verdict", |()| outcome.verdict().name())
+        .data_only()
+        .value("reason", |()| outcome.reason.map(|reason| reason.to_string()))
         .value("fault", |()| outcome.fault.map(stop))
+        .data_only()
         .number("spectral_radius", 6, |()| verdict.spectral_radius)
-        .number("true_discrepancy_mm", 4, |()| outcome.true_discrepancy_mm)
+        .number("true_discrepancy_mm", 4, |()| outcome.whole(|o| o.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
-        .number("true_discrepancy_mm_per_n", 4, |()| per_n)
+        .number("true_discrepancy_mm_per_n", 4, |()| outcome.merit(per_n).flatten())
         .head("true discrepancy per newton of contact")
-        .number("decoded_discrepancy_mm", 4, |()| outcome.decoded_discrepancy_mm)
+        .number("decoded_discrepancy_mm", 4, |()| outcome.merit(|o| o.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("coordination_force_n.mean", 4, |()| force_n.mean)
+        .number("coordination_force_n.mean", 4, |()| outcome.merit(|o| o.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
         .shown_in("N", 1.0)
-        .number("coordination_force_n.sd", 4, |()| force_n.sd)
+        .number("coordination_force_n.sd", 4, |()| outcome.merit(|o| o.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
         .shown_in("N", 1.0)
-        .number("peak_coordination_force_n", 4, |()| outcome.peak_coordination_force_n)
+        .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)
-        .head("apparent mass of the shared object");
+        .head("apparent mass of the shared object")
+        .number("energy_out_over_in", 4, |()| outcome.whole(Outcome::energy_out_over_in))
+        .head("energy out/in, channel")
+        .number("peer_energy_out_over_in", 4, |()| outcome.whole(Outcome::peer_energy_out_over_in).flatten())
+        .head("energy out/in, peer");
     for (at, energy) in outcome.energy.iter().enumerate() {
         let peer = at + 1;
         columns = columns
             .number(format!("energy.{at}.received_j"), 4, |()| energy.received_j)
             .head(&format!("energy from the network, peer {peer}"))
             .number(format!("energy.{at}.sent_j"), 4, |()| energy.sent_j)
-            .head(&format!("energy to the network, peer {peer}"));
+            .head(&format!("energy to the network, peer {peer}"))
+            .number(format!("energy.{at}.to_object_j"), 4, |()| energy.to_object_j)
+            .data_only()
+            .number(format!("energy.{at}.from_object_j"), 4, |()| energy.from_object_j)
+            .data_only()
+            .number(format!("energy.{at}.stored_j"), 6, |()| energy.stored_j)
+            .data_only();
     }
     for (at, impacts) in outcome.impacts.iter().flatten().enumerate() {
         let peer = at + 1;

@@ -197,7 +197,7 @@ fn cells(laws: Laws, comms: &[Named], networks: &[Named], periods: u32) -> Resul
         let scene = scene(laws, settings, network)?;
         let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
         let own_s = scene.peer.timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets);
-        let swing = if periods > 0 && outcome.bounded { Some(felt(&scene, periods)?) } else { None };
+        let swing = if periods > 0 && outcome.is_stable() { Some(felt(&scene, periods)?) } else { None };
         let swing = swing.map(|swing| Felt { delay_s: swing.delay_s - own_s, ..swing });
         Ok(Cell { comm: (*comm).to_owned(), network: (*name).to_owned(), outcome, swing })
     };
@@ -224,16 +224,22 @@ pub fn columns(cells: &[Cell]) -> Columns {
         .data_only()
         .value("impairment", |cell| cell.network.as_str())
         .head("network")
-        .value("stable", |cell| cell.outcome.bounded)
-        .number("energy_out_over_in", 4, |cell| cell.outcome.energy_out_over_in())
+        .value("stable", |cell| cell.outcome.is_stable())
+        .data_only()
+        .value("verdict", |cell| cell.outcome.verdict().name())
+        .number("energy_out_over_in", 4, |cell| cell.outcome.whole(Outcome::energy_out_over_in))
         .head("energy out/in")
-        .number("peak_force_n", 2, |cell| cell.outcome.peak_coordination_force_n)
+        .number("peer_energy_out_over_in", 4, |cell| cell.outcome.whole(Outcome::peer_energy_out_over_in).flatten())
+        .head("peer")
+        .number("peak_force_n", 2, |cell| cell.outcome.whole(|o| o.peak_coordination_force_n))
         .head("peak")
-        .number("largest_jump_n", 3, |cell| cell.outcome.largest_jump_n)
+        .number("largest_jump_n", 3, |cell| cell.outcome.whole(|o| o.largest_jump_n))
         .head("jump")
-        .number("true_discrepancy_mm", 2, |cell| cell.outcome.true_discrepancy_mm)
+        .number("true_discrepancy_mm", 2, |cell| cell.outcome.whole(|o| o.true_discrepancy_mm))
         .head("true")
         .value("fault", |cell| cell.outcome.fault.map(|(peer, fault)| format!("peer {peer}: {fault:?}")))
+        .value("reason", |cell| cell.outcome.reason.map(|reason| reason.to_string()))
+        .data_only()
         .done()
 }
 
@@ -243,11 +249,15 @@ pub fn cost_columns(costs: &[Cell]) -> Columns {
         .value("network", |cost| cost.network.as_str())
         .value("choice", |cost| cost.comm.as_str())
         .head("comm")
-        .value("stable", |cost| cost.outcome.bounded)
-        .number("energy_out_over_in", 4, |cost| cost.outcome.energy_out_over_in())
+        .value("stable", |cost| cost.outcome.is_stable())
+        .data_only()
+        .value("verdict", |cost| cost.outcome.verdict().name())
+        .number("energy_out_over_in", 4, |cost| cost.outcome.whole(Outcome::energy_out_over_in))
         .head("energy out/in")
+        .number("peer_energy_out_over_in", 4, |cost| cost.outcome.whole(Outcome::peer_energy_out_over_in).flatten())
+        .head("peer")
         .number("added_delay_ms", 1, |cost| cost.swing.map(|swing| 1e3 * swing.delay_s))
-        .number("true_discrepancy_mm", 2, |cost| cost.outcome.true_discrepancy_mm)
+        .number("true_discrepancy_mm", 2, |cost| cost.outcome.whole(|o| o.true_discrepancy_mm))
         .head("true")
         .number("apparent_mass_kg", 3, |cost| cost.swing.map(|swing| swing.mass_kg))
         .head("mass")

@@ -172,8 +172,10 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
             categories: runs.iter().map(|one| title(one)).collect(),
             series: vec![
                 bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
-                bars("decoded |x_o - x_d|", 1, &|one| one.outcome.decoded_discrepancy_mm),
-                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.true_discrepancy_mm),
+                bars("decoded |x_o - x_d|", 1, &|one| {
+                    one.outcome.merit(|o| o.decoded_discrepancy_mm).unwrap_or(f64::NAN)
+                }),
+                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.whole(|o| o.true_discrepancy_mm).unwrap_or(f64::NAN)),
             ],
             ..Panel::default()
         }],

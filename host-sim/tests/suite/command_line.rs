@@ -119,7 +119,13 @@ fn an_unstable_scene_is_a_result_with_advice() {
         "--set",
         "user.2.push_n=1",
     ]);
-    assert_eq!(report["stable"], false);
+    assert_eq!((&report["stable"], &report["verdict"]), (&false.into(), &"NO".into()));
+    assert!(report["reason"].as_str().is_some_and(|reason| reason.contains(" stopped at ")), "{report}");
+    for merit in
+        ["true_discrepancy_mm", "decoded_discrepancy_mm", "peak_coordination_force_n", "apparent_object_mass_kg"]
+    {
+        assert!(report[merit].is_null(), "{merit} in {report}");
+    }
     assert!(report["spectral_radius"].as_f64().is_some_and(|radius| radius > 1.0));
     let warning = report["warnings"][0].as_str().expect("a warning");
     assert!(warning.contains("coordination.stiffness_n_per_m"), "{warning}");

@@ -1,5 +1,6 @@
 //! What passivity costs, against closed forms: how late a sample is, and that a late line is heavy.
 
+use haptic_sim::run::Verdict;
 use host_sim::studies::campaign::{CHOICES, Cell, costs};
 
 const PACKET_MS: f64 = 8.0;
@@ -24,10 +25,15 @@ fn every_cost_is_what_its_mechanism_must_cost() {
     // Closed forms are known for the choices that are named there, not for a law that is only in core's list.
     costs.retain(|cost| CHOICES.iter().any(|(name, _)| *name == cost.comm));
     assert_eq!(costs.len(), 2 * CHOICES.len());
+    // The ledger does not pay for what a plain wave line makes: the copies come apart, and what the hands would feel is no figure.
+    let (apart, costs): (Vec<Cell>, Vec<Cell>) = costs.into_iter().partition(|cost| !cost.outcome.is_stable());
+    let names: Vec<_> = apart.iter().map(|cost| (cost.comm.as_str(), cost.network.as_str())).collect();
+    assert_eq!(names, [("wave + ledger", "no loss")]);
+    assert!(apart.iter().all(|cost| cost.outcome.verdict() == Verdict::Apart && cost.swing.is_none()));
+
     let find = |choice: &str, network: &str| -> &Cell {
         costs.iter().find(|cost| cost.comm == choice && cost.network == network).expect("the row")
     };
-    assert!(costs.iter().all(|cost| cost.outcome.bounded), "{costs:?}");
 
     // Held for M ticks: (M − 1)/2 late on average. The mean of M samples: as much again. A wave leaves the tick after.
     let hold = (PACKET_MS - TICK_MS) / 2.0;
@@ -42,7 +48,7 @@ fn every_cost_is_what_its_mechanism_must_cost() {
 
     // A sample that is lost leaves the one before: p/(1 − p) packet periods older on average.
     let older = 0.2 / 0.8 * PACKET_MS;
-    for cost in costs.iter().filter(|cost| cost.network == "20 % lost") {
+    for cost in costs.iter().filter(|cost| cost.network == "20 % lost" && cost.comm != "wave + ledger") {
         let good = added_ms(find(&cost.comm, "no loss")).expect("stable");
         close(added_ms(cost), good + older, 0.4, &cost.comm);
     }

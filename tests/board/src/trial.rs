@@ -6,13 +6,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use firmware_parts::record::{RECEIVED, Record, SENT};
-use haptic_core::peer::Observed;
-use haptic_core::safety::Mode;
-use haptic_sim::measure::{LastHalf, Statistics};
+use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
 use haptic_sim::network::rule::{Direction, of_scene};
-use haptic_sim::report::Columns;
-use haptic_sim::run::{Options, Outcome, PortEnergy};
+use haptic_sim::run::{Account, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
@@ -130,7 +126,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     let both = [&*records[0], &*records[1]];
     let settings = scene.peers();
     Ok(Trial {
-        boards: outcome(both, &host_sim),
+        boards: outcome(both, &scene, &host_sim),
         ticks_missed: late + records.iter().map(|records| gaps(records)).sum::<u64>(),
         packets_sent: flagged(SENT),
         packets_received: flagged(RECEIVED),
@@ -147,66 +143,18 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     })
 }
 
-/// The columns that host-sim records for a peer, in its order.
-fn columns(record: &Record) -> [f64; 8] {
-    let [received, sent] = record.energy_j();
-    let Observed { device, object, desired, contact_force, coordination_force } = record.observed();
-    let [x, o, d] = [device, object, desired].map(|motion| motion.position);
-    [x, o, d, object.velocity, contact_force, coordination_force, received, sent].map(f64::from)
-}
-
-/// Figures of merit as host-sim forms them (host-sim/sim/src/run.rs), from what the boards recorded. Names of the
-/// columns are those of `like`.
-fn outcome([first, second]: [&[Record]; 2], like: &Outcome) -> Outcome {
-    let ticks = first.len().min(second.len());
-    let pairs = || first.iter().zip(second);
-    let discrepancies = |one: &Record, two: &Record| {
-        let [seen_1, seen_2] = [one.observed(), two.observed()];
-        let [x1, x2] = [seen_1, seen_2].map(|seen| f64::from(seen.object.position));
-        [(x1 - x2).abs(), (x2 - f64::from(seen_2.desired.position)).abs()]
-    };
-    let forces = |record: &Record| {
-        let Observed { contact_force, coordination_force, .. } = record.observed();
-        [contact_force, coordination_force].map(f64::from)
-    };
-    let mut halves = LastHalf::new(ticks as u64);
-    for (tick, (one, two)) in (0..).zip(pairs()) {
-        let ([true_m, decoded_m], [[contact_1, _], [contact_2, force]]) =
-            (discrepancies(one, two), [one, two].map(forces));
-        halves.see(tick, [true_m, decoded_m, force, force * force, 0.5 * (contact_1.abs() + contact_2.abs())]);
+/// What host-sim forms of a run of its own (host-sim/sim/src/run), of what the boards recorded.
+fn outcome(both: [&[Record]; 2], scene: &Scene, like: &Outcome) -> Outcome {
+    let ticks = both.map(<[Record]>::len).into_iter().min().unwrap_or(0);
+    let mut account = Account::new(scene, ticks as u64, Options::recorded(like.ticks as f64 * 1e-3, 1e-3));
+    for tick in 0..ticks {
+        for (at, records) in both.iter().enumerate() {
+            let record = &records[tick];
+            let engaged = record.flags() & ENGAGED != 0;
+            account.ticked(at, Ticked::new(&record.observed(), record.energy_j(), record.mode(), engaged));
+        }
+        account.period();
     }
-    let [true_m, decoded_m, force, force_squared, contact_force_n] = halves.means();
-    let fault = pairs().enumerate().find_map(|(tick, (one, two))| {
-        (1..).zip([one, two]).find_map(|(peer, record)| match record.mode() {
-            Mode::Faulted(fault) => Some((tick, peer, fault)),
-            _ => None,
-        })
-    });
-    let every = (ticks / like.table.len().max(1)).max(1);
-    let mut table = Columns::named(like.table.data().map(|column| column.name()));
-    for (tick, (one, two)) in pairs().enumerate().step_by(every) {
-        let peers = [one, two].into_iter().flat_map(columns);
-        let row: Vec<f64> = std::iter::once(tick as f64 * 1e-3).chain(peers).chain(discrepancies(one, two)).collect();
-        table.push_row(&row);
-    }
-    Outcome {
-        bounded: fault.is_none(),
-        fault: fault.map(|(_, peer, fault)| (peer, fault)),
-        fault_time_s: fault.map(|(tick, ..)| tick as f64 * 1e-3),
-        true_discrepancy_mm: 1e3 * true_m,
-        decoded_discrepancy_mm: 1e3 * decoded_m,
-        coordination_force_n: Statistics::of_moments(force, force_squared),
-        contact_force_n,
-        peak_coordination_force_n: pairs()
-            .flat_map(|(one, two)| [forces(one)[1], forces(two)[1]])
-            .fold(0.0, |peak, force| force.abs().max(peak)),
-        energy: [first, second].map(|records| {
-            let [received, sent] = records.last().map_or([0.0; 2], Record::energy_j);
-            PortEnergy { received_j: received.into(), sent_j: sent.into() }
-        }),
-        ticks: ticks as u64,
-        table,
-        // What is not formed here is not shown either; the boards' states are compared tick by tick: see twin.
-        ..like.clone()
-    }
+    // Impacts are not recorded; the boards' states are compared tick by tick: see twin.
+    Outcome { impacts: like.impacts, hash: like.hash, ..account.outcome() }
 }

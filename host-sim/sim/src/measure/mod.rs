@@ -2,6 +2,8 @@
 //! scene, its mass and its drag.
 
 pub mod apparent_mass;
+pub mod growth;
+pub mod port;
 pub mod swing;
 
 use serde::Serialize;
@@ -44,8 +46,8 @@ impl<const N: usize> LastHalf<N> {
         }
     }
 
-    /// The means; 0 of nothing.
+    /// The means; no number of nothing.
     pub fn means(&self) -> [f64; N] {
-        self.sums.map(|sum| sum / self.count.max(1) as f64)
+        self.sums.map(|sum| sum / self.count as f64)
     }
 }

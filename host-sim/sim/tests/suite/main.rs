@@ -6,5 +6,6 @@ mod engine;
 mod link;
 mod measure;
 mod oracle;
+mod outcome;
 mod recording;
 mod report;

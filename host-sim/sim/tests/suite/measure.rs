@@ -48,7 +48,7 @@ fn a_late_force_is_two_shorter_steps() {
 #[test]
 fn only_the_last_half_counts() {
     let mut halves = LastHalf::new(4);
-    assert_eq!(halves.means(), [0.0, 0.0]);
+    assert!(halves.means().iter().all(|mean| mean.is_nan()));
     (0..4).for_each(|tick| halves.see(tick, [tick as f64, (tick * tick) as f64]));
     let [mean, mean_square] = halves.means();
     assert_eq!(Statistics::of_moments(mean, mean_square), Statistics { mean: 2.5, sd: 0.5 });

@@ -29,10 +29,11 @@ impl Tune {
         let trial = trial.map(|outcome| {
             json!({
                 "scalar": f32::NAME, "duration_s": TRIAL_S, "bounded": outcome.bounded,
+                "reason": outcome.reason.map(|reason| reason.to_string()),
                 "fault": outcome.fault.map(|(peer, fault)| format!("peer {peer}: {}", fault.explain())),
-                "true_discrepancy_mm": outcome.true_discrepancy_mm,
-                "decoded_discrepancy_mm": outcome.decoded_discrepancy_mm,
-                "peak_coordination_force_n": outcome.peak_coordination_force_n,
+                "true_discrepancy_mm": outcome.whole(|o| o.true_discrepancy_mm),
+                "decoded_discrepancy_mm": outcome.merit(|o| o.decoded_discrepancy_mm),
+                "peak_coordination_force_n": outcome.whole(|o| o.peak_coordination_force_n),
             })
         });
         // What to add to the command line.

@@ -9,7 +9,8 @@ use serde::Serialize;
 use super::client::Client;
 use super::world::{World, WorldError};
 use super::{Engine, Setup};
-use haptic_sim::{measure::LastHalf, report::Columns, run::Forces};
+use haptic_sim::measure::{LastHalf, growth::Forces};
+use haptic_sim::report::Columns;
 
 /// What a run gave.
 #[derive(Clone, Debug, Serialize)]

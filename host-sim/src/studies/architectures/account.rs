@@ -4,7 +4,7 @@ use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
 
 use super::{Architecture, Row, TASK};
 use haptic_analysis::ROUNDING;
-use haptic_sim::run::Forces;
+use haptic_sim::measure::growth::Forces;
 
 /// Bytes of a sealed event of this length and of its acknowledgement.
 pub(super) fn event_bytes(event: &Event) -> usize {
@@ -62,11 +62,18 @@ impl Account {
         let duration_s = TASK.duration_s;
         let rests = self.views.last().copied().unwrap_or_default();
         let moving = |view: &[f64; 2]| view.iter().zip(rests).any(|(at, rest)| (at - rest).abs() > 2e-3);
+        let reasons = [
+            (!end.done, "somebody stopped, or a turn was not taken"),
+            (self.forces.grew(), "the forces felt grew until the end"),
+            (end.spectral_radius > 1.0 + ROUNDING, "an eigenvalue lies outside the unit circle"),
+        ];
+        let reason = reasons.into_iter().find_map(|(failed, reason)| failed.then_some(reason));
         let placed = self.views.iter().rposition(moving).map_or(0, |at| at + 1);
         Row {
             architecture,
             delay_ms,
-            stable: end.done && !self.forces.grew() && end.spectral_radius <= 1.0 + ROUNDING,
+            stable: reason.is_none(),
+            reason,
             spectral_radius: end.spectral_radius,
             contact_n_per_m: end.contact_n_per_m,
             true_discrepancy_mm: 1e3 * self.discrepancy / count,

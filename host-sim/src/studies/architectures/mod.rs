@@ -111,6 +111,8 @@ pub struct Row {
     pub delay_ms: f64,
     /// Nobody stopped, nothing grew, no eigenvalue lies outside the unit circle, every turn was taken.
     pub stable: bool,
+    /// The first of these that failed.
+    pub reason: Option<&'static str>,
     /// Largest |eigenvalue| of one packet period, with the gains at the end of the run; where turns are taken, of one hand at
     /// the body.
     pub spectral_radius: f64,
@@ -180,22 +182,30 @@ pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
         .collect()
 }
 
+impl Row {
+    /// A figure of merit; none of what is not stable.
+    fn merit(&self, of: impl Fn(&Self) -> f64) -> Option<f64> {
+        self.stable.then(|| of(self))
+    }
+}
+
 /// All of it, a row for each architecture at each delay.
 pub fn columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
         .value("architecture", |row| row.architecture.key())
         .value("delay_ms", |row| row.delay_ms)
         .value("stable", |row| row.stable)
+        .value("reason", |row| row.reason)
         .value("spectral_radius", |row| row.spectral_radius)
         .value("contact_n_per_m.0", |row| row.contact_n_per_m[0])
         .value("contact_n_per_m.1", |row| row.contact_n_per_m[1])
-        .value("true_discrepancy_mm", |row| row.true_discrepancy_mm)
-        .value("peak_discrepancy_mm", |row| row.peak_discrepancy_mm)
-        .value("felt_n", |row| row.felt_n)
-        .value("peak_n", |row| row.peak_n)
-        .value("rests_mm.0", |row| row.rests_mm[0])
-        .value("rests_mm.1", |row| row.rests_mm[1])
-        .value("placed_s", |row| row.placed_s)
+        .value("true_discrepancy_mm", |row| row.merit(|row| row.true_discrepancy_mm))
+        .value("peak_discrepancy_mm", |row| row.merit(|row| row.peak_discrepancy_mm))
+        .value("felt_n", |row| row.merit(|row| row.felt_n))
+        .value("peak_n", |row| row.merit(|row| row.peak_n))
+        .value("rests_mm.0", |row| row.merit(|row| row.rests_mm[0]))
+        .value("rests_mm.1", |row| row.merit(|row| row.rests_mm[1]))
+        .value("placed_s", |row| row.merit(|row| row.placed_s))
         .value("user_bytes_per_s", |row| row.user_bytes_per_s)
         .value("server_bytes_per_s", |row| row.server_bytes_per_s)
         .done()

@@ -92,15 +92,21 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
     let Trial { boards, host_sim, .. } = trial;
     json!({
         "scene": name,
-        "decoded_discrepancy_mm": boards.decoded_discrepancy_mm,
-        "true_discrepancy_mm": boards.true_discrepancy_mm,
-        "coordination_force_n": boards.coordination_force_n,
-        "peak_coordination_force_n": boards.peak_coordination_force_n,
+        "stable": boards.is_stable(),
+        "verdict": boards.verdict().name(),
+        "reason": boards.reason.map(|reason| reason.to_string()),
+        "decoded_discrepancy_mm": boards.merit(|o| o.decoded_discrepancy_mm),
+        "true_discrepancy_mm": boards.whole(|o| o.true_discrepancy_mm),
+        "coordination_force_n": boards.merit(|o| o.coordination_force_n),
+        "peak_coordination_force_n": boards.whole(|o| o.peak_coordination_force_n),
+        "energy_out_over_in": boards.whole(Outcome::energy_out_over_in),
+        "peer_energy_out_over_in": boards.whole(Outcome::peer_energy_out_over_in).flatten(),
         "fault": fault(boards),
         "host_sim": {
-            "decoded_discrepancy_mm": host_sim.decoded_discrepancy_mm,
-            "true_discrepancy_mm": host_sim.true_discrepancy_mm,
-            "coordination_force_n": host_sim.coordination_force_n,
+            "reason": host_sim.reason.map(|reason| reason.to_string()),
+            "decoded_discrepancy_mm": host_sim.merit(|o| o.decoded_discrepancy_mm),
+            "true_discrepancy_mm": host_sim.whole(|o| o.true_discrepancy_mm),
+            "coordination_force_n": host_sim.merit(|o| o.coordination_force_n),
             "fault": fault(host_sim),
         },
         "ticks": boards.ticks,
@@ -121,15 +127,17 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
 fn print(name: &str, trial: &Trial) {
     let outcomes = [&trial.boards, &trial.host_sim];
     let of_both = Columns::of(&outcomes)
-        .number("true_discrepancy_mm", 4, |o| o.true_discrepancy_mm)
+        .value("stable", |o| o.is_stable())
+        .value("reason", |o| o.reason.map(|reason| reason.to_string()))
+        .number("true_discrepancy_mm", 4, |o| o.whole(|o| o.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
-        .number("decoded_discrepancy_mm", 4, |o| o.decoded_discrepancy_mm)
+        .number("decoded_discrepancy_mm", 4, |o| o.merit(|o| o.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("mean_n", 4, |o| o.coordination_force_n.mean)
+        .number("mean_n", 4, |o| o.merit(|o| o.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .number("sd_n", 4, |o| o.coordination_force_n.sd)
+        .number("sd_n", 4, |o| o.merit(|o| o.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .number("peak_coordination_force_n", 4, |o| o.peak_coordination_force_n)
+        .number("peak_coordination_force_n", 4, |o| o.whole(|o| o.peak_coordination_force_n))
         .value("fault", |o| fault(o).unwrap_or_else(|| "none".to_owned()));
     let of_both = [1, 2].into_iter().fold(of_both, |table, peer| {
         table

@@ -1,0 +1,80 @@
+//! Whether something grows over a run, told from the largest value in each eighth of it.
+
+/// The largest value in each eighth of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    window: u64,
+    largest: [f64; 8],
+}
+
+impl Growth {
+    /// For a run of `ticks` ticks.
+    pub fn new(ticks: u64) -> Self {
+        Self { window: ticks.div_ceil(8).max(1), largest: [0.0; 8] }
+    }
+
+    /// Takes in a value of a tick, 0 or more; what is no finite number counts as infinite.
+    pub fn see(&mut self, tick: u64, value: f64) {
+        let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
+        *largest = if value.is_finite() { largest.max(value) } else { f64::INFINITY };
+    }
+
+    /// The largest there was.
+    pub fn largest(&self) -> f64 {
+        self.largest.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Whether it grows without bound: in each of the last four eighths it is larger than in the one before, fourfold in all; or
+    /// it was infinite.
+    pub fn grew(&self) -> bool {
+        let tail = &self.largest[3..];
+        tail.windows(2).all(|pair| pair[1] > 1.05 * pair[0]) && tail[4] > 4.0 * tail[0] || self.largest().is_infinite()
+    }
+}
+
+/// What forces do over a run: how large they get, by how much they change from tick to tick, and whether that grows.
+#[derive(Clone, Debug)]
+pub struct Forces {
+    last: Vec<f64>,
+    peak: f64,
+    changes: Growth,
+}
+
+impl Forces {
+    /// For a run of `ticks` ticks, from no force on.
+    pub fn new(ticks: u64) -> Self {
+        Self { last: Vec::new(), peak: 0.0, changes: Growth::new(ticks) }
+    }
+
+    /// Takes in the forces of a tick, always as many.
+    pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = f64>) {
+        for (at, force) in forces.into_iter().enumerate() {
+            if at == self.last.len() {
+                self.last.push(0.0);
+            }
+            self.changes.see(tick, (force - self.last[at]).abs());
+            self.peak = self.peak.max(force.abs());
+            self.last[at] = force;
+        }
+    }
+
+    /// Those of the last tick.
+    pub fn last(&self) -> &[f64] {
+        &self.last
+    }
+
+    /// The largest there was.
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// The largest change of any from one tick to the next.
+    pub fn largest_change(&self) -> f64 {
+        self.changes.largest()
+    }
+
+    /// Whether an oscillation grows: the changes do ([`Growth::grew`]).
+    pub fn grew(&self) -> bool {
+        self.changes.grew()
+    }
+}

@@ -1,0 +1,173 @@
+//! Account of a run: what its [`Outcome`] is formed of, tick by tick, the same for simulated peers and for boards.
+
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::peer::Observed;
+use haptic_core::safety::{Fault, Mode};
+
+use super::{APART_MM, COMMON_COLUMNS, Options, Outcome, PEER_COLUMNS, Reason};
+use crate::measure::growth::{Forces, Growth};
+use crate::measure::port::ObjectPort;
+use crate::measure::{LastHalf, Statistics};
+use crate::{peers::DynPeer, report::Columns, scene::Scene};
+
+/// A peer after a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ticked {
+    observed: Observed<f64>,
+    received_j: f64,
+    sent_j: f64,
+    fault: Option<Fault>,
+    engaged: bool,
+}
+
+impl Ticked {
+    /// What a tick saw and did, the energy from and to the network so far (J), the mode, and whether the coordination acts.
+    pub fn new<S: Scalar>(observed: &Observed<S>, [received_j, sent_j]: [S; 2], mode: Mode, engaged: bool) -> Self {
+        let motion = |of: Motion<S>| Motion { position: of.position.to_f64(), velocity: of.velocity.to_f64() };
+        Self {
+            observed: Observed {
+                device: motion(observed.device),
+                object: motion(observed.object),
+                desired: motion(observed.desired),
+                contact_force: observed.contact_force.to_f64(),
+                coordination_force: observed.coordination_force.to_f64(),
+            },
+            received_j: received_j.to_f64(),
+            sent_j: sent_j.to_f64(),
+            fault: if let Mode::Faulted(fault) = mode { Some(fault) } else { None },
+            engaged,
+        }
+    }
+
+    /// Of a simulated peer.
+    pub fn of<S: Scalar>(peer: &dyn DynPeer<S>) -> Self {
+        let ledger = peer.ledger();
+        Self::new(peer.observed(), [ledger.received_j(), ledger.sent_j()], peer.mode(), peer.is_engaged())
+    }
+}
+
+/// What is seen of a run.
+#[derive(Clone, Debug)]
+pub struct Account {
+    period_s: f64,
+    mass_kg: f64,
+    record_every: u64,
+    tick: u64,
+    latest: [Ticked; 2],
+    ports: [ObjectPort; 2],
+    halves: LastHalf<5>,
+    forces: Forces,
+    /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
+    energy: Growth,
+    stopped: Option<(usize, Fault, f64)>,
+    true_m: f64,
+    table: Columns,
+}
+
+impl Account {
+    /// Of a run of so many ticks.
+    pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
+        let period_s = scene.peer.timing.control_period_s;
+        let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
+        let names = [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()];
+        Self {
+            period_s,
+            mass_kg: scene.peer.object.mass_kg,
+            record_every: options.record_every,
+            tick: 0,
+            latest: Default::default(),
+            ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); 2],
+            halves: LastHalf::new(ticks),
+            forces: Forces::new(ticks),
+            energy: Growth::new(ticks),
+            stopped: None,
+            true_m: 0.0,
+            table: Columns::named(names.concat()),
+        }
+    }
+
+    /// A tick of peer `at`, 0 or 1.
+    #[inline]
+    pub fn ticked(&mut self, at: usize, ticked: Ticked) {
+        self.latest[at] = ticked;
+        self.ports[at].see(ticked.observed);
+    }
+
+    /// A control period is over. After a fault nothing is averaged: what stands still would look good.
+    pub fn period(&mut self) {
+        let [first, second] = self.latest.map(|ticked| ticked.observed);
+        let time_s = self.tick as f64 * self.period_s;
+        self.true_m = (first.object.position - second.object.position).abs();
+        let decoded_m = (second.object.position - second.desired.position).abs();
+        let forces = [first, second].map(|seen| seen.coordination_force);
+        self.forces.see(self.tick, forces);
+        let speeds = [first, second].map(|seen| seen.object.velocity);
+        let energy_j = 0.5 * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
+        self.energy.see(self.tick, energy_j.sqrt());
+        let fault = (1..).zip(self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
+        self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, time_s)));
+        if self.stopped.is_none() {
+            let contact = 0.5 * (first.contact_force.abs() + second.contact_force.abs());
+            self.halves.see(self.tick, [self.true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
+        }
+        if self.record_every > 0 && self.tick.is_multiple_of(self.record_every) {
+            let peers = self.latest.iter().zip(&self.ports).flat_map(|(ticked, port)| {
+                let (seen, energy) = (ticked.observed, port.with_network(ticked.received_j, ticked.sent_j));
+                [
+                    seen.device.position,
+                    seen.object.position,
+                    seen.desired.position,
+                    seen.object.velocity,
+                    seen.contact_force,
+                    seen.coordination_force,
+                    energy.received_j,
+                    energy.sent_j,
+                    energy.to_object_j,
+                    energy.from_object_j,
+                ]
+            });
+            let row: Vec<f64> = core::iter::once(time_s).chain(peers).chain([self.true_m, decoded_m]).collect();
+            self.table.push_row(&row);
+        }
+        self.tick += 1;
+    }
+
+    /// What it gave: no impacts and no hash, which are not seen here.
+    pub fn outcome(self) -> Outcome {
+        let [true_m, decoded_m, force, force_squared, contact] = self.halves.means();
+        let apart_mm = 1e3 * true_m.max(self.true_m);
+        let let_go = self.latest.iter().position(|ticked| !ticked.engaged);
+        let reason = if let Some((peer, fault, time_s)) = self.stopped {
+            Some(Reason::Stopped { peer, fault, time_s })
+        } else if self.forces.grew() {
+            Some(Reason::ForceGrew)
+        } else if self.energy.grew() {
+            Some(Reason::EnergyGrew)
+        } else if let Some(at) = let_go {
+            Some(Reason::LetGo { peer: at + 1 })
+        } else {
+            (apart_mm > APART_MM).then_some(Reason::Apart { true_discrepancy_mm: apart_mm })
+        };
+        let [first, second] = [0, 1].map(|at| {
+            let ticked = self.latest[at];
+            self.ports[at].with_network(ticked.received_j, ticked.sent_j)
+        });
+        Outcome {
+            bounded: !matches!(reason, Some(Reason::Stopped { .. } | Reason::ForceGrew | Reason::EnergyGrew)),
+            reason,
+            fault: self.stopped.map(|(peer, fault, _)| (peer, fault)),
+            fault_time_s: self.stopped.map(|(.., time_s)| time_s),
+            true_discrepancy_mm: 1e3 * true_m,
+            decoded_discrepancy_mm: 1e3 * decoded_m,
+            coordination_force_n: Statistics::of_moments(force, force_squared),
+            contact_force_n: contact,
+            peak_coordination_force_n: self.forces.peak(),
+            largest_jump_n: self.forces.largest_change(),
+            energy: [first, second],
+            impacts: None,
+            ticks: self.tick,
+            hash: 0,
+            table: self.table,
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Why a run is not stable, in a sentence, and the verdict that follows.
+
+use std::fmt;
+
+use haptic_core::safety::Fault;
+use haptic_plot::significant;
+
+/// Copies further apart than this hold no object together, mm.
+pub const APART_MM: f64 = 10.0;
+
+/// What failed in a run: the first of these, in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// A peer stopped with a fault: the first that did.
+    Stopped {
+        /// 1 or 2.
+        peer: usize,
+        /// Why.
+        fault: Fault,
+        /// When, s.
+        time_s: f64,
+    },
+    /// The changes of a coordination force grew until the end.
+    ForceGrew,
+    /// The kinetic energy of the copies grew until the end.
+    EnergyGrew,
+    /// At the end a peer had let go of the other one, which was silent.
+    LetGo {
+        /// 1 or 2.
+        peer: usize,
+    },
+    /// The scene is linear, and an eigenvalue of it lies outside the unit circle, however little of it the run shows.
+    Unstable {
+        /// Largest |eigenvalue| of a packet period.
+        spectral_radius: f64,
+    },
+    /// The copies were further apart than [`APART_MM`], on average over the last half or in the end.
+    Apart {
+        /// The larger of both, mm.
+        true_discrepancy_mm: f64,
+    },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped { peer, fault, time_s } => {
+                write!(f, "peer {peer} stopped at {time_s:.3} s: {fault:?}: {}", fault.explain())
+            }
+            Self::ForceGrew => f.write_str("the coordination force oscillated and grew until the end"),
+            Self::EnergyGrew => f.write_str("the energy of the copies grew until the end"),
+            Self::LetGo { peer } => write!(f, "peer {peer} had let go of the other one in the end"),
+            Self::Unstable { spectral_radius } => {
+                write!(f, "the scene is unstable: spectral radius {spectral_radius:.6}")
+            }
+            Self::Apart { true_discrepancy_mm } if *true_discrepancy_mm >= 1e3 => {
+                write!(f, "the copies are {} m apart", significant(1e-3 * true_discrepancy_mm, 3))
+            }
+            Self::Apart { true_discrepancy_mm } => {
+                write!(f, "the copies are {} mm apart", significant(*true_discrepancy_mm, 3))
+            }
+        }
+    }
+}
+
+/// What is to be said of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing failed.
+    Stable,
+    /// Nothing failed but that the copies came apart: [`Reason::Apart`].
+    Apart,
+    /// Anything else failed.
+    Unstable,
+}
+
+impl Verdict {
+    /// As tables say it: `stable`, `apart`, or `NO`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Apart => "apart",
+            Self::Unstable => "NO",
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! When a run is stable, what is told of one that is not, and the energy at a peer's ports, against closed forms.
+
+use haptic_core::num::Motion;
+use haptic_core::peer::Observed;
+use haptic_core::safety::{Fault, Mode};
+use haptic_sim::run::{APART_MM, Account, Options, Outcome, Reason, Ticked, Verdict, run};
+use haptic_sim::{Laws, Scene};
+
+const TICKS: u64 = 8000;
+const OPTIONS: Options = Options { duration_s: 8.0, record_every: 0 };
+
+fn scene(overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scene::load(Laws::built_in(), None, &overrides).expect("a good scene")
+}
+
+/// A peer whose copy is at `position`, moves at `velocity` and feels `force`, armed and engaged.
+fn at(position: f64, velocity: f64, force: f64) -> Observed<f64> {
+    let object = Motion { position, velocity };
+    Observed { object, desired: object, coordination_force: force, ..Observed::default() }
+}
+
+fn told(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
+    Ticked::new(&observed, [0.0; 2], mode, engaged)
+}
+
+/// What comes of a run whose peer 1 does nothing and whose peer 2 is as said at each time, s.
+fn outcome(second: impl Fn(f64) -> Ticked) -> Outcome {
+    let mut account = Account::new(&scene(&[]), TICKS, OPTIONS);
+    for tick in 0..TICKS {
+        account.ticked(0, told(at(0.0, 0.0, 0.0), Mode::Armed, true));
+        account.ticked(1, second(1e-3 * tick as f64));
+        account.period();
+    }
+    account.outcome()
+}
+
+fn armed(observed: Observed<f64>) -> Ticked {
+    told(observed, Mode::Armed, true)
+}
+
+#[track_caller]
+fn close(got: f64, want: f64, within: f64) {
+    assert!((got - want).abs() <= within, "{got} is not {want}");
+}
+
+#[test]
+fn every_figure_of_a_stable_run_is_told() {
+    let outcome = outcome(|time| armed(at(1e-3, 0.01 * time.sin(), 2.0)));
+    assert_eq!((outcome.reason, outcome.verdict(), outcome.is_stable()), (None, Verdict::Stable, true));
+    close(outcome.merit(|o| o.true_discrepancy_mm).expect("a figure"), 1.0, 1e-12);
+    close(outcome.merit(|o| o.coordination_force_n.mean).expect("a figure"), 2.0, 1e-12);
+}
+
+/// The copies stand 5 mm apart until the fault and together after it: a mean over that would be small.
+#[test]
+fn a_fault_takes_every_figure_and_names_itself() {
+    let outcome = outcome(|time| match time < 6.0 {
+        true => armed(at(5e-3, 0.0, 1.0)),
+        false => told(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::ForceSaturated), false),
+    });
+    let reason = outcome.reason.expect("a reason");
+    let wanted = format!("peer 2 stopped at 6.000 s: ForceSaturated: {}", Fault::ForceSaturated.explain());
+    assert_eq!(reason.to_string(), wanted);
+    assert_eq!((outcome.verdict(), outcome.verdict().name(), outcome.bounded), (Verdict::Unstable, "NO", false));
+    assert_eq!(outcome.merit(|o| o.true_discrepancy_mm), None);
+    assert_eq!(outcome.whole(|o| o.true_discrepancy_mm), None);
+    // What is behind it was averaged until the fault.
+    close(outcome.true_discrepancy_mm, 5.0, 1e-12);
+}
+
+#[test]
+fn the_peer_that_stopped_first_is_named() {
+    let mut account = Account::new(&scene(&[]), TICKS, OPTIONS);
+    for tick in 0..TICKS {
+        let since = |first, fault| if tick < first { Mode::Armed } else { Mode::Faulted(fault) };
+        account.ticked(0, told(at(0.0, 0.0, 0.0), since(3000, Fault::PeerLost), tick < 3000));
+        account.ticked(1, told(at(0.0, 0.0, 0.0), since(2000, Fault::Overspeed), tick < 2000));
+        account.period();
+    }
+    let outcome = account.outcome();
+    assert_eq!(outcome.reason, Some(Reason::Stopped { peer: 2, fault: Fault::Overspeed, time_s: 2.0 }));
+}
+
+/// e^t grows e-fold in each eighth of 8 s; t at most threefold over the last four of them.
+#[test]
+fn what_grows_without_bound_is_no_run() {
+    let force = |time: f64| 1e-3 * time.exp() * (300.0 * time).sin();
+    let oscillating = outcome(|time| armed(at(0.0, 0.0, force(time))));
+    assert_eq!(oscillating.reason, Some(Reason::ForceGrew));
+    assert!(!oscillating.bounded && oscillating.merit(|o| o.contact_force_n).is_none());
+    let faster = outcome(|time| armed(at(0.0, 1e-3 * time.exp(), 0.0)));
+    assert_eq!(faster.reason, Some(Reason::EnergyGrew));
+    let pushed = outcome(|time| armed(at(0.0, 0.1 * time, 0.0)));
+    assert_eq!(pushed.reason, None);
+    let no_number = outcome(|time| armed(at(0.0, if time < 1.0 { 0.0 } else { f64::NAN }, 0.0)));
+    assert_eq!(no_number.reason, Some(Reason::EnergyGrew));
+}
+
+#[test]
+fn who_had_let_go_in_the_end_did_not_hold_an_object() {
+    let let_go = |from: f64, to: f64| {
+        outcome(move |time| told(at(0.0, 0.0, 0.0), Mode::Armed, time < from || time >= to)).reason
+    };
+    assert_eq!(let_go(7.0, 8.0), Some(Reason::LetGo { peer: 2 }));
+    assert_eq!(let_go(5.0, 7.0), None);
+}
+
+/// Of copies that came apart, how far is told, and nothing that would make them look good.
+#[test]
+fn copies_that_come_apart_are_no_object() {
+    let standing = |mm: f64| outcome(move |_| armed(at(1e-3 * mm, 0.0, 1.0)));
+    assert_eq!(standing(APART_MM - 0.01).verdict(), Verdict::Stable);
+    let apart = standing(2400.0);
+    assert_eq!((apart.verdict().name(), apart.is_stable(), apart.bounded), ("apart", false, true));
+    assert_eq!(apart.reason.expect("a reason").to_string(), "the copies are 2.40 m apart");
+    assert_eq!(standing(12.3).reason.expect("a reason").to_string(), "the copies are 12.3 mm apart");
+    close(apart.whole(|o| o.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
+    assert_eq!(apart.merit(|o| o.decoded_discrepancy_mm), None);
+    // Not yet on average, but in the end.
+    let leaving = outcome(|time| armed(at(1e-3 * (time - 5.0).max(0.0) * 6.0, 0.0, 1.0)));
+    assert!(leaving.true_discrepancy_mm < APART_MM);
+    assert_eq!(leaving.verdict(), Verdict::Apart);
+    // What the analyser knows counts for more, and a fault more than that.
+    let doubt = Some(Reason::Unstable { spectral_radius: 1.01 });
+    assert_eq!(leaving.doubted(doubt).reason, doubt);
+    let stopped = outcome(|_| told(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::Diverged), false));
+    assert!(matches!(stopped.doubted(doubt).reason, Some(Reason::Stopped { .. })));
+}
+
+/// A constant force on a copy that moves to and fro does F·v·t, either way; a spring holds ½·K·s².
+#[test]
+fn energy_at_the_object_is_force_times_way() {
+    let scene = scene(&["coordination.stiffness_n_per_m=1000"]);
+    let mut account = Account::new(&scene, TICKS, OPTIONS);
+    for tick in 0..TICKS {
+        let velocity = if tick < 6000 { 0.5 } else { -0.25 };
+        let mut seen = at(0.0, velocity, 2.0);
+        seen.desired.position = 3e-3;
+        account.ticked(0, Ticked::new(&seen, [1.0, 2.0], Mode::Armed, true));
+        account.ticked(1, armed(at(0.0, 0.0, 0.0)));
+        account.period();
+    }
+    let outcome = account.outcome();
+    let [energy, still] = outcome.energy;
+    // The tick in which it turns moves at the mean of both.
+    close(energy.to_object_j, 2.0 * (0.5 * 5.999 + 0.125e-3), 1e-9);
+    close(energy.from_object_j, 2.0 * 0.25 * 1.999, 1e-9);
+    close(energy.stored_j, 0.5 * 1000.0 * 9e-6, 1e-12);
+    assert_eq!((still.to_object_j, still.from_object_j, still.stored_j), (0.0, 0.0, 0.0));
+    let want = (2.0 + energy.to_object_j + energy.stored_j) / (1.0 + energy.from_object_j);
+    close(outcome.peer_energy_out_over_in().expect("continuous contact"), want, 1e-12);
+}
+
+/// Nothing escapes the books: what coordination and contact do to a copy without damping is its kinetic energy, to rounding, whoever
+/// integrates it.
+#[test]
+fn work_on_a_copy_is_its_kinetic_energy() {
+    for integrator in ["forward-euler", "semi-implicit", "exact"] {
+        let scene = scene(&[
+            &format!("object.integrator={integrator}"),
+            "object.force_delay_ticks=0",
+            "object.damping_n_s_per_m=0",
+            "coordination.decode=implicit",
+            "coordination.stiffness_n_per_m=300",
+            "contact.stiffness_n_per_m=200",
+            "user.1.pulse_n=1",
+            "user.2.sine_n=0.5",
+        ]);
+        let outcome = run::<f64>(&scene, Options { record_every: 1, ..OPTIONS }, &|_| {}).expect("a good scene");
+        assert_eq!(outcome.fault, None);
+        let column = |name: &str| outcome.table.column(name).expect("a column");
+        for peer in [1, 2] {
+            let [velocity, contact] = [format!("object_velocity_{peer}_m_per_s"), format!("contact_force_{peer}_n")];
+            let (velocity, contact) = (column(&velocity), column(&contact));
+            let pushed: f64 = velocity.windows(2).zip(contact).map(|(v, f)| 1e-3 * f * 0.5 * (v[0] + v[1])).sum();
+            let last = velocity.last().expect("a tick");
+            let energy = outcome.energy[peer - 1];
+            let kinetic = 0.5 * scene.peer.object.mass_kg * last * last;
+            assert!(energy.to_object_j > 1e-3, "{energy:?}");
+            close(energy.to_object_j - energy.from_object_j + pushed, kinetic, 1e-9);
+        }
+    }
+}
+
+/// A wave line whose decode is explicit and whose copy is moved by forward Euler makes energy at every tick: its peers are caught, and
+/// a passive pair is not.
+#[test]
+fn a_peer_that_makes_energy_is_caught() {
+    let ratio = |overrides: &[&str]| {
+        let both = [&["user.1.pulse_n=1", "coordination.comm=wave"], overrides].concat();
+        let outcome = run::<f64>(&scene(&both), OPTIONS, &|_| {}).expect("a good scene");
+        outcome.peer_energy_out_over_in().expect("continuous contact")
+    };
+    let staged = ratio(&["coordination.stiffness_n_per_m=20000", "object.force_delay_ticks=0"]);
+    assert!(staged > 1.02, "{staged}");
+    let soft = [
+        "coordination.decode=implicit",
+        "object.integrator=semi-implicit",
+        "object.force_delay_ticks=0",
+        "coordination.stiffness_n_per_m=300",
+    ];
+    let implicit = ratio(&soft);
+    assert!(implicit > 0.5 && implicit < 1.0, "{implicit}");
+}
+
+/// Nothing is said where the velocity of the copy jumps between two ticks.
+#[test]
+fn impacts_are_not_booked() {
+    let outcome = run::<f64>(&scene(&["contact.rendering=impulsive", "contact.one_sided=true"]), OPTIONS, &|_| {})
+        .expect("a good scene");
+    assert_eq!(outcome.peer_energy_out_over_in(), None);
+}
+
+/// A limit of force far below what the users push: the run stops, and nothing of it is a figure of merit.
+#[test]
+fn a_run_that_is_broken_on_purpose_says_why() {
+    let broken = scene(&["safety.max_force_n=0.2", "user.1.push_n=1", "user.2.push_n=1"]);
+    let outcome = run::<f64>(&broken, OPTIONS, &|_| {}).expect("a good scene");
+    let reason = outcome.reason.expect("a reason").to_string();
+    assert!(reason.contains(": ForceSaturated: "), "{reason}");
+    assert_eq!(outcome.merit(|o| o.true_discrepancy_mm), None);
+    // Half of everything lost a second at a time: what is left of the object is two of them, or none.
+    let torn = scene(&[
+        "network.loss=0.5",
+        "network.loss_burst_packets=125",
+        "coordination.comm=wave",
+        "user.1.push_n=1",
+        "user.2.push_n=1",
+    ]);
+    let outcome = run::<f64>(&torn, OPTIONS, &|_| {}).expect("a good scene");
+    assert!(!outcome.is_stable() && outcome.merit(|o| o.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
+}
