@@ -1,5 +1,5 @@
-//! What to change in a scene that lies outside its region: the smallest change of one gain that brings it back, with a
-//! margin, or where no gain does, the settings that would.
+//! What to change in a scene that lies outside its region in any mode ([`super::judge`]): the smallest change of one gain
+//! that brings it back, with a margin, or where no gain does, the settings that would.
 //!
 //! Gains are tried in this order: coordination stiffness K_T (it costs coherency, not feel), contact stiffness K_LC. Of each
 //! the nearest stable interval is taken and entered by [`MARGIN`] of the gain at its edge, or to its middle where it is
@@ -10,8 +10,9 @@ use haptic_core::settings::{Allowed, Key};
 use serde::Serialize;
 
 use super::limit::{Effort, Limit, along};
+use super::modes::{Hands, judge};
 use super::sweep::{Range, Sweep};
-use super::verdict::{Verdict, verdict};
+use super::verdict::Verdict;
 use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
 
@@ -40,14 +41,21 @@ pub struct Change {
 
 /// One line of advice on a scene: that it is stable, or which gain to change and to what.
 pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
-    let now = verdict(scene)?;
-    if now.stable {
-        return Ok(format!("inside its stability region (spectral radius {:.6})", now.spectral_radius));
+    let now = judge(scene)?;
+    let radius = now.worst.spectral_radius;
+    if now.worst.stable {
+        return Ok(format!("inside its stability region (spectral radius {radius:.6})"));
     }
-    let place = match now.spectral_radius {
-        radius if radius < 1e3 => format!("outside its stability region (spectral radius {radius:.6})"),
-        _ => "far outside its stability region".to_owned(),
+    let far = if radius < 1e3 { "" } else { "far " };
+    let size = if radius < 1e3 { format!(" (spectral radius {radius:.6})") } else { String::new() };
+    // Where both hands would hold it, say that letting go is what does not.
+    let held = now.modes.first().is_some_and(|mode| mode.mode == Hands::Both && mode.verdict.stable);
+    let let_go = match now.worst_mode() {
+        Hands::One if held => " once one hand lets go",
+        Hands::None if held => " once both hands let go",
+        _ => "",
     };
+    let place = format!("{far}outside its stability region{let_go}{size}");
     if let Some(change) = change(scene)? {
         let Change { key, from, to, limit, unit, .. } = change;
         let verb = if to < from { "lower" } else { "raise" };
@@ -68,7 +76,7 @@ pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
         let Allowed::Number { max, .. } = key.allowed else { continue };
         let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
         let sweep = Sweep::new(scene, range)?;
-        let limit = along(&sweep, Effort::default())?;
+        let limit = along(&sweep, Effort::every_mode())?;
         if let Some(change) = nearest(&sweep, &limit, now, &key)? {
             return Ok(Some(change));
         }
@@ -100,7 +108,7 @@ fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<C
     candidates.sort_by(|a, b| (a.0 - now).abs().total_cmp(&(b.0 - now).abs()));
     for (edge, inside) in candidates {
         let to = short(inside);
-        let Verdict { stable, spectral_radius, .. } = verdict(&sweep.at(to)?)?;
+        let Verdict { stable, spectral_radius, .. } = judge(&sweep.at(to)?)?.worst;
         if stable && edge > 0.0 {
             return Ok(Some(Change { key: key.name, from: now, to, limit: edge, unit: key.unit, spectral_radius }));
         }
@@ -127,7 +135,7 @@ fn others(scene: &Scene) -> Result<Vec<&'static str>, AnalysisError> {
         (both, "coordination.decode = \"implicit\" with object.force_delay_ticks = 0"),
     ];
     for (scene, name) in named {
-        if verdict(&scene)?.stable {
+        if judge(&scene)?.worst.stable {
             return Ok(vec![name]);
         }
     }

@@ -8,9 +8,10 @@ use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
-use super::lifted::driven::TOO_LARGE;
-use super::lifted::pair::{delays_packets, pair_matrix};
+use super::lifted::driven::{OBJECT, TOO_LARGE};
+use super::lifted::pair::{delays_packets, is_apart, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
+use super::modes::Hands;
 use super::verdict::Analyser;
 use crate::error::AnalysisError;
 use crate::matrix::Matrix;
@@ -29,10 +30,23 @@ pub struct Agreement {
     pub spectral_radius: f64,
 }
 
-/// Compares the two constructions on a linear scene; `None` where the scene has a model without a second construction.
-pub fn agreement(linear: &Scene) -> Result<Option<Agreement>, AnalysisError> {
-    let Some(constructed) = construct(linear) else { return Ok(None) };
-    let driven = pair_matrix(linear)?;
+impl Agreement {
+    /// Of two comparisons, the larger difference of each kind.
+    pub fn or_farther(self, other: Self) -> Self {
+        let [matrix, spectral_radius] =
+            [[self.matrix, other.matrix], [self.spectral_radius, other.spectral_radius]].map(|[a, b]| a.max(b));
+        Self { matrix, spectral_radius }
+    }
+}
+
+/// Compares the two constructions on a mode of a linear scene (one hand: peer 1's); `None` where the scene has a model
+/// without a second construction.
+pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, AnalysisError> {
+    let released = [hands == Hands::None, hands != Hands::Both];
+    let seats = released.map(|released| seat(linear, released));
+    let seats = seats.each_ref().map(AsRef::as_ref);
+    let Some(constructed) = construct(seats) else { return Ok(None) };
+    let driven = seated_matrix(seats)?;
     if !driven.matrix.is_all_finite() {
         // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
         let grown = !constructed
@@ -45,29 +59,31 @@ pub fn agreement(linear: &Scene) -> Result<Option<Agreement>, AnalysisError> {
     }
     let matrix = compare(linear, &driven, &constructed);
     let mut analyser = Analyser::default();
-    let first = analyser.verdict(linear)?.spectral_radius;
-    let devices = devices(&constructed.places);
-    let second = analyser.judge(constructed.lifted, &devices)?.spectral_radius;
+    analyser.measure(linear, [hands != Hands::None, hands != Hands::Both])?;
+    let first = analyser.joined(released, delays_packets(linear))?.spectral_radius;
+    let objects = objects(&constructed.places);
+    let second =
+        analyser.judge_held(constructed.lifted, &objects, !seats.iter().all(|seat| is_apart(seat)))?.spectral_radius;
     let spectral_radius = if first == second { 0.0 } else { (first - second).abs() / first.max(second).max(1.0) };
     Ok(Some(Agreement { matrix, spectral_radius }))
 }
 
-/// One state of each device.
-fn devices(places: &[Place]) -> Vec<usize> {
-    let device = |place: &Place| matches!(place, Place::Local { state: State::DevicePosition, .. });
-    (0..places.len()).filter(|at| device(&places[*at])).collect()
+/// One state of each object.
+fn objects(places: &[Place]) -> Vec<usize> {
+    let object = |place: &Place| matches!(place, Place::Local { state: State::ObjectPosition, .. });
+    (0..places.len()).filter(|at| object(&places[*at])).collect()
 }
 
 fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let locals = driven_order(linear);
     let in_flight = delays_packets(linear).iter().sum::<usize>() * packet();
     let second = (driven.matrix.nrows() - in_flight) / 2;
-    let kept = prune::kept(&constructed.lifted.matrix, &devices(&constructed.places));
+    let kept = prune::kept(&constructed.lifted.matrix, &objects(&constructed.places));
     let same: Vec<Option<usize>> =
         kept.iter().map(|at| driven_place(linear, constructed.places[*at], &locals, second)).collect();
     let mut ours: Vec<usize> = same.iter().flatten().copied().collect();
     ours.sort_unstable();
-    if ours != prune::kept(&driven.matrix, &[0, second]) {
+    if ours != prune::kept(&driven.matrix, &[OBJECT, second + OBJECT]) {
         return f64::INFINITY;
     }
     let pick = |matrix: &Matrix, places: &[usize]| {

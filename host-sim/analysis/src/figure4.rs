@@ -1,14 +1,15 @@
 //! Figure 4 of the cooperation paper: the largest stable coordination stiffness K_T against contact stiffness K_LC, for
 //! three ways to communicate and four one-way delays.
 //!
-//! Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every force one tick late, delayed
-//! decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
+//! Both hands on, as in the paper. Parameters: §4.3 of the paper as THEORY §1 and §3 read them: exact object of 0.6 kg, every
+//! force one tick late, delayed decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
 
 use haptic_core::object::IntegratorName;
 use serde::Serialize;
 
 use super::limit::Effort;
 use super::map::{Axis, Map, map};
+use super::modes::Hands;
 use super::sweep::Range;
 use crate::error::AnalysisError;
 use haptic_sim::report::Columns;
@@ -53,7 +54,7 @@ pub struct Curve {
 /// All twelve curves; `done` is called once for every point of a curve.
 pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError> {
     // Steps of 150 N/m find every pocket of this figure; 0.1 % is ten times finer than it is drawn.
-    let effort = Effort { steps: 80, tolerance: 1e-3 };
+    let effort = Effort { steps: 80, tolerance: 1e-3, hands: Some(Hands::Both) };
     let mut curves = Vec::new();
     for comm in COMMS {
         for delay in DELAYS {

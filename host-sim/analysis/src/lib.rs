@@ -2,7 +2,8 @@
 //!
 //! | ask | to know |
 //! |---|---|
-//! | [`verdict`] | is this scene stable, and by how much? |
+//! | [`judge`] | is this scene stable in every mode that it can enter, and by how much? |
+//! | [`verdict`] | and with both hands on, and nothing else: the papers' question |
 //! | [`limit`] | at which values of one key does that change? |
 //! | [`map`] | and of two keys? |
 //! | [`advice`] | what to change in a scene that is unstable |
@@ -12,18 +13,21 @@
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
 //! | [`speed`] | how many verdicts a second? |
 //!
-//! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact,
-//! exact sensors and motors, nobody pushing. Gaps, friction, encoder steps and force limits are not part of it. Any law is,
-//! also one from outside, as long as it is linear; only [`agreement`] knows no others than the paper's.
+//! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact of
+//! both hands, of one or of none, exact sensors and motors, nobody pushing, each constant delay that the network can produce.
+//! What a scene has beyond that is named with the judgement ([`Judgement::not_judged`]). Any law is analysed, also one from
+//! outside, as long as it is linear; only [`agreement`] knows no others than the paper's.
 
 mod advice;
 mod agreement;
+mod delays;
 mod error;
 pub mod figure4;
 mod lifted;
 mod limit;
 mod map;
 mod matrix;
+mod modes;
 mod outline;
 pub mod picture;
 pub mod rendering;
@@ -42,6 +46,7 @@ pub use lifted::pair::{delays_packets, is_symmetric, pair_matrix};
 pub use lifted::{Lifted, Matrix, apply};
 pub use limit::{Effort, Limit, limit};
 pub use map::{Axis, Column, Map, map};
+pub use modes::{Hands, Judgement, Mode, judge};
 pub use sweep::Range;
 pub use tune::tune;
 pub use verdict::{Analyser, ROUNDING, Verdict, verdict};

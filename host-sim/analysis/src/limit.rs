@@ -4,12 +4,15 @@
 //! hump that stays below 1 and down every dip that stays above it, so that a pocket narrower than a step is still found
 //! if it makes its neighbours bulge. Each change is then closed in by bisection. A pocket that no scan point feels can be
 //! missed: `step` in the result says how wide the widest step was.
+//!
+//! Which mode is looked at, or that it is the worst of all, is said by [`Effort::hands`].
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::modes::Hands;
 use super::sweep::{Range, Sweep};
-use super::verdict::Analyser;
+use super::verdict::{Analyser, is_stable};
 use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
 
@@ -20,11 +23,21 @@ pub struct Effort {
     pub steps: usize,
     /// How closely a crossing is found, relative to its value.
     pub tolerance: f64,
+    /// The mode that is looked at; none, and it is the worst of all that the scene can enter.
+    pub hands: Option<Hands>,
 }
 
+impl Effort {
+    /// The default effort in every mode that the scene can enter.
+    pub fn every_mode() -> Self {
+        Self { hands: None, ..Self::default() }
+    }
+}
+
+/// Both hands on, as in the papers' figures.
 impl Default for Effort {
     fn default() -> Self {
-        Self { steps: 400, tolerance: 1e-4 }
+        Self { steps: 400, tolerance: 1e-4, hands: Some(Hands::Both) }
     }
 }
 
@@ -45,6 +58,29 @@ pub struct Limit {
 }
 
 impl Limit {
+    /// The limit of what is stable where all of these are.
+    fn of_all(limits: &[Self]) -> Self {
+        let mut turns: Vec<(f64, usize)> = (0..)
+            .zip(limits)
+            .flat_map(|(which, limit)| limit.crossings.iter().map(move |crossing| (*crossing, which)))
+            .collect();
+        turns.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut stable: Vec<bool> = limits.iter().map(|limit| limit.stable_at_start).collect();
+        let all = |stable: &[bool]| stable.iter().all(|stable| *stable);
+        let stable_at_start = all(&stable);
+        let crosses = |(crossing, which): (f64, usize)| {
+            let before = all(&stable);
+            stable[which] = !stable[which];
+            (all(&stable) != before).then_some(crossing)
+        };
+        Self {
+            stable_at_start,
+            crossings: turns.into_iter().filter_map(crosses).collect(),
+            evaluations: limits.iter().map(|limit| limit.evaluations).sum(),
+            step: limits.iter().map(|limit| limit.step).fold(0.0, f64::max),
+        }
+    }
+
     /// Whether the scene is stable at `value`.
     pub fn is_stable(&self, value: f64) -> bool {
         self.stable_at_start == (self.crossings.iter().filter(|crossing| **crossing < value).count() % 2 == 0)
@@ -61,8 +97,14 @@ type Point = (f64, f64);
 
 /// Finds all crossings along a sweep.
 pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
-    let radius = |analyser: &mut Analyser, value: f64| Ok(sweep.verdict(analyser, value)?.spectral_radius);
-    crossings(&sweep.points(effort.steps), sweep.is_whole(), effort.tolerance, Analyser::default, radius)
+    // Each mode by itself: the worst of all has flat stretches of one that hide the humps of another.
+    let points = sweep.points(effort.steps);
+    let of_mode = |mode: &Hands| {
+        let radius = |analyser: &mut Analyser, value: f64| analyser.radius(&sweep.at(value)?, Some(*mode));
+        crossings(&points, sweep.is_whole(), effort.tolerance, Analyser::default, radius)
+    };
+    let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, AnalysisError>>()?;
+    Ok(Limit::of_all(&limits))
 }
 
 /// Finds all crossings of any spectral radius, given as a function of one number: scanned at `points` (ascending), found to
@@ -107,15 +149,15 @@ pub(crate) fn crossings<A>(
 }
 
 fn stable((_, radius): Point) -> bool {
-    radius <= 1.0 + super::verdict::ROUNDING
+    is_stable(radius)
 }
 
-/// All three on the same side, and the middle one nearest to the other side.
+/// All three on the same side, and the middle one nearest to the other side; not where nothing changes at all.
 fn is_bulge(three: &[Point]) -> bool {
     let [before, middle, after] = [three[0], three[1], three[2]];
     let same = stable(before) == stable(middle) && stable(middle) == stable(after);
     let (low, high) = (before.1.min(after.1), before.1.max(after.1));
-    same && if stable(middle) { middle.1 >= high } else { middle.1 <= low }
+    same && !(low == high && middle.1 == low) && if stable(middle) { middle.1 >= high } else { middle.1 <= low }
 }
 
 /// Golden-section search for the extreme between three points; stops where the other side is reached.

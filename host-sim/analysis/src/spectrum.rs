@@ -39,11 +39,23 @@ impl Spectrum {
     /// Largest |eigenvalue|; infinite where an entry is not finite, `None` where the iteration did not converge.
     /// The matrix is balanced in place.
     pub(crate) fn radius(&mut self, matrix: &mut Matrix) -> Option<f64> {
+        self.radius_beside(matrix, |_, _| false).map(|(radius, _)| radius)
+    }
+
+    /// The same with the eigenvalues (real, imaginary) that `leave` names left out, and how many these were.
+    pub(crate) fn radius_beside(
+        &mut self,
+        matrix: &mut Matrix,
+        leave: impl Fn(f64, f64) -> bool,
+    ) -> Option<(f64, usize)> {
         if !matrix.is_all_finite() {
-            return Some(f64::INFINITY);
+            return Some((f64::INFINITY, 0));
         }
         balance(matrix, |_, _| {});
-        self.eigenvalues(matrix).map(|all| all.fold(0.0, |largest: f64, (re, im)| largest.max(re.hypot(im))))
+        let left = |(largest, left): (f64, usize), (re, im): (f64, f64)| {
+            if leave(re, im) { (largest, left + 1) } else { (largest.max(re.hypot(im)), left) }
+        };
+        self.eigenvalues(matrix).map(|all| all.fold((0.0, 0), left))
     }
 
     /// All eigenvalues as (real, imaginary), in no order; `None` where the iteration did not converge.

@@ -1,10 +1,11 @@
 //! One number of a scene, swept: which key, between which values, at which points first.
 //!
-//! Values are set on the scene as it is and the result is made linear, so that a sweep of a key that the linear scene has no
-//! use for (a gap, a push) is flat rather than wrong.
+//! Values are set on the scene as it is and the result is judged, so that a sweep of a key that the linear scene has no use for
+//! (a gap, a push) is flat rather than wrong.
 
 use haptic_core::settings::{Allowed, Value};
 
+use super::modes::{Hands, entered};
 use super::verdict::{Analyser, Verdict};
 use crate::error::AnalysisError;
 use haptic_sim::scene::Scene;
@@ -33,7 +34,7 @@ impl Sweep {
     /// Checks that the key is a number and that the scene accepts both ends of the range.
     pub(crate) fn new(scene: &Scene, range: Range) -> Result<Self, AnalysisError> {
         let mut scene = scene.clone();
-        // Recordings are no part of the linear scene, and long.
+        // Recordings are no part of what is judged, and long.
         scene.network_trace = None;
         scene.users.iter_mut().for_each(|user| user.trace = None);
         let keys = scene.keys();
@@ -63,16 +64,31 @@ impl Sweep {
         self.whole
     }
 
-    /// The linear scene with this value of the key (the nearest whole one, for a key that takes no others).
+    /// The scene with this value of the key (the nearest whole one, for a key that takes no others).
     pub(crate) fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
         let mut scene = self.scene.clone();
         scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
-        Ok(scene.linear())
+        Ok(scene)
     }
 
-    /// The verdict at this value.
+    /// The verdict at this value, both hands on.
     pub(crate) fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, AnalysisError> {
-        analyser.verdict(&self.at(value)?)
+        analyser.verdict(&self.at(value)?.linear())
+    }
+
+    /// The largest spectral radius at this value, of one mode or of all that the scene can enter.
+    pub(crate) fn radius(
+        &self,
+        analyser: &mut Analyser,
+        value: f64,
+        hands: Option<Hands>,
+    ) -> Result<f64, AnalysisError> {
+        analyser.radius(&self.at(value)?, hands)
+    }
+
+    /// The modes that are looked at: the one that is asked for, or all that the scene can enter.
+    pub(crate) fn modes(&self, only: Option<Hands>) -> Vec<Hands> {
+        entered(&self.scene, only)
     }
 
     /// Values to look at first, ascending, both ends included: half of them equally spaced, half by equal ratios (down to

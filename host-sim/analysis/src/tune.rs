@@ -20,8 +20,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::limit::{Effort, along};
+use super::modes::judge;
 use super::sweep::{Range, Sweep};
-use super::verdict::{Analyser, Verdict, verdict};
+use super::verdict::{Analyser, Verdict, is_stable};
 use crate::error::AnalysisError;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::Scene;
@@ -95,16 +96,15 @@ fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, Analysi
 /// tried, of which there are at most [`steps`].
 pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
     AnalysisError::within("margin", margin, MARGINS, "")?;
-    let linear = scene.linear();
     let raised = 1.0 + margin;
-    let stiffest = first(&with(&linear, 0.0, 0.0)?, CONTACT, largest(CONTACT))?.unwrap_or(largest(CONTACT));
+    let stiffest = first(&with(scene, 0.0, 0.0)?, CONTACT, largest(CONTACT))?.unwrap_or(largest(CONTACT));
     let enough = (ENOUGH * stiffest).min(largest(COORDINATION));
     // The first unstable K_T of every contact; stable up to there for every softer contact too, once the minimum runs.
     let ends = (0..=COLUMNS)
         .into_par_iter()
         .map(|at| {
             let contact = stiffest * at as f64 / COLUMNS as f64;
-            let end = first(&with(&linear, contact, 0.0)?, COORDINATION, enough)?.unwrap_or(enough);
+            let end = first(&with(scene, contact, 0.0)?, COORDINATION, enough)?.unwrap_or(enough);
             done();
             Ok((contact, end))
         })
@@ -120,7 +120,7 @@ pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option
         let (contact, coordination) = (rounded_down(gains.0), rounded_down(gains.1));
         if contact > 0.0
             && coordination > 0.0
-            && let Some(proposal) = verified(&linear, contact, coordination, margin)?
+            && let Some(proposal) = verified(scene, contact, coordination, margin)?
         {
             return Ok(Some(proposal));
         }
@@ -135,12 +135,13 @@ pub fn steps() -> u64 {
 }
 
 /// The proposal, if all of it holds.
-fn verified(linear: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, AnalysisError> {
+fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, AnalysisError> {
     let raised = 1.0 + margin;
-    let point = verdict(&with(linear, contact, coordination)?)?;
+    let verdict = |contact, coordination| Ok(judge(&with(scene, contact, coordination)?)?.worst);
+    let point: Verdict = verdict(contact, coordination)?;
     let corners = [(raised, 1.0), (1.0, raised), (raised, raised)]
         .into_iter()
-        .map(|(a, b)| verdict(&with(linear, a * contact, b * coordination)?))
+        .map(|(a, b)| verdict(a * contact, b * coordination))
         .collect::<Result<Vec<Verdict>, AnalysisError>>()?;
     if !point.stable || corners.iter().any(|corner| !corner.stable) {
         return Ok(None);
@@ -149,9 +150,9 @@ fn verified(linear: &Scene, contact: f64, coordination: f64, margin: f64) -> Res
     let mut limits = [None; 2];
     for factor in [raised, 1.0] {
         let to = |key: &str, gain: f64| largest(key).min(BEYOND * raised * gain);
-        let along_contact = first(&with(linear, 0.0, factor * coordination)?, CONTACT, to(CONTACT, contact))?;
+        let along_contact = first(&with(scene, 0.0, factor * coordination)?, CONTACT, to(CONTACT, contact))?;
         let along_coordination =
-            first(&with(linear, factor * contact, 0.0)?, COORDINATION, to(COORDINATION, coordination))?;
+            first(&with(scene, factor * contact, 0.0)?, COORDINATION, to(COORDINATION, coordination))?;
         if !clear(along_contact, contact) || !clear(along_coordination, coordination) {
             return Ok(None);
         }
@@ -170,19 +171,19 @@ fn verified(linear: &Scene, contact: f64, coordination: f64, margin: f64) -> Res
 }
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
-fn first(linear: &Scene, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
+fn first(scene: &Scene, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
     if to <= 0.0 {
         return Ok(Some(0.0));
     }
-    let sweep = Sweep::new(linear, Range { key: key.to_owned(), from: 0.0, to })?;
-    let limit = along(&sweep, Effort { steps: 120, ..Effort::default() })?;
+    let sweep = Sweep::new(scene, Range { key: key.to_owned(), from: 0.0, to })?;
+    let limit = along(&sweep, Effort { steps: 120, ..Effort::every_mode() })?;
     if !limit.stable_at_start {
         return Ok(Some(0.0));
     }
     // A crossing is known to its tolerance: stay on the stable side of it.
     let Some(crossing) = limit.crossings.first() else { return Ok(None) };
     let inside = crossing * (1.0 - Effort::default().tolerance);
-    let stable = sweep.verdict(&mut Analyser::default(), inside)?.stable;
+    let stable = is_stable(sweep.radius(&mut Analyser::default(), inside, None)?);
     Ok(Some(if stable { inside } else { crossing * (1.0 - 1e-3) }))
 }
 

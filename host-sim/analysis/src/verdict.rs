@@ -1,12 +1,13 @@
 //! The verdict on a scene: spectral radius, stable or not, how many states.
 //!
-//! [`Analyser`] keeps its memory from one scene to the next, which is what a sweep needs; [`verdict`] is for one scene.
+//! [`Analyser`] keeps its memory from one scene to the next, which is what a sweep needs; [`verdict`] is for one scene. Both
+//! look at one mode, both hands in contact; [`super::judge`] looks at every mode.
 
 use serde::Serialize;
 
 use super::error::AnalysisError;
 use super::lifted::driven::Response;
-use super::lifted::pair::{Wholes, is_symmetric};
+use super::lifted::pair::{Joined, delays_packets, is_apart, same_arms, seat};
 use super::lifted::{Lifted, prune, rest};
 use super::spectrum::Spectrum;
 use haptic_sim::scene::Scene;
@@ -25,7 +26,7 @@ pub struct Verdict {
     pub stable: bool,
     /// States of the pair that matter to the next packet period, rest modes included.
     pub states: usize,
-    /// Rest modes left out: directions in which the pair can stand anywhere.
+    /// Rest modes left out: directions in which the pair can stand anywhere, or glide on for ever when nobody holds it.
     pub rest_modes: usize,
     /// The pair was taken apart into sum and difference.
     pub symmetric: bool,
@@ -37,12 +38,27 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
 }
 
 impl Verdict {
+    /// Less than any.
+    pub(crate) const LEAST: Self =
+        Self { spectral_radius: f64::NEG_INFINITY, stable: true, states: 0, rest_modes: 0, symmetric: false };
+
+    /// The one with the larger spectral radius, this one of equals.
+    pub(crate) fn or_worse(self, other: Self) -> Self {
+        if other.spectral_radius > self.spectral_radius { other } else { self }
+    }
+
     fn new(spectral_radius: f64, states: usize, rest_modes: usize, symmetric: bool) -> Self {
-        Self { spectral_radius, stable: spectral_radius <= 1.0 + ROUNDING, states, rest_modes, symmetric }
+        Self { spectral_radius, stable: is_stable(spectral_radius), states, rest_modes, symmetric }
     }
 }
 
-/// The verdict on the linear scene behind this one ([`Scene::linear`]).
+/// Whether this spectral radius is inside the unit circle or on it, but for rounding.
+pub(crate) fn is_stable(spectral_radius: f64) -> bool {
+    spectral_radius <= 1.0 + ROUNDING
+}
+
+/// The verdict on the linear scene behind this one ([`Scene::linear`]) with both hands on, and nothing else: the papers' own
+/// question. [`super::judge`] asks for every mode that the scene can enter.
 pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
     Analyser::default().verdict(&scene.linear())
 }
@@ -50,45 +66,111 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
 /// Computes verdicts, one scene after the other.
 #[derive(Debug, Default)]
 pub struct Analyser {
-    responses: [Response; 2],
+    answers: Answers,
     whole: Lifted,
+    /// For no, one and two hands on: along a sweep each keeps its size.
+    solvers: [Solver; 3],
+}
+
+/// What the peers of a scene answer to a packet period, measured once for every mode and delay.
+#[derive(Debug, Default)]
+struct Answers {
+    held: [Response; 2],
+    released: Response,
+    /// Both users' arms are the same, so that one answer is enough.
+    alike: bool,
+    /// Nobody can hold anything, so that every mode is that of no hands.
+    apart: bool,
+}
+
+impl Analyser {
+    /// The verdict on a scene that is linear already, both hands on.
+    pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
+        self.measure(linear, [true, false])?;
+        self.joined([false; 2], delays_packets(linear))
+    }
+
+    /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `anchors` are states known to matter.
+    pub fn judge(&mut self, lifted: Lifted, anchors: &[usize]) -> Result<Verdict, AnalysisError> {
+        self.judge_held(lifted, anchors, true)
+    }
+
+    /// The same where nobody need hold an object, which may glide.
+    pub(crate) fn judge_held(
+        &mut self,
+        lifted: Lifted,
+        anchors: &[usize],
+        held: bool,
+    ) -> Result<Verdict, AnalysisError> {
+        let (radius, states, rest_modes) = self.solvers[0].solve(&lifted, anchors, held)?;
+        Ok(Verdict::new(radius, states, rest_modes, false))
+    }
+
+    /// Measures what the peers of a linear scene answer: with a hand on, let go, or both.
+    pub(crate) fn measure(&mut self, linear: &Scene, [held, released]: [bool; 2]) -> Result<(), AnalysisError> {
+        let answers = &mut self.answers;
+        answers.apart = is_apart(linear);
+        answers.alike = answers.apart || same_arms(linear);
+        if held && !answers.apart {
+            answers.held[0].measure(linear, 0)?;
+            if !answers.alike {
+                answers.held[1].measure(linear, 1)?;
+            }
+        }
+        if released || answers.apart {
+            answers.released.measure(&seat(linear, true), 0)?;
+        }
+        Ok(())
+    }
+
+    /// Whether it matters which of the two peers measured last is let go.
+    pub(crate) fn sides_differ(&self) -> bool {
+        !self.answers.alike
+    }
+
+    /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, packets.
+    pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, AnalysisError> {
+        let Answers { held, released: let_go, alike, apart } = &self.answers;
+        let released = released.map(|released| released || *apart);
+        let answer = |at: usize| if released[at] { let_go } else { &held[if *alike { 0 } else { at }] };
+        let joined = Joined::new([answer(0), answer(1)], delays);
+        let hands = released.iter().filter(|released| !**released).count();
+        let solver = &mut self.solvers[hands];
+        let objects = joined.objects();
+        let anchors = if joined.symmetric { &objects[..1] } else { &objects };
+        let (mut radius, mut states, mut rest_modes) = (0.0_f64, 0, 0);
+        for sign in joined.signs() {
+            joined.write(*sign, &mut self.whole);
+            let part = solver.solve(&self.whole, anchors, hands > 0)?;
+            radius = radius.max(part.0);
+            states += part.1;
+            rest_modes += part.2;
+        }
+        Ok(Verdict::new(radius, states, rest_modes, joined.symmetric))
+    }
+}
+
+/// Memory for eigenvalues of matrices of one size.
+#[derive(Debug, Default)]
+struct Solver {
     pruner: prune::Pruner,
     kept: Lifted,
     spectrum: Spectrum,
 }
 
-impl Analyser {
-    /// The verdict on a scene that is linear already.
-    pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
-        let symmetric = is_symmetric(linear);
-        let (mut radius, mut states, mut rest_modes) = (0.0_f64, 0, 0);
-        let mut wholes = Wholes::new(linear, symmetric, &mut self.responses)?;
-        let second = self.responses[0].states();
-        let devices: &[usize] = if symmetric { &[0] } else { &[0, second] };
-        while wholes.next(&self.responses, &mut self.whole) {
-            let part = self.part(devices)?;
-            radius = radius.max(part.0);
-            states += part.1;
-            rest_modes += part.2;
-        }
-        Ok(Verdict::new(radius, states, rest_modes, symmetric))
-    }
-
-    /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `devices` is one state of each device.
-    pub fn judge(&mut self, lifted: Lifted, devices: &[usize]) -> Result<Verdict, AnalysisError> {
-        self.whole = lifted;
-        let (radius, states, rest_modes) = self.part(devices)?;
-        Ok(Verdict::new(radius, states, rest_modes, false))
-    }
-
-    /// Radius, states and rest modes of the lifted matrix in `whole`.
-    fn part(&mut self, devices: &[usize]) -> Result<(f64, usize, usize), AnalysisError> {
-        let kept = self.pruner.kept(&self.whole.matrix, devices);
+impl Solver {
+    /// Radius, states and rest modes of a lifted matrix.
+    fn solve(&mut self, whole: &Lifted, anchors: &[usize], held: bool) -> Result<(f64, usize, usize), AnalysisError> {
+        let kept = self.pruner.kept(&whole.matrix, anchors);
         let states = kept.len();
-        prune::copy(&self.whole, kept, &mut self.kept);
+        prune::copy(whole, kept, &mut self.kept);
         rest::idle(&mut self.kept);
-        let rest_modes = rest::divide_out(&mut self.kept);
-        let radius = self.spectrum.radius(&mut self.kept.matrix).ok_or(AnalysisError::NoConvergence)?;
-        Ok((radius, states, rest_modes))
+        let stands = rest::divide_out(&mut self.kept);
+        // What nobody holds and nothing damps glides on for ever: 1 to rounding, which decides nothing and would hide how fast
+        // everything else settles.
+        let glides = |re: f64, im: f64| !held && (re - 1.0).hypot(im) <= ROUNDING;
+        let beside = self.spectrum.radius_beside(&mut self.kept.matrix, glides);
+        let (radius, glides) = beside.ok_or(AnalysisError::NoConvergence)?;
+        Ok((radius, states, stands + glides))
     }
 }

@@ -349,6 +349,17 @@ impl Scene {
         linear
     }
 
+    /// The same with both devices let go: K_LC = B_LC = 0, nothing that strikes, and users without arms who do nothing. What is
+    /// left is two copies of the object and what holds them together (THEORY §9).
+    pub fn hands_off(&self) -> Self {
+        let mut off = self.clone();
+        off.peer.contact.rendering = RenderingName::Continuous;
+        off.peer.contact.stiffness_n_per_m = 0.0;
+        off.peer.contact.damping_n_s_per_m = 0.0;
+        off.users = Default::default();
+        off
+    }
+
     /// Whether the run itself is linear: permanent contact, no imperfections, no window that adapts, no ledger that cuts.
     pub fn is_linear(&self) -> bool {
         let (contact, plant) = (&self.peer.contact, &self.world.plant);

@@ -34,6 +34,9 @@ const UNMOVED_M: f64 = 1e-12;
 /// States of the device: position, velocity, motor force of the tick before.
 const DEVICE_STATES: usize = 3;
 
+/// Where the position of a peer's object stands in its local state.
+pub(crate) const OBJECT: usize = DEVICE_STATES;
+
 /// The answer of one peer to one packet period.
 #[derive(Clone, Debug)]
 pub struct Response {

@@ -1,76 +1,102 @@
 //! What two peers and the network between them fall apart into: sum and difference, or the pair as it is.
 
-use haptic_core::settings::Refused;
+use std::borrow::Cow;
+
 use haptic_sim::scene::Scene;
 
 use super::Lifted;
 use super::closing::{End, close};
-use super::driven::Response;
+use super::driven::{OBJECT, Response};
 use crate::error::AnalysisError;
 
 /// Whether the two peers, their devices and both directions of the network are the same.
 pub fn is_symmetric(linear: &Scene) -> bool {
+    let [to_first, to_second] = delays_packets(linear);
+    same_arms(linear) && to_first == to_second
+}
+
+/// Whether both users' arms are the same: all in which the two peers of a linear scene can differ.
+pub(crate) fn same_arms(linear: &Scene) -> bool {
     let arm = |user: usize| {
         let user = &linear.users[user].settings.user;
         (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg)
     };
-    let [to_first, to_second] = delays_packets(linear);
-    arm(0) == arm(1) && to_first == to_second
+    arm(0) == arm(1)
 }
 
-/// Packet periods that a packet is on its way to peer 1 and to peer 2: peers look once a period, so that time on top of
-/// whole periods counts as one more.
+/// Whether nobody can hold anything, for want of stiffness and damping of contact.
+pub(crate) fn is_apart(linear: &Scene) -> bool {
+    linear.peer.contact.stiffness_n_per_m == 0.0 && linear.peer.contact.damping_n_s_per_m == 0.0
+}
+
+/// The linear scene of a peer with its hand on or let go ([`Scene::hands_off`]): a device that holds nothing, and the arm at
+/// it, are no part of it.
+pub(crate) fn seat(linear: &Scene, released: bool) -> Cow<'_, Scene> {
+    if released || is_apart(linear) { Cow::Owned(linear.hands_off()) } else { Cow::Borrowed(linear) }
+}
+
+/// Packet periods that a packet is on its way to peer 1 and to peer 2.
 pub fn delays_packets(linear: &Scene) -> [usize; 2] {
-    let (network, timing) = (&linear.world.network, &linear.peer.timing);
-    let packet_s = timing.packet_period_s();
-    // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
-    let periods = |added_s: f64| (added_s / packet_s - 1e-9).ceil().max(0.0) as usize;
-    let to = |added_s: f64| network.one_way_delay_packets as usize + periods(added_s);
+    let (network, packet_s) = (&linear.world.network, linear.peer.timing.packet_period_s());
+    let to = |added_s: f64| network.one_way_delay_packets as usize + whole_packets(added_s, packet_s);
     [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
 }
 
-/// The lifted matrices a scene falls apart into: sum and difference, or the pair as it is.
-pub(crate) struct Wholes {
-    delays: [usize; 2],
-    signs: std::slice::Iter<'static, f64>,
-    symmetric: bool,
+/// Packet periods that time on top of whole ones counts as: peers look once a period, so that a fraction is one more. None
+/// where it is negative: no packet comes before the constant delay is over.
+pub(crate) fn whole_packets(added_s: f64, packet_s: f64) -> usize {
+    // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
+    (added_s / packet_s - 1e-9).ceil().max(0.0) as usize
 }
 
-impl Wholes {
-    pub(crate) fn new(
-        linear: &Scene,
-        symmetric: bool,
-        responses: &mut [Response; 2],
-    ) -> Result<Self, Refused<'static>> {
-        responses[0].measure(linear, 0)?;
-        if !symmetric {
-            responses[1].measure(linear, 1)?;
-        }
-        let signs: &'static [f64] = if symmetric { &[1.0, -1.0] } else { &[1.0] };
-        Ok(Self { delays: delays_packets(linear), signs: signs.iter(), symmetric })
+/// Two peers' answers and the packet periods that packets are on their way to each of them.
+pub(crate) struct Joined<'a> {
+    answers: [&'a Response; 2],
+    delays: [usize; 2],
+    /// Taken apart into sum and difference: one answer for both, and the same delay both ways.
+    pub symmetric: bool,
+}
+
+impl<'a> Joined<'a> {
+    pub(crate) fn new(answers: [&'a Response; 2], delays: [usize; 2]) -> Self {
+        let symmetric = std::ptr::eq(answers[0], answers[1]) && delays[0] == delays[1];
+        Self { answers, delays, symmetric }
     }
 
-    /// Writes the next one into `whole`; false when there is none.
-    pub(crate) fn next(&mut self, [first, second]: &[Response; 2], whole: &mut Lifted) -> bool {
-        let Some(&sign) = self.signs.next() else { return false };
-        let end = |response, hears, at: usize| End { response, hears, sign, delay_packets: self.delays[at] };
+    /// The lifted matrices it falls apart into, by sign: sum and difference, or the pair as it is.
+    pub(crate) fn signs(&self) -> &'static [f64] {
+        if self.symmetric { &[1.0, -1.0] } else { &[1.0] }
+    }
+
+    /// One state of every object in such a matrix.
+    pub(crate) fn objects(&self) -> [usize; 2] {
+        [OBJECT, if self.symmetric { OBJECT } else { self.answers[0].states() + OBJECT }]
+    }
+
+    /// Writes the matrix of one sign into `whole`.
+    pub(crate) fn write(&self, sign: f64, whole: &mut Lifted) {
+        let end = |at: usize, hears| End { response: self.answers[at], hears, sign, delay_packets: self.delays[at] };
         if self.symmetric {
-            close(&[end(first, 0, 0)], whole);
+            close(&[end(0, 0)], whole);
         } else {
-            close(&[end(first, 1, 0), end(second, 0, 1)], whole);
+            close(&[end(0, 1), end(1, 0)], whole);
         }
-        true
     }
 }
 
 /// The lifted matrix of the whole pair, nothing left out and not taken apart, in the order peer 1, peer 2, packets on
 /// their way to peer 1, to peer 2; local order as in `lifted::driven`.
 pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
-    let mut responses = <[Response; 2]>::default();
+    seated_matrix([linear, linear])
+}
+
+/// The same with a scene for each peer ([`seat`]).
+pub(crate) fn seated_matrix(seats: [&Scene; 2]) -> Result<Lifted, AnalysisError> {
+    let mut answers = <[Response; 2]>::default();
+    for (at, answer) in answers.iter_mut().enumerate() {
+        answer.measure(seats[at], at)?;
+    }
     let mut whole = Lifted::default();
-    Wholes::new(linear, true, &mut responses)?;
-    responses[1].measure(linear, 1)?;
-    let mut pair = Wholes { delays: delays_packets(linear), signs: [1.0].iter(), symmetric: false };
-    pair.next(&responses, &mut whole);
+    Joined::new(answers.each_ref(), delays_packets(seats[0])).write(1.0, &mut whole);
     Ok(whole)
 }

@@ -3,7 +3,8 @@
 //! Dropped, one after the other until nothing changes: a state that nothing after the period depends on (its column is
 //! zero: what an exchange overwrites), and one that is always zero (its row is zero: a packet's unused field). Either way
 //! the matrix has a block-triangular form in which the state stands alone with eigenvalue 0. Then whatever is not coupled
-//! to a device at all, in either direction: a second axis that the scene does not use.
+//! to an object at all, in either direction: a second axis that the scene does not use, a device that nobody holds the object
+//! with.
 //!
 //! Zeros are exact zeros: a product with 0, not a small number.
 
@@ -14,26 +15,26 @@ use crate::matrix::{Matrix, reset};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pruner {
     filled: Vec<bool>,
-    devices: Vec<usize>,
+    anchors: Vec<usize>,
     kept: Vec<usize>,
 }
 
 impl Pruner {
     /// What [`kept`] says, found again only where an entry became or ceased to be zero.
-    pub(crate) fn kept(&mut self, matrix: &Matrix, devices: &[usize]) -> &[usize] {
+    pub(crate) fn kept(&mut self, matrix: &Matrix, anchors: &[usize]) -> &[usize] {
         let filled = || (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j)).map(|entry| *entry != 0.0);
-        if self.devices != devices || !filled().eq(self.filled.iter().copied()) {
+        if self.anchors != anchors || !filled().eq(self.filled.iter().copied()) {
             self.filled.clear();
             self.filled.extend(filled());
-            self.devices = devices.to_vec();
-            self.kept = kept(matrix, devices);
+            self.anchors = anchors.to_vec();
+            self.kept = kept(matrix, anchors);
         }
         &self.kept
     }
 }
 
-/// The states worth keeping, ascending. `devices` are states known to matter, one for each device.
-pub(crate) fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
+/// The states worth keeping, ascending. `anchors` are states known to matter, one for each object.
+pub(crate) fn kept(matrix: &Matrix, anchors: &[usize]) -> Vec<usize> {
     let size = matrix.nrows();
     let (mut in_row, mut in_column) = (vec![0_usize; size], vec![0_usize; size]);
     for (j, filled) in in_column.iter_mut().enumerate() {
@@ -61,7 +62,7 @@ pub(crate) fn kept(matrix: &Matrix, devices: &[usize]) -> Vec<usize> {
         }
     }
     let mut reached = vec![false; size];
-    let mut next: Vec<usize> = devices.iter().copied().filter(|at| alive[*at]).collect();
+    let mut next: Vec<usize> = anchors.iter().copied().filter(|at| alive[*at]).collect();
     while let Some(at) = next.pop() {
         if std::mem::replace(&mut reached[at], true) {
             continue;

@@ -27,7 +27,7 @@ fn scenes() -> Vec<Scene> {
 }
 
 fn stable(scene: &Scene, contact: f64, coordination: f64) -> bool {
-    verdict(&with(scene, contact, coordination).unwrap()).unwrap().stable
+    judge(&with(scene, contact, coordination).unwrap()).unwrap().worst.stable
 }
 
 /// Every pair of gains up to (1 + m) times the proposal is stable, on a grid that the search does not use. Nothing is given
@@ -43,10 +43,9 @@ fn proposals_hold_what_they_promise() {
             let (a, b) = (f64::from(at % 15) / 14.0, f64::from(at / 15) / 14.0);
             assert!(stable(&scene, a * raised[0], b * raised[1]), "({a}, {b}) of {proposal:?}");
         }
-        let linear = scene.linear();
         let [contact, coordination] = raised.map(|gain| 1.06 * gain);
-        let along_contact = first(&with(&linear, 0.0, coordination).unwrap(), CONTACT, contact).unwrap();
-        let along_coordination = first(&with(&linear, contact, 0.0).unwrap(), COORDINATION, coordination).unwrap();
+        let along_contact = first(&with(&scene, 0.0, coordination).unwrap(), CONTACT, contact).unwrap();
+        let along_coordination = first(&with(&scene, contact, 0.0).unwrap(), COORDINATION, coordination).unwrap();
         assert!(along_contact.is_some() || along_coordination.is_some(), "{proposal:?}");
         let outcome = try_out::<f32>(&scene, &proposal, 5.0).unwrap();
         assert!(outcome.bounded, "{proposal:?}: {:?}", outcome.fault);

@@ -19,7 +19,7 @@ fn coordination_comes_before_contact() {
     let mut scene = Scene::default();
     scene.peer.coordination.comm = "power";
     let text = advice(&scene).unwrap();
-    assert!(text.contains("lower coordination.stiffness_n_per_m from 10620 to 321 N/m"), "{text}");
+    assert!(text.contains("lower coordination.stiffness_n_per_m from 10620 to 226 N/m"), "{text}");
     // Stiffer than the contact alone bears: no K_T helps.
     let mut scene = Scene::default();
     scene.peer.contact.stiffness_n_per_m = 6000.0;

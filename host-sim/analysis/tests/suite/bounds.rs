@@ -29,7 +29,7 @@ fn scene(comm: &'static str, integrator: IntegratorName, delay: u32, device_dela
 
 fn along(scene: &Scene) -> Limit {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 1e6 };
-    limit(scene, range, Effort { steps: 80, tolerance: 1e-3 }).unwrap()
+    limit(scene, range, Effort { steps: 80, tolerance: 1e-3, ..Effort::default() }).unwrap()
 }
 
 /// The contact alone, without coordination: against a copy that is free (K_T → 0) and against one that cannot move

@@ -8,17 +8,20 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::flags::Out;
+use crate::cli::flags::{Out, choice};
 use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::figure4::{self, Curve};
-use haptic_analysis::{Agreement, Axis, Column, Effort, Range, advice, agreement, map, picture, speed, verdict};
+use haptic_analysis::{
+    Agreement, Axis, Column, Effort, Hands, Mode, Range, advice, agreement, judge, map, picture, speed,
+};
+use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_sim::report::{Cell, Columns};
 
 super::commands! {
     Question {
-        /// Is this scene stable? Spectral radius of one packet period, rest modes left out.
+        /// Is this scene stable, with both hands on, one, none? Spectral radii of one packet period, rest modes left out.
         Point(Point),
         /// At which values of one key does that change? All of them, pockets included.
         Limit(Limit),
@@ -44,23 +47,38 @@ pub(in crate::cli) struct Point {
 impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let (verdict, second, advice) = (verdict(&scene)?, agreement(&scene.linear())?, advice(&scene)?);
-        let report = and(json!(verdict), &json!({ "constructions": second, "advice": advice }))?;
+        let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
+        let linear = scene.linear();
+        let seconds = judgement.modes.iter().map(|mode| agreement(&linear, mode.mode));
+        let seconds = seconds.collect::<Result<Option<Vec<Agreement>>, _>>()?;
+        // How far apart the two constructions of the lifted matrix are in the mode in which they are farthest.
+        let second = seconds.as_deref().and_then(|all| all.iter().copied().reduce(Agreement::or_farther));
+        let report = and(json!(judgement), &json!({ "constructions": second, "advice": advice }))?;
         ui.document_of(&ui.made().settings(scene.settings()), &report)?;
-        // How far apart the two constructions of the lifted matrix are.
-        let apart = |_: &_| match &second {
-            Some(Agreement { matrix, spectral_radius }) => Cell::Number(matrix.max(*spectral_radius)),
-            None => "none: it has no equations for one of this scene's models".into(),
+        let rows: Vec<_> = (0..).zip(&judgement.modes).collect();
+        let apart = |(at, _): &(usize, &Mode)| match &seconds {
+            Some(seconds) => Cell::Number(seconds[*at].matrix.max(seconds[*at].spectral_radius)),
+            None => "no equations for it".into(),
         };
-        let table = Columns::of(std::slice::from_ref(&verdict))
-            .value("stable", |verdict| verdict.stable)
-            .number("spectral_radius", 9, |verdict| verdict.spectral_radius)
-            .value("states", |verdict| verdict.states)
-            .value("rest_modes_left_out", |verdict| verdict.rest_modes)
-            .value("taken_apart_into_sum_and_difference", |verdict| verdict.symmetric)
+        let at_delay = |(_, mode): &(usize, &Mode)| match mode.at_delay_packets {
+            Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
+            None => "its own".to_owned(),
+        };
+        let table = Columns::of(&rows)
+            .value("mode", |(_, mode)| mode.mode.name())
+            .head("hands on")
+            .value("stable", |(_, mode)| mode.verdict.stable)
+            .number("spectral_radius", 9, |(_, mode)| mode.verdict.spectral_radius)
+            .value("at_delay_packets", at_delay)
+            .head("at delay")
+            .value("states", |(_, mode)| mode.verdict.states)
+            .value("rest_modes", |(_, mode)| mode.verdict.rest_modes)
+            .head("rest modes left out")
             .power("second_construction_differs_by", 1, apart)
+            .head("second construction differs by")
             .done();
-        writeln!(ui, "{}\n{advice}", table.down(&[&self.scene.name()]));
+        writeln!(ui, "{}: {}stable\n", self.scene.name(), if judgement.worst.stable { "" } else { "un" });
+        writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
         Ok(())
     }
 }
@@ -78,15 +96,26 @@ pub(in crate::cli) struct Limit {
     /// Last value.
     #[arg(long, value_name = "B")]
     to: f64,
+    #[command(flatten)]
+    only: Only,
+}
+
+/// Which of the modes that a scene can enter.
+#[derive(Debug, Args)]
+struct Only {
+    /// Look at one mode only; without it the worst of all that the scene can enter decides.
+    #[arg(long, value_parser = choice::<Hands>())]
+    hands: Option<Hands>,
 }
 
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
+        let effort = Effort { hands: self.only.hands, ..Effort::default() };
         let start = Instant::now();
-        let limit = haptic_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, Effort::default())?;
-        let report = and(json!({ "of": of, "from": from, "to": to }), &limit)?;
+        let limit = haptic_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, effort)?;
+        let report = and(json!({ "of": of, "from": from, "to": to, "hands": self.only.hands }), &limit)?;
         let report = and(report, &json!({ "wall_s": start.elapsed().as_secs_f64() }))?;
         ui.document_of(&ui.made().settings(scene.settings()), &report)?;
         let word = |stable: bool| if stable { "stable" } else { "unstable" };
@@ -114,13 +143,15 @@ pub(in crate::cli) struct Map {
     #[arg(long, value_name = "KEY=A..B:N")]
     y: Axis,
     #[command(flatten)]
+    only: Only,
+    #[command(flatten)]
     out: Out,
 }
 
 impl Map {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let effort = Effort { steps: (2 * self.y.count).max(200), ..Effort::default() };
+        let effort = Effort { steps: (2 * self.y.count).max(200), hands: self.only.hands, ..Effort::default() };
         let axes = [self.x.clone(), self.y.clone()];
         let (found, wall_s) = ui.work(self.x.count, "columns", |step| map(&scene, axes, effort, step))?;
         let made = ui.made().settings(scene.settings());
@@ -134,7 +165,7 @@ impl Map {
         ui.document_of(
             &made,
             &json!({
-                "x": x, "y": y, "y_from": from, "y_to": to,
+                "x": x, "y": y, "y_from": from, "y_to": to, "hands": self.only.hands,
                 "columns": found.columns, "evaluations": evaluations, "wall_s": wall_s, "files": files,
             }),
         )?;

@@ -22,10 +22,10 @@ use haptic_sim::scene::Scene;
 pub(crate) use network::{Constructed, Place};
 pub(crate) use peer::State;
 
-/// Builds the pair of a linear scene ([`Scene::linear`]), without using symmetry; `None` where the scene names a
-/// model that this construction has no equations for.
-pub(crate) fn construct(linear: &Scene) -> Option<Constructed> {
-    let peers = [peer::Peer::new(linear, 0)?, peer::Peer::new(linear, 1)?];
-    let periods = peers.each_ref().map(|peer| lift::close(peer, linear.peer.timing.ticks_per_packet as usize));
-    Some(network::join(linear, &peers, &periods))
+/// Builds the pair from the linear scene of each peer ([`Scene::linear`]), without using symmetry; `None` where the scene
+/// names a model that this construction has no equations for.
+pub(crate) fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
+    let peers = [peer::Peer::new(first, 0)?, peer::Peer::new(second, 1)?];
+    let periods = peers.each_ref().map(|peer| lift::close(peer, first.peer.timing.ticks_per_packet as usize));
+    Some(network::join(first, &peers, &periods))
 }

@@ -17,5 +17,5 @@ mod chatter;
 mod drift;
 mod encoders;
 mod extremes;
-mod setup;
+pub(super) mod setup;
 mod subnormals;

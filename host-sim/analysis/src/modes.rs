@@ -1,0 +1,162 @@
+//! Every mode that a scene can enter, judged: both hands on, one, none (THEORY §9).
+//!
+//! A verdict holds for the mode that it looked at. A scene that is stable while both hold the object may be unstable when one
+//! or both let go of it, and a one-sided contact or one with a gap lets go by itself. Each mode is the linear scene
+//! ([`Scene::linear`]) with contact at two, one or no peers ([`Scene::hands_off`]), judged at every constant delay that the
+//! network table can produce ([`super::delays`]). The worst radius decides.
+//!
+//! Rendered by impacts there is no contact that lasts: such a scene has only the mode "none".
+//!
+//! **Cost**: both and none fall apart into sum and difference where delays and arms are the same; one never does.
+
+use haptic_core::contact::RenderingName;
+use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::names::Choice;
+use serde::Serialize;
+
+use super::delays::delays;
+use super::lifted::pair::delays_packets;
+use super::verdict::{Analyser, Verdict};
+use crate::error::AnalysisError;
+use haptic_sim::scene::{Jitter, Scene};
+
+/// Whose hands are on their devices, in contact with the object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Hands {
+    /// Both users'.
+    Both,
+    /// One user's; the other has let go.
+    One,
+    /// Nobody's: the copies and what holds them together are all there is.
+    None,
+}
+
+impl Choice for Hands {
+    const NAMES: &'static [&'static str] = &["both", "one", "none"];
+    const ALL: &'static [Self] = &[Self::Both, Self::One, Self::None];
+}
+
+/// The verdict on one mode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mode {
+    /// Whose hands are on.
+    pub mode: Hands,
+    /// The worst of every delay, and of either peer let go where that matters.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+    /// Delays to peer 1 and to peer 2 that gave it, packets; absent where it is the scene's own.
+    pub at_delay_packets: Option<[usize; 2]>,
+}
+
+/// The verdict on every mode of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judgement {
+    /// That of the mode with the largest spectral radius: stable means that every mode is.
+    #[serde(flatten)]
+    pub worst: Verdict,
+    /// One for each mode.
+    pub modes: Vec<Mode>,
+    /// What this scene has and the verdict leaves out, in plain words.
+    pub not_judged: Vec<&'static str>,
+}
+
+impl Judgement {
+    /// The mode with the largest spectral radius, the first of equals.
+    pub fn worst_mode(&self) -> Hands {
+        self.modes.iter().find(|mode| mode.verdict == self.worst).map_or(Hands::Both, |mode| mode.mode)
+    }
+}
+
+/// Judges every mode that a scene can enter.
+pub fn judge(scene: &Scene) -> Result<Judgement, AnalysisError> {
+    let modes = Analyser::default().modes(scene, None)?;
+    Ok(Judgement { worst: worst(&modes), modes, not_judged: not_judged(scene) })
+}
+
+/// The verdict with the largest spectral radius, the first of equals.
+fn worst(modes: &[Mode]) -> Verdict {
+    modes.iter().map(|mode| mode.verdict).fold(Verdict::LEAST, Verdict::or_worse)
+}
+
+/// The modes that a scene can enter, or the one that is asked for.
+pub(crate) fn entered(scene: &Scene, only: Option<Hands>) -> Vec<Hands> {
+    match only {
+        Some(mode) => vec![mode],
+        None if scene.peer.contact.rendering == RenderingName::Impulsive => vec![Hands::None],
+        None => Hands::ALL.to_vec(),
+    }
+}
+
+impl Analyser {
+    /// The verdict on each mode that the scene can enter, or on the one that is asked for.
+    pub(crate) fn modes(&mut self, scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, AnalysisError> {
+        let modes = entered(scene, only);
+        let linear = scene.linear();
+        self.measure(&linear, [modes != [Hands::None], modes != [Hands::Both]])?;
+        let (own, (delays, _)) = (delays_packets(&linear), delays(scene, &linear));
+        modes.iter().map(|mode| self.mode(*mode, own, &delays)).collect()
+    }
+
+    /// The worst verdict on a mode of what was measured.
+    fn mode(&mut self, mode: Hands, own: [usize; 2], delays: &[[usize; 2]]) -> Result<Mode, AnalysisError> {
+        let let_go: &[[bool; 2]] = match mode {
+            Hands::Both => &[[false; 2]],
+            Hands::One if self.sides_differ() => &[[false, true], [true, false]],
+            Hands::One => &[[false, true]],
+            Hands::None => &[[true; 2]],
+        };
+        let mut worst = Mode { mode, verdict: Verdict::LEAST, at_delay_packets: None };
+        for delays in delays {
+            for released in let_go {
+                let verdict = self.joined(*released, *delays)?;
+                if verdict.spectral_radius > worst.verdict.spectral_radius {
+                    worst = Mode { mode, verdict, at_delay_packets: (*delays != own).then_some(*delays) };
+                }
+            }
+        }
+        Ok(worst)
+    }
+
+    /// The largest spectral radius of the modes.
+    pub(crate) fn radius(&mut self, scene: &Scene, only: Option<Hands>) -> Result<f64, AnalysisError> {
+        Ok(worst(&self.modes(scene, only)?).spectral_radius)
+    }
+}
+
+/// What linear analysis at constant delays leaves out of this scene.
+fn not_judged(scene: &Scene) -> Vec<&'static str> {
+    let (peer, plant, network) = (&scene.peer, &scene.world.plant, &scene.world.network);
+    let (contact, law) = (&peer.contact, &peer.coordination);
+    let recorded = scene.network_trace.is_some();
+    let drawn = |of_table: bool| of_table && !recorded;
+    let every_delay = delays(scene, &scene.linear()).1;
+    let all = [
+        (true, "limits of force, slew and speed"),
+        (contact.rendering == RenderingName::Impulsive, "impacts"),
+        (contact.one_sided || contact.gap_m > 0.0, "contact that opens and closes (each state is judged by itself)"),
+        (plant.encoder, "steps of the encoder"),
+        (plant.coulomb_n > 0.0, "friction of the device"),
+        (plant.motor, "steps and saturation of the motor"),
+        (peer.axis.velocity == VelocityName::Adaptive, "the velocity window that adapts"),
+        (peer.axis.count > 1, "the axes that are held on their line"),
+        (peer.kinematics.model != KinematicsName::Direct, "the geometry of the mechanism"),
+        (law.ledger, "the energy ledger, when it cuts"),
+        (law.drift_correction, "the correction of drift"),
+        (recorded, "what the recorded network did"),
+        (drawn(network.loss > 0.0 || network.corrupt > 0.0), "packets that are lost"),
+        (drawn(network.reorder > 0.0), "packets that are overtaken"),
+        (drawn(network.duplicate > 0.0), "packets that arrive twice"),
+        (drawn(network.bandwidth_bit_per_s > 0.0), "packets that queue for the line"),
+        (
+            drawn(network.jitter == Jitter::Uniform && network.jitter_s > 0.0),
+            "a delay that changes from packet to packet",
+        ),
+        (drawn(network.jitter == Jitter::Gamma && network.jitter_s > 0.0), "jitter: it has no largest delay"),
+        (drawn(network.delay_step_s != 0.0), "the moment at which the delay steps"),
+        (!every_delay, "delays between those that were judged"),
+        (network.clock_drift_ppm != 0.0, "clocks that drift"),
+    ];
+    all.into_iter().filter_map(|(has, what)| has.then_some(what)).collect()
+}
