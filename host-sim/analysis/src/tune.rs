@@ -12,8 +12,10 @@
 //! (`limit`), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
 //! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
 //! fails takes 2 % off both gains, and is verified again. The linear scene is what is proved
-//! ([`haptic_sim::scene::Scene::linear`]); [`try_out`] runs the scene itself.
+//! ([`haptic_sim::scene::Scene::linear`]), in every mode ([`super::judge`]); [`try_out`] runs the scene itself, and [`let_go`]
+//! with nobody holding it.
 
+use haptic_core::num::StateVector;
 use haptic_core::settings::Allowed;
 use haptic_sim::peers::Number;
 use rayon::prelude::*;
@@ -24,6 +26,7 @@ use super::modes::judge;
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, is_stable};
 use crate::error::AnalysisError;
+use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
@@ -222,6 +225,48 @@ pub fn try_out<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -
         scene.users[0].settings.user.pulse_n = 1.0;
     }
     Ok(run::<S>(&scene, Options { duration_s, record_every: 0 }, &|_| {})?)
+}
+
+/// Speed at which [`let_go`] sets the first copy moving, m/s.
+const LET_GO_M_PER_S: f64 = 0.1;
+
+/// How a scene did with nobody holding it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Released {
+    /// No peer stopped, and in the last half the copies had no more energy than they were given.
+    pub bounded: bool,
+    /// Kinetic energy of the copies at the start, J.
+    pub given_j: f64,
+    /// The largest in the last half, J.
+    pub late_j: f64,
+}
+
+/// Runs the scene with the proposal and all that is not linear about it, but released ([`Scene::hands_off`]): copy 1 is set
+/// moving, and nobody puts in any energy after that.
+pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, AnalysisError> {
+    let scene = proposal.applied(scene, 1.0)?.hands_off();
+    let mut pair = Pair::<S>::new(&scene)?;
+    if let Some(side) = pair.sides_mut().next() {
+        // A peer's state begins with position and velocity of its copy.
+        let mut numbers = 0;
+        side.peer.visit(&mut |number: &mut S| {
+            if numbers == 1 {
+                *number = S::from_f64(LET_GO_M_PER_S);
+            }
+            numbers += 1;
+        });
+    }
+    let kinetic_j = |speed: f64| 0.5 * scene.peer.object.mass_kg * speed * speed;
+    let (given_j, mut late_j) = (kinetic_j(LET_GO_M_PER_S), 0.0_f64);
+    let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
+    for tick in 0..ticks {
+        pair.step();
+        if tick >= ticks / 2 {
+            let speeds = pair.sides().map(|side| side.peer.observed().object.velocity.to_f64());
+            late_j = late_j.max(speeds.into_iter().map(kinetic_j).sum());
+        }
+    }
+    Ok(Released { bounded: pair.fault().is_none() && late_j <= given_j, given_j, late_j })
 }
 
 #[cfg(test)]

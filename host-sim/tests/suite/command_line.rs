@@ -167,6 +167,7 @@ fn tune_proposes_gains_that_hold() {
         assert!(proposal[key].as_f64().is_some_and(|radius| radius < 1.0), "{key} in {report}");
     }
     assert_eq!(report["trial"]["bounded"], true);
+    assert_eq!(report["trial"]["released"]["bounded"], true, "{report}");
     let set = report["set"].as_str().expect("a line of overrides");
     let mut arguments = vec!["stability", "point", "--json", "--set", "coordination.comm=power"];
     arguments.extend(set.split_whitespace());

@@ -49,6 +49,8 @@ fn proposals_hold_what_they_promise() {
         assert!(along_contact.is_some() || along_coordination.is_some(), "{proposal:?}");
         let outcome = try_out::<f32>(&scene, &proposal, 5.0).unwrap();
         assert!(outcome.bounded, "{proposal:?}: {:?}", outcome.fault);
+        let released = let_go::<f32>(&scene, &proposal, 10.0).unwrap();
+        assert!(released.bounded, "{proposal:?}: {released:?}");
     }
 }
 
@@ -59,6 +61,10 @@ fn a_proposal_for_a_real_device_runs() {
     let proposal = tune(&scene, 0.2, || {}).unwrap().unwrap();
     let outcome = try_out::<f32>(&scene, &proposal, 10.0).unwrap();
     assert!(outcome.bounded, "{proposal:?}: {:?}", outcome.fault);
+    // The scene's own gains are stable in contact only: that trial tells.
+    let released = |proposal| let_go::<f32>(&scene, &proposal, 20.0).unwrap();
+    let own = Proposal { contact_stiffness_n_per_m: 800.0, coordination_stiffness_n_per_m: 4000.0, ..proposal };
+    assert!(released(proposal).bounded && !released(own).bounded, "{proposal:?}: {:?}", released(own));
 }
 
 /// A wider margin costs stiffness; less delay in the loop gives some.

@@ -108,6 +108,13 @@ struct Only {
     hands: Option<Hands>,
 }
 
+impl Only {
+    /// What was looked at.
+    fn name(&self) -> &'static str {
+        self.hands.map_or("every mode", Hands::name)
+    }
+}
+
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
@@ -154,7 +161,7 @@ impl Map {
         let effort = Effort { steps: (2 * self.y.count).max(200), hands: self.only.hands, ..Effort::default() };
         let axes = [self.x.clone(), self.y.clone()];
         let (found, wall_s) = ui.work(self.x.count, "columns", |step| map(&scene, axes, effort, step))?;
-        let made = ui.made().settings(scene.settings());
+        let made = ui.made().settings(scene.settings()).with("hands", self.only.name());
         let name = format!("map-{}-{}-{}", self.scene.run_name(&scene), self.x.range.key, self.y.range.key);
         let files = ui.files(&self.out, "stability", &name, &made, |files| {
             files.csv(&found.table())?;

@@ -26,6 +26,7 @@ impl Tune {
         let (proposal, _) = ui.work(steps, "contact stiffnesses", |step| tune::tune(&scene, self.margin, step))?;
         // In f32: what flies.
         let trial = proposal.map(|proposal| tune::try_out::<f32>(&scene, &proposal, TRIAL_S)).transpose()?;
+        let released = proposal.map(|proposal| tune::let_go::<f32>(&scene, &proposal, TRIAL_S)).transpose()?;
         let trial = trial.map(|outcome| {
             json!({
                 "scalar": f32::NAME, "duration_s": TRIAL_S, "bounded": outcome.bounded,
@@ -34,6 +35,7 @@ impl Tune {
                 "true_discrepancy_mm": outcome.whole(|o| o.true_discrepancy_mm),
                 "decoded_discrepancy_mm": outcome.merit(|o| o.decoded_discrepancy_mm),
                 "peak_coordination_force_n": outcome.whole(|o| o.peak_coordination_force_n),
+                "released": released,
             })
         });
         // What to add to the command line.
@@ -46,9 +48,9 @@ impl Tune {
         let percent = 100.0 * self.margin;
         writeln!(
             ui,
-            "Stable is every pair of gains from 0 to {percent:.0} % above the proposal; a limit is one gain's with the other"
+            "With both hands on, one, none, every pair of gains from 0 to {percent:.0} % above the proposal is stable; a limit is one"
         );
-        writeln!(ui, "as proposed, none where there is none up to {BEYOND} times.");
+        writeln!(ui, "gain's with the other as proposed, none where there is none up to {BEYOND} times.");
         Ok(())
     }
 }
