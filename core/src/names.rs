@@ -81,6 +81,7 @@ words! {
         "forward-euler" => ForwardEuler, "The old velocity moves the position.";
         "semi-implicit" => SemiImplicit, "The new velocity moves the position.";
         "exact" => Exact, "The matrix exponential, for a held force.";
+        "midpoint" => Midpoint, "One solve a tick for everything that pushes; makes no energy.";
     }
 
     /// How the algebraic loop of the wave decode is opened.

@@ -7,7 +7,7 @@
 //!
 //! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`Peer::packet_due`],
 //! [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the
-//! object advances.
+//! object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
 use crate::device::encoder::{Encoder, EncoderState};
@@ -17,11 +17,16 @@ use crate::device::probe::{End, Outcome, Probe, Probing};
 use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
-use crate::law::{AnyLaw, Coupled, Law, Packet, credit};
+use crate::law::{AnyLaw, Coupled, Law, Packet, Seen, credit};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
-use crate::{device::constraint::Hold, device::velocity::AnyVelocity, law::ledger::Ledger, object::AnyIntegrator};
+use crate::{
+    device::constraint::Hold,
+    device::velocity::AnyVelocity,
+    law::ledger::Ledger,
+    object::{AnyIntegrator, Port},
+};
 
 /// What the tick reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +68,14 @@ pub struct Observed<S> {
 struct Joint<S: Scalar> {
     encoder: EncoderState,
     velocity: AnyVelocity<S>,
+}
+
+/// What one tick does to the copy.
+struct Moved<S> {
+    next: Motion<S>,
+    /// Force on the copy whose reaction the device feels, N.
+    felt: S,
+    coupled: Coupled<S>,
 }
 
 /// A peer: what the settings made of it, and everything about it that changes.
@@ -110,6 +123,8 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     ledger: Ledger<S>,
     saturated: Patience,
     engagement: Engagement,
+    /// Since the newest packet came.
+    age_ticks: u32,
     probing: Probing<S>,
     still: [Still; AXES],
     /// The packet that stands.
@@ -171,6 +186,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             ledger: Ledger::default(),
             saturated: Patience::default(),
             engagement: ladder.engaged(),
+            age_ticks: 0,
             probing: Probing::default(),
             still: Default::default(),
             standing: Packet::default(),
@@ -189,6 +205,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.ledger = Ledger::default();
         self.saturated = Patience::default();
         self.engagement = self.ladder.engaged();
+        self.age_ticks = 0;
         self.standing = Packet::default();
         self.still = Default::default();
     }
@@ -301,6 +318,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
             if let Some(incoming) = incoming {
                 self.standing = incoming;
+                self.age_ticks = 0;
             }
             if incoming.is_some() || self.engagement.is_fading() {
                 let share = self.ladder.share(&self.engagement);
@@ -336,30 +354,61 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             return if self.mode == Mode::Probing { self.push() } else { Actuators::default() };
         }
 
-        let [commanded, ..] = self.forces;
-        let mut object = self.object;
-        let touch = self.contact.touch(&mut self.strikes, free, &mut object, commanded);
-        let contact_force = touch.felt;
-        let coupled = if self.engagement.is_engaged() {
-            self.law.couple(&mut self.coordination, object)
-        } else {
-            Coupled { desired: object, ..Coupled::default() }
-        };
-        self.ledger.book(&coupled, self.period);
-        let next = self.integrator.step(object, touch.pushing + coupled.force);
-        self.observed = Observed {
-            device: free,
-            object,
-            desired: coupled.desired,
-            contact_force,
-            coordination_force: coupled.force,
-        };
+        let Moved { next, felt, coupled } = self.advance(free);
         if !(next.is_finite() && coupled.is_finite()) {
             self.trip(Fault::Diverged);
             return Actuators::default();
         }
         self.object = next;
-        self.actuate(&pose, contact_force)
+        self.actuate(&pose, felt)
+    }
+
+    /// Contact, coordination and the copy's motion through one tick: in stages, as the papers have it, or in one solve.
+    #[inline]
+    fn advance(&mut self, device: Motion<S>) -> Moved<S> {
+        let [commanded, ..] = self.forces;
+        let mut object = self.object;
+        let mut seen = Seen { local: object, contact_force: self.observed.contact_force, age_ticks: self.age_ticks };
+        let uncoupled = |object| Coupled { desired: object, ..Coupled::default() };
+        let engaged = self.engagement.is_engaged();
+        let moved = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+            let press = self.contact.press(&mut self.strikes, device, &mut object, commanded);
+            seen.local = object;
+            let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
+            let mut solve = |coordination: Port<S>| {
+                half_change = midpoint.half_change(object.velocity, press.port + coordination);
+                contact_force = press.port.at(object.velocity + half_change);
+                if contact_force * press.toward < S::ZERO {
+                    // What can only push does not pull.
+                    contact_force = S::ZERO;
+                    half_change = midpoint.half_change(object.velocity, coordination);
+                }
+                object.velocity + half_change
+            };
+            let coupled = if engaged {
+                self.law.couple_as_port(&mut self.coordination, &seen, solve)
+            } else {
+                solve(Port::default());
+                uncoupled(object)
+            };
+            Moved { next: midpoint.advance(carries, object, half_change), felt: contact_force + press.pulse, coupled }
+        } else {
+            let touch = self.contact.touch(&mut self.strikes, device, &mut object, commanded);
+            (seen.local, seen.contact_force) = (object, touch.felt);
+            let coupled = if engaged { self.law.couple(&mut self.coordination, &seen) } else { uncoupled(object) };
+            let next = self.integrator.step(object, touch.pushing + coupled.force);
+            Moved { next, felt: touch.felt, coupled }
+        };
+        self.ledger.book(&moved.coupled, self.period);
+        self.age_ticks = self.age_ticks.saturating_add(1);
+        self.observed = Observed {
+            device,
+            object,
+            desired: moved.coupled.desired,
+            contact_force: moved.felt,
+            coordination_force: moved.coupled.force,
+        };
+        moved
     }
 
     /// One tick of a probe; disarmed when it is over.

@@ -41,7 +41,7 @@ numbered! {
         2 EncoderJump: "an encoder moved further in one tick than the device can",
         3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
         4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
-        5 PeerLost: "the other peer was silent for safety.peer_lost_packets",
+        5 PeerLost: "the other peer was silent for safety.peer_lost_s",
         6 TickOverrun: "a tick began before the last one ended",
         7 Diverged: "the object or the coordination force left the range of numbers",
         8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
@@ -108,7 +108,7 @@ pub struct Guard<S> {
     pub max_speed: S,
     /// Ticks at the limit before a fault.
     pub saturated_ticks: u32,
-    /// Packets of silence before a fault.
+    /// Packet periods of silence before a fault.
     pub silent_packets: u32,
 }
 
@@ -121,7 +121,7 @@ impl<S: Scalar> Guard<S> {
             max_step: S::from_f64(safety.max_slew_n_per_s * settings.timing.control_period_s),
             max_speed: S::from_f64(safety.max_speed_m_per_s),
             saturated_ticks: safety.saturated_ticks,
-            silent_packets: safety.peer_lost_packets,
+            silent_packets: settings.timing.packet_periods(safety.peer_lost_s).max(1),
         }
     }
 

@@ -399,6 +399,12 @@ impl Timing {
         self.control_period_s * f64::from(self.ticks_per_packet)
     }
 
+    /// How many packet periods a time (s) is, to the nearest.
+    pub fn packet_periods(&self, time_s: f64) -> u32 {
+        // A cast saturates: positive, and at most 1000 s of 10 µs.
+        (time_s / self.packet_period_s() + 0.5) as u32
+    }
+
     /// The control period to the nearest nanosecond: what simulated time counts in.
     pub fn control_period_ns(&self) -> u64 {
         // Positive and at most 0.1 s.
@@ -517,12 +523,12 @@ settings! {
             "Fastest plausible motion; above it the peer faults.";
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks",
             "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults.";
-        fade_packets: u32 = 3, whole(0, 10000), "packets",
-            "Packet periods without a packet through which the last one stands.";
-        disengage_packets: u32 = 12, whole(1, 10000), "packets",
-            "Packet periods without a packet after which the coordination has faded out and the peer renders alone.";
-        peer_lost_packets: u32 = 1250, whole(1, 100000), "packets",
-            "Packet periods without a packet, from a peer that was heard before, after which the peer faults.";
+        fade_s: f64 = 0.024, number(0.0, 100.0), "s",
+            "Silence through which the last packet stands.";
+        disengage_s: f64 = 0.096, number(1e-5, 100.0), "s",
+            "Silence after which the coordination has faded out and the peer renders alone.";
+        peer_lost_s: f64 = 10.0, number(1e-5, 1000.0), "s",
+            "Silence of a peer that was heard before, after which the peer faults.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
             "Change of a motor's duty, as a fraction of full scale, under which its encoder must count.";
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",

@@ -6,8 +6,10 @@
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::{AXES, Reading};
+use haptic_core::law::wave::Decode;
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar};
+use haptic_core::object::IntegratorName;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Allowed, Choice, Settings, Value};
@@ -71,7 +73,11 @@ fn settings(draws: &[f64]) -> Settings {
     }
     // Half of all pairs would be out of order, and refused.
     let safety = &mut settings.safety;
-    safety.disengage_packets = safety.disengage_packets.max(safety.fade_packets + 1).min(10_000);
+    safety.disengage_s = safety.disengage_s.max(safety.fade_s + 1e-5);
+    if settings.object.integrator == IntegratorName::Midpoint {
+        settings.coordination.decode = Decode::Implicit;
+        settings.object.force_delay_ticks = 0.0;
+    }
     settings
 }
 

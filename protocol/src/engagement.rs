@@ -8,6 +8,8 @@
 //! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
 //! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
 //!
+//! Silence is a time: where packets come more often than every 8 ms, the ladder goes on counting in 8 ms.
+//!
 //! It is for a caller whose coordination knows nothing of silence. One that fades its packets itself, counted in packets as its
 //! analysis needs them, takes the notices (a session began, ended) and leaves the level alone: two in a row fade twice.
 //!
@@ -30,6 +32,8 @@ pub(crate) enum Rung {
 pub(crate) const FADE_AFTER: u32 = 3;
 /// Packet periods of silence before the peers are apart.
 pub(crate) const APART_AFTER: u32 = 12;
+/// The shortest period that silence is counted in, µs.
+pub(crate) const SHORTEST_PERIOD_US: u32 = 8_000;
 /// Packet periods from 0 to full engagement.
 pub(crate) const RISE: u32 = 12;
 
@@ -50,7 +54,7 @@ pub(crate) struct Engagement {
 impl Engagement {
     /// Apart, for flow that comes each `period_us`.
     pub(crate) fn new(period_us: u32) -> Self {
-        Self { period_us: u64::from(period_us), heard_us: None, updated_us: 0, level: 0 }
+        Self { period_us: u64::from(period_us.max(SHORTEST_PERIOD_US)), heard_us: None, updated_us: 0, level: 0 }
     }
 
     /// The peers part: level 0 until flow comes again.

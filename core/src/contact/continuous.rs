@@ -5,10 +5,10 @@
 //! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
 //! A scene with neither gap nor side has no contact detection at all.
 
-use super::rendering::{Rendering, Strikes, Touch};
+use super::rendering::{Press, Rendering, Strikes, Touch};
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
-use crate::{model::Model, names::Side};
+use crate::{model::Model, names::Side, object::Port};
 
 /// Where contact begins.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,10 @@ enum Surface<S> {
 pub struct Contact<S> {
     stiffness: S,
     damping: S,
+    /// K_LC·T_c/2 + B_LC, N·s/m.
+    impedance: S,
+    /// T_c/2, s.
+    half_period: S,
     surface: Surface<S>,
     /// How far from a device at rest an object is put, one-sided; 0 otherwise.
     clearance: S,
@@ -40,7 +44,10 @@ impl<S: Scalar> Contact<S> {
             Side::Left => S::ONE,
             Side::Right => -S::ONE,
         };
+        let half_period_s = 0.5 * settings.timing.control_period_s;
         Self {
+            impedance: S::from_f64(contact.stiffness_n_per_m * half_period_s + contact.damping_n_s_per_m),
+            half_period: S::from_f64(half_period_s),
             stiffness: S::from_f64(contact.stiffness_n_per_m),
             damping: S::from_f64(contact.damping_n_s_per_m),
             surface: match (contact.one_sided, contact.gap_m > 0.0) {
@@ -60,7 +67,7 @@ impl<S: Scalar> Contact<S> {
     /// The same contact with another stiffness (N/m) and damping (N·s/m).
     #[must_use]
     pub fn with_gains(self, stiffness: S, damping: S) -> Self {
-        Self { stiffness, damping, ..self }
+        Self { stiffness, damping, impedance: stiffness * self.half_period + damping, ..self }
     }
 
     /// How far a device at this distance (m) from the object is past the surface, where contact has a side; or how fast.
@@ -71,19 +78,34 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
+    /// How far the spring is pressed, m, if device and object touch.
+    #[inline]
+    fn depth(&self, distance: S) -> Option<S> {
+        match self.surface {
+            Surface::Held => Some(distance),
+            Surface::Play(gap) if distance > gap => Some(distance - gap),
+            Surface::Play(gap) if distance < -gap => Some(distance + gap),
+            Surface::OneSided { sign } if sign * distance > S::ZERO => Some(distance),
+            Surface::Play(_) | Surface::OneSided { .. } => None,
+        }
+    }
+
     /// F_LC on the object, N.
     #[inline]
     pub fn force(&self, device: Motion<S>, object: Motion<S>) -> S {
-        let distance = device.position - object.position;
-        let speed = device.velocity - object.velocity;
-        let depth = match self.surface {
-            Surface::Held => distance,
-            Surface::Play(gap) if distance > gap => distance - gap,
-            Surface::Play(gap) if distance < -gap => distance + gap,
-            Surface::OneSided { sign } if sign * distance > S::ZERO => distance,
-            Surface::Play(_) | Surface::OneSided { .. } => return S::ZERO,
-        };
-        self.stiffness * depth + self.damping * speed
+        match self.depth(device.position - object.position) {
+            Some(depth) => self.stiffness * depth + self.damping * (device.velocity - object.velocity),
+            None => S::ZERO,
+        }
+    }
+
+    /// The same as a port: the spring is pressed on while the object moves through the tick, the device as it was sensed.
+    #[inline]
+    pub fn port(&self, device: Motion<S>, object: Motion<S>) -> Press<S> {
+        let Some(depth) = self.depth(device.position - object.position) else { return Press::default() };
+        let force = self.stiffness * depth + self.damping * device.velocity;
+        let toward = if matches!(self.surface, Surface::Held) { S::ZERO } else { depth };
+        Press { port: Port { force, impedance: self.impedance }, toward, pulse: S::ZERO }
     }
 }
 
@@ -102,5 +124,9 @@ impl<S: Scalar> Rendering<S> for Contact<S> {
     fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, _: S) -> Touch<S> {
         let force = self.force(device, *object);
         Touch { pushing: force, felt: force }
+    }
+    #[inline]
+    fn press(&self, _: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, _: S) -> Press<S> {
+        self.port(device, *object)
     }
 }

@@ -17,7 +17,7 @@
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
-use super::rendering::{Rendering, Strikes, Touch};
+use super::rendering::{Press, Rendering, Strikes, Touch};
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
@@ -94,5 +94,10 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         }
         state.before = Some([device.position, object.position]);
         Touch { pushing: S::ZERO, felt: state.pulse }
+    }
+
+    fn press(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
+        let Touch { felt: pulse, .. } = self.touch(state, device, object, commanded);
+        Press { pulse, ..Press::default() }
     }
 }

@@ -19,7 +19,7 @@ use crate::num::{Motion, Scalar};
 
 pub use crate::names::{RenderingName, Side};
 pub use continuous::Contact;
-pub use rendering::{Impacts, Rendering, Strikes, Touch};
+pub use rendering::{Impacts, Press, Rendering, Strikes, Touch};
 
 list! {
     /// Any way to render contact.
@@ -39,5 +39,11 @@ impl<S: Scalar> AnyRendering<S> {
     #[inline]
     pub fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
         each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, commanded))
+    }
+
+    /// [`Rendering::press`].
+    #[inline]
+    pub fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
+        each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, commanded))
     }
 }

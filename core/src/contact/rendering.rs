@@ -2,6 +2,7 @@
 
 use crate::model::Model;
 use crate::num::{Motion, Scalar, Sum};
+use crate::object::Port;
 
 /// What contact does in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -10,6 +11,17 @@ pub struct Touch<S> {
     pub pushing: S,
     /// Force on the object whose reaction the device feels, N.
     pub felt: S,
+}
+
+/// What contact does in one tick of a copy that is moved by ports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Press<S> {
+    /// What pushes the object.
+    pub port: Port<S>,
+    /// Its sign tells which way alone the port may push; 0: both ways.
+    pub toward: S,
+    /// Force on the object whose reaction the device feels beside that of the port, N: a pulse.
+    pub pulse: S,
 }
 
 /// Impacts since arming, and what of them reached the hand.
@@ -32,6 +44,8 @@ pub trait Rendering<S: Scalar>: Model<S> {
     /// One tick: the contact of device and object, given the force (N) that the device was last commanded. Impacts move
     /// the object on.
     fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
+    /// The same for a copy that is moved by ports.
+    fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
 }
 
 /// The step before, and the account.

@@ -1,8 +1,8 @@
 //! What silence does: hold, fade, disengage; and what the end of silence does: the same steps back.
 //!
-//! Counted in packet periods without a packet: up to `safety.fade_packets` the last packet stands; then the coordination
-//! fades, one step a period, until at `safety.disengage_packets` it is gone and the peer renders alone. The first packet
-//! after that starts the law anew where the object is, from no force, and every packet takes one step back. What a packet
+//! Counted in packet periods without a packet: up to `safety.fade_s` the last packet stands; then the coordination
+//! fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both are times, rounded
+//! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the object is, from no force, and every packet takes one step back. What a packet
 //! is that has faded, the law says ([`super::Law::fade`]).
 //!
 //! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
@@ -37,16 +37,18 @@ pub struct Engagement {
 impl<S: Scalar> Ladder<S> {
     /// The scene's ladder.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let safety = &settings.safety;
-        match safety.disengage_packets.checked_sub(safety.fade_packets) {
-            Some(steps) if steps > 0 => {
-                Ok(Self { hold: safety.fade_packets, steps, step: S::from_f64(1.0 / f64::from(steps)) })
-            }
-            _ => {
-                let allowed = Allowed::Whole { min: safety.fade_packets.saturating_add(1), max: 100_000 };
-                Err(settings.refuses("safety.disengage_packets", allowed))
-            }
+        let (timing, safety) = (&settings.timing, &settings.safety);
+        if safety.disengage_s <= safety.fade_s {
+            return Err(settings.refuses("safety.disengage_s", Allowed::Only("more than safety.fade_s")));
         }
+        let hold = timing.packet_periods(safety.fade_s);
+        let steps = timing.packet_periods(safety.disengage_s).saturating_sub(hold).max(1);
+        Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)) })
+    }
+
+    /// Packet periods from engaged to disengaged, the last packet standing through the first of them.
+    pub fn steps(&self) -> u32 {
+        self.steps
     }
 
     /// Fully engaged, nothing heard yet.

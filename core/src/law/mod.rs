@@ -1,6 +1,6 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
-//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period
+//! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick), hands out one [`Packet`] each packet period
 //! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own
 //! keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod` and one line in the list below make
 //! it known to simulator, analyser, campaign, board and reports; a crate outside hands it to them. [`free`] shows the least a
@@ -19,6 +19,7 @@ pub mod power;
 pub mod wave;
 
 use crate::num::{Motion, Scalar, StateVector};
+use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::settings::{Kind, Sends};
@@ -50,6 +51,17 @@ impl<S: Scalar> Packet<S> {
     pub fn is_finite(self) -> bool {
         self.motion.is_finite() && self.wave.is_finite() && self.energy_j.is_finite() && self.wave_integral.is_finite()
     }
+}
+
+/// What a law sees in one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen<S> {
+    /// Motion of the local copy as the tick begins, m and m/s.
+    pub local: Motion<S>,
+    /// Force of contact on the copy, N: of this tick, or of the one before where contact and law are solved together.
+    pub contact_force: S,
+    /// Ticks since the newest packet came; since arming before the first.
+    pub age_ticks: u32,
 }
 
 /// What a law did in one tick.
@@ -94,8 +106,18 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     }
     /// Takes in the other peer's packet; it stands until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
-    /// One tick: the force on the local copy from the copy's motion and what was received.
-    fn couple(&self, state: &mut Self::State, local: Motion<S>) -> Coupled<S>;
+    /// One tick: the force on the local copy from what is seen and what was received.
+    fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S>;
+    /// One tick of a copy that is moved by ports (`object.integrator = "midpoint"`): the law says what its port is, is told
+    /// the mean velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force is `port.at(velocity)`.
+    ///
+    /// A law that does not say is a force that does not depend on how the copy moves, which makes energy where it is stiff.
+    #[inline]
+    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
+        let coupled = self.couple(state, seen);
+        solve(Port::of_force(coupled.force));
+        coupled
+    }
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
     /// A packet through silence, of which this share (below 1) still counts: a motion moved toward the local one, and a wave
@@ -162,8 +184,17 @@ macro_rules! laws {
                 match state { $( AnyLawState::$Variant(law, state) => law.receive(state, packet) ),+ }
             }
             #[inline]
-            fn couple(&self, state: &mut Self::State, local: Motion<S>) -> Coupled<S> {
-                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, local) ),+ }
+            fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
+                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, seen) ),+ }
+            }
+            #[inline]
+            fn couple_as_port(
+                &self,
+                state: &mut Self::State,
+                seen: &Seen<S>,
+                solve: impl FnOnce(Port<S>) -> S,
+            ) -> Coupled<S> {
+                match state { $( AnyLawState::$Variant(law, state) => law.couple_as_port(state, seen, solve) ),+ }
             }
             fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
                 match state { $( AnyLawState::$Variant(law, state) => law.send(state, local) ),+ }
@@ -190,15 +221,19 @@ pub struct Spring<S> {
     pub stiffness: S,
     /// B_T, N·s/m.
     pub damping: S,
+    /// κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
+    pub impedance: S,
 }
 
 impl<S: Scalar> Spring<S> {
     /// K_T and B_T of the scene.
     pub fn build(settings: &Settings) -> Self {
         let coordination = &settings.coordination;
+        let half_period_s = 0.5 * settings.timing.control_period_s;
         Self {
             stiffness: S::from_f64(coordination.stiffness_n_per_m),
             damping: S::from_f64(coordination.damping_n_s_per_m),
+            impedance: S::from_f64(coordination.stiffness_n_per_m * half_period_s + coordination.damping_n_s_per_m),
         }
     }
 
@@ -206,5 +241,12 @@ impl<S: Scalar> Spring<S> {
     #[inline]
     pub fn force(&self, desired: Motion<S>, local: Motion<S>) -> S {
         self.stiffness * (desired.position - local.position) + self.damping * (desired.velocity - local.velocity)
+    }
+
+    /// F_T through a tick in which the copy moves and the desired motion is held, f and z.
+    #[inline]
+    pub fn port(&self, desired: Motion<S>, local: Motion<S>) -> Port<S> {
+        let stretch = desired.position - local.position;
+        Port { force: self.stiffness * stretch + self.damping * desired.velocity, impedance: self.impedance }
     }
 }

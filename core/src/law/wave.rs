@@ -10,12 +10,14 @@
 //! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
 //! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where there
-//! is one, `host-sim/analysis/tests/suite/bounds.rs` says. Square roots are taken once, in `build()`.
+//! is one, `host-sim/analysis/tests/suite/bounds.rs` says. Where the copy is moved by ports, spring and line in a row are one
+//! of them and the loop closes in the object's own solve (THEORY §7), which makes no energy at any K_T. Square roots are taken once, in `build()`.
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
-use super::{Coupled, Kind, Law, Packet, Sends, Spring};
+use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
+use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::names::Decode;
@@ -45,6 +47,12 @@ pub struct Line<S, D> {
     root: S,
     /// 1/(b + B_T + K_T·T_c), to decode implicitly.
     inverse_loop: S,
+    /// 1/(b + κ), to solve with the object.
+    inverse_sum: S,
+    /// κ/(b + κ), the part of the drive that reaches the object.
+    share: S,
+    /// z = κ·b/(b + κ), spring and line in a row, N·s/m.
+    impedance_through: S,
     /// √(b/2), the part of u_out that is velocity.
     velocity_to_wave: S,
     /// 1/√(2b), the part of u_out that is force.
@@ -82,6 +90,31 @@ impl<S, D: StateVector<S>> StateVector<S> for LineState<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Line<S, D> {
+    /// u_in of this tick, √W.
+    #[inline]
+    fn paid(&self, state: &mut LineState<S, D::State>) -> S {
+        match &self.credit {
+            Some(credit) => credit.spend(&mut state.account, state.wave_in),
+            None => state.wave_in,
+        }
+    }
+
+    /// u_out of this tick goes into what is sent.
+    #[inline]
+    fn emit(&self, state: &mut LineState<S, D::State>, desired: Motion<S>, wave_in: S) -> Coupled<S> {
+        let wave_out = self.velocity_to_wave * desired.velocity - self.force_to_wave * state.force;
+        self.decimator.push(&mut state.outgoing, wave_out);
+        if self.credit.is_some() {
+            state.integral.add(self.period * wave_out);
+        }
+        Coupled {
+            desired,
+            force: state.force,
+            power_in: self.half * wave_in * wave_in,
+            power_out: self.half * wave_out * wave_out,
+        }
+    }
+
     #[inline]
     fn decode(&self, state: &mut LineState<S, D::State>, wave_in: S, local: Motion<S>) -> Motion<S> {
         let before = state.desired;
@@ -116,6 +149,7 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         }
         let impedance = coordination.wave_impedance_n_s_per_m;
         let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
+        let kappa = coordination.damping_n_s_per_m + 0.5 * coordination.stiffness_n_per_m * period;
         let root = libm::sqrt(2.0 * impedance);
         Ok(Self {
             spring: Spring::build(settings),
@@ -127,6 +161,9 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
             inverse_impedance: S::from_f64(1.0 / impedance),
             root: S::from_f64(root),
             inverse_loop: S::from_f64(1.0 / loop_gain),
+            inverse_sum: S::from_f64(1.0 / (impedance + kappa)),
+            share: S::from_f64(kappa / (impedance + kappa)),
+            impedance_through: S::from_f64(impedance * kappa / (impedance + kappa)),
             velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
             force_to_wave: S::from_f64(1.0 / root),
             half: S::from_f64(0.5),
@@ -150,24 +187,32 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut LineState<S, D::State>, local: Motion<S>) -> Coupled<S> {
-        let wave_in = match &self.credit {
-            Some(credit) => credit.spend(&mut state.account, state.wave_in),
-            None => state.wave_in,
-        };
-        state.desired = self.decode(state, wave_in, local);
-        state.force = self.spring.force(state.desired, local);
-        let wave_out = self.velocity_to_wave * state.desired.velocity - self.force_to_wave * state.force;
-        self.decimator.push(&mut state.outgoing, wave_out);
-        if self.credit.is_some() {
-            state.integral.add(self.period * wave_out);
-        }
-        Coupled {
-            desired: state.desired,
-            force: state.force,
-            power_in: self.half * wave_in * wave_in,
-            power_out: self.half * wave_out * wave_out,
-        }
+    fn couple(&self, state: &mut LineState<S, D::State>, seen: &Seen<S>) -> Coupled<S> {
+        let wave_in = self.paid(state);
+        let desired = self.decode(state, wave_in, seen.local);
+        state.desired = desired;
+        state.force = self.spring.force(desired, seen.local);
+        self.emit(state, desired, wave_in)
+    }
+
+    #[inline]
+    fn couple_as_port(
+        &self,
+        state: &mut LineState<S, D::State>,
+        seen: &Seen<S>,
+        solve: impl FnOnce(Port<S>) -> S,
+    ) -> Coupled<S> {
+        let wave_in = self.paid(state);
+        let before = state.desired.position;
+        let spring = self.spring.stiffness * (before - seen.local.position);
+        // b·ẋ_d = drive − κ·(ẋ_d − v): what is left of the wave's push once the spring has taken its part.
+        let drive = self.root * wave_in - spring;
+        let port = Port { force: spring + self.share * drive, impedance: self.impedance_through };
+        let mean = solve(port);
+        let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
+        state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
+        state.force = port.at(mean);
+        self.emit(state, Motion { position: before, velocity }, wave_in)
     }
 
     fn send(&self, state: &LineState<S, D::State>, _: Motion<S>) -> Packet<S> {

@@ -1,20 +1,24 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
-//! Forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
+//! The staged ones take a force that was computed before; [`midpoint`] solves for everything that pushes at once. Staged forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
 //! A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod euler;
 pub mod exact;
+pub mod midpoint;
+pub mod port;
 
 use crate::model::Model;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 
 pub use crate::names::IntegratorName;
+pub use midpoint::Midpoint;
+pub use port::Port;
 
 /// Advances a mass by one tick.
-pub trait Integrator<S: Scalar>: Model<S, State = Before<S>> {
+pub trait Integrator<S: Scalar>: Model<S> {
     /// The motion one control period later, under `force` (N) and what of the force before still acts.
-    fn step(&self, before: &mut Before<S>, motion: Motion<S>, force: S) -> Motion<S>;
+    fn step(&self, before: &mut Self::State, motion: Motion<S>, force: S) -> Motion<S>;
 }
 
 list! {
@@ -23,6 +27,7 @@ list! {
         ForwardEuler(euler::ForwardEuler<S>),
         SemiImplicit(euler::SemiImplicit<S>),
         Exact(exact::Exact<S>),
+        Midpoint(Midpoint<S>),
     }
 }
 
@@ -30,16 +35,16 @@ impl<S: Scalar> AnyIntegrator<S> {
     /// [`Integrator::step`].
     #[inline]
     pub fn step(&mut self, motion: Motion<S>, force: S) -> Motion<S> {
-        each!(self: ForwardEuler | SemiImplicit | Exact, model, before => model.step(before, motion, force))
+        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, model, before => model.step(before, motion, force))
     }
 
     /// As after [`AnyIntegrator::build`]: no force acted before.
     pub fn rest(&mut self) {
-        each!(self: ForwardEuler | SemiImplicit | Exact, _model, before => *before = Before::default());
+        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, _model, before => *before = Default::default());
     }
 }
 
-/// What an integrator remembers: the force of the tick before, and what its last position could not hold.
+/// What a staged integrator remembers: the force of the tick before, and what its last position could not hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Before<S> {
     /// Force of the tick before, N.

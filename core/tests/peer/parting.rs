@@ -35,8 +35,7 @@ fn at(position: f64) -> Option<Packet<f64>> {
 
 #[test]
 fn the_force_goes_at_once_and_comes_back_step_by_step() {
-    let settings = power();
-    let mut bench = Bench::armed(&settings);
+    let mut bench = Bench::armed(&power());
     assert!(bench.period(at(0.01)) > 3.0, "armed and told nothing, a peer takes the first packet in full");
     assert!(bench.peer.is_engaged());
 
@@ -47,7 +46,8 @@ fn the_force_goes_at_once_and_comes_back_step_by_step() {
     let sent = bench.peer.outgoing();
     assert_eq!((sent.motion.velocity, sent.wave), (0.0, 0.0));
 
-    let steps = settings.safety.disengage_packets - settings.safety.fade_packets;
+    // (safety.disengage_s − safety.fade_s)/T_n
+    let steps = 9_u32;
     for step in 1..=steps + 3 {
         let here = bench.peer.outgoing().motion.position;
         let force = bench.period(at(here + 0.01));
@@ -60,7 +60,7 @@ fn the_force_goes_at_once_and_comes_back_step_by_step() {
 #[test]
 fn silence_goes_on_being_counted() {
     let mut settings = power();
-    settings.safety.peer_lost_packets = 20;
+    settings.safety.peer_lost_s = 0.16;
     let mut bench = Bench::armed(&settings);
     bench.period(at(0.0));
     for _ in 0..19 {

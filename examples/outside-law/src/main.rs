@@ -11,7 +11,7 @@
 //!
 //! In haptic-core the same law would be this file and one line in its list of laws.
 
-use haptic_core::law::{Coupled, Kind, Law, Packet, Sends, Spring};
+use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Key, Refused, Settings};
 
@@ -48,8 +48,8 @@ impl<S: Scalar> Law<S> for Predict<S> {
         *desired = Motion { position: position + self.ahead * velocity, velocity };
     }
 
-    fn couple(&self, desired: &mut Motion<S>, local: Motion<S>) -> Coupled<S> {
-        let force = self.spring.force(*desired, local);
+    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
+        let force = self.spring.force(*desired, seen.local);
         let power = force * desired.velocity;
         Coupled { desired: *desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
     }

@@ -6,6 +6,7 @@
 
 use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
+use haptic_core::object::IntegratorName;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
 use super::lifted::driven::{OBJECT, TOO_LARGE};
@@ -109,7 +110,9 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
 /// Core's order of a peer's states, as far as they are known here.
 fn driven_order(linear: &Scene) -> Vec<Option<State>> {
     use State::*;
-    let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
+    let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
+    // What is moved by ports remembers no force.
+    let staged = (linear.peer.object.integrator != IntegratorName::Midpoint).then_some(ObjectForce);
     let law: &[Option<State>] = match linear.peer.coordination.comm {
         // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
         "wave" | "passive-wave" => {
@@ -123,7 +126,7 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
         _ => &[],
     };
     let estimator = [Some(LastReading), Some(FilteredVelocity)];
-    body.into_iter().map(Some).chain(law.iter().copied()).chain(estimator).collect()
+    body.into_iter().chain(staged).map(Some).chain(law.iter().copied()).chain(estimator).collect()
 }
 
 /// Numbers in a packet: position, velocity, wave, and what else core has come to send.

@@ -17,13 +17,9 @@ use haptic_sim::scene::{Jitter, Scene};
 pub(crate) const MOST: usize = 17;
 
 /// Delays to peer 1 and to peer 2 for every round trip that the table of `scene` can produce, shortest first, and whether that
-/// is all of them. The delay of `linear`, the linear scene behind it, stands as it is, and alone where a recording takes the
-/// table's place.
+/// is all of them. The delay of `linear`, the linear scene behind it, stands as it is.
 pub(crate) fn delays(scene: &Scene, linear: &Scene) -> (Vec<[usize; 2]>, bool) {
     let (network, base) = (&scene.world.network, delays_packets(linear));
-    if scene.network_trace.is_some() {
-        return (vec![base], true);
-    }
     let packet_s = scene.peer.timing.packet_period_s();
     let jitter_s = if network.jitter == Jitter::Uniform { network.jitter_s } else { 0.0 };
     let within = |added_s: f64| -> RangeInclusive<usize> {

@@ -5,6 +5,7 @@
 use alloc::vec::Vec;
 
 use haptic_core::contact::Contact;
+use haptic_core::law::wave::Decode;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::Settings;
@@ -33,6 +34,7 @@ pub fn settings(test: Test, integrator: IntegratorName, period_s: f64) -> Settin
     settings.timing.control_period_s = period_s;
     settings.object.integrator = integrator;
     settings.object.force_delay_ticks = 0.0;
+    settings.coordination.decode = Decode::Implicit;
     match test {
         Test::Contact => {}
         Test::Undamped => settings.contact.damping_n_s_per_m = 0.0,
@@ -50,13 +52,18 @@ pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
         _ => Motion::at(S::from_f64(RELEASE_M)),
     };
     let ticks = libm::round(DURATION_S / settings.timing.control_period_s) as usize;
+    let push = S::from_f64(PUSH_N);
     let step = |_| {
         let before = object;
-        let force = match test {
-            Test::Push => S::from_f64(PUSH_N),
-            _ => contact.force(Motion::REST, object),
+        object = match (&mut integrator, test) {
+            (integrator, Test::Push) => integrator.step(object, push),
+            // Contact and object in one solve, as a peer does it.
+            (AnyIntegrator::Midpoint(midpoint, carries), _) => {
+                let half = midpoint.half_change(object.velocity, contact.port(Motion::REST, object).port);
+                midpoint.advance(carries, object, half)
+            }
+            (integrator, _) => integrator.step(object, contact.force(Motion::REST, object)),
         };
-        object = integrator.step(object, force);
         before
     };
     (0..ticks).map(step).collect()

@@ -26,7 +26,7 @@ use core::hint::black_box;
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
 use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::law::wave::{Decode, PassiveWave};
-use haptic_core::law::{AnyLaw, Law};
+use haptic_core::law::{AnyLaw, Law, Seen};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::{Choice, Settings};
@@ -113,7 +113,7 @@ fn decode<S: Scalar, M: Meter>(decode: Decode) -> Case {
     case::<M, _, _, _>(format!("decode/{}", decode.name()), inputs, move || {
         let law = black_box(AnyLaw::<S>::build(&settings).expect(GOOD));
         let mut state = black_box(law.start(Motion::REST));
-        move |local| law.couple(&mut state, local)
+        move |local| law.couple(&mut state, &Seen { local, ..Seen::default() })
     })
 }
 

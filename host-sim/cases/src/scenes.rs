@@ -75,6 +75,16 @@ pub const SCENES: &[Scene] = &[
         implicit(s);
         s.object.integrator = IntegratorName::Exact;
     }),
+    scene(
+        "implicit-midpoint",
+        Some("implicit-forward-euler"),
+        "one solve of contact, law and object (midpoint)",
+        |s| {
+            implicit(s);
+            s.object.integrator = IntegratorName::Midpoint;
+            s.object.force_delay_ticks = 0.0;
+        },
+    ),
     scene("passive-mean", Some("implicit-forward-euler"), "mean of a packet instead of the filter", |s| {
         implicit(s);
         s.coordination.comm = "passive-mean";

@@ -411,6 +411,9 @@ impl Scene {
 
     /// What a mistyped key may have meant.
     fn hint(&self, key: &str) -> String {
+        if let Some((_, now)) = RENAMED.iter().find(|(before, _)| *before == key) {
+            return format!("; it is {now} now");
+        }
         let keys = self.keys();
         if let Some((table, _)) =
             key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
@@ -424,6 +427,13 @@ impl Scene {
         near.map_or_else(String::new, |name| format!("; did you mean {name}?"))
     }
 }
+
+/// Keys that are called otherwise since they have another unit.
+const RENAMED: [(&str, &str); 3] = [
+    ("safety.fade_packets", "safety.fade_s, in s"),
+    ("safety.disengage_packets", "safety.disengage_s, in s"),
+    ("safety.peer_lost_packets", "safety.peer_lost_s, in s"),
+];
 
 /// The name that a misspelt one is most like, if it is like any.
 pub fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {

@@ -70,16 +70,18 @@ fn growth(error: impl Fn(f64) -> f64) -> f64 {
     error(2.5e-4) / error(1.25e-4)
 }
 
-/// On a contact that is sampled and held every integrator is of first order, the exact one included.
+/// On a contact that is sampled and held every integrator is of first order, the exact one included; solved with the object it
+/// is of second order.
 #[test]
 fn on_a_sampled_contact_all_are_of_first_order() {
     for &name in IntegratorName::ALL {
+        let orders = if name == IntegratorName::Midpoint { 3.8..4.2 } else { 1.8..2.3 };
         let (position, velocity) = (
             growth(|period| errors::<f64>(Test::Contact, name, period).0),
             growth(|period| errors::<f64>(Test::Contact, name, period).1),
         );
         for ratio in [position, velocity] {
-            assert!((1.8..2.3).contains(&ratio), "{}: {position} {velocity}", name.name());
+            assert!(orders.contains(&ratio), "{}: {position} {velocity}", name.name());
         }
     }
 }
@@ -121,9 +123,11 @@ fn the_closed_forms_solve_their_equations() {
 
 /// Symplectic: without damping the energy wobbles, within ωT, and does not grow with time.
 #[test]
-fn only_the_semi_implicit_integrator_keeps_energy() {
-    let [euler, semi, exact] = [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit, IntegratorName::Exact]
-        .map(|name| energy_error::<f64>(name, 1e-3));
+fn only_the_semi_implicit_integrator_keeps_energy_and_the_midpoint_rule_exactly() {
+    let [euler, semi, exact, midpoint] =
+        [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit, IntegratorName::Exact, IntegratorName::Midpoint]
+            .map(|name| energy_error::<f64>(name, 1e-3));
+    assert!(midpoint < 1e-12, "{midpoint}");
     let turn = (1000.0_f64 / 0.3).sqrt() * 1e-3;
     assert!(semi < turn, "{semi}");
     // Each tick multiplies the energy by 1 + K·T²/m, or by 1 + K·T²/2m where the step itself is exact.

@@ -6,6 +6,7 @@ mod agreement;
 mod bounds;
 mod envelope;
 mod hard_cases;
+mod midpoint;
 mod modes;
 mod oracle;
 mod random;

@@ -3,7 +3,6 @@
 use haptic_analysis::{Effort, Hands, Judgement, Mode, Range, judge, limit, verdict};
 use haptic_core::names::Choice;
 use haptic_core::num::StateVector;
-use haptic_sim::network::trace::NetworkTrace;
 use haptic_sim::pair::Pair;
 use haptic_sim::scene::Scene;
 use haptic_sim::{Laws, scenes};
@@ -50,10 +49,14 @@ fn the_papers_gains_are_unstable_released() {
     }
 }
 
-/// Why: its contact has 0.988, and hands off it runs away.
+/// Why: as it was, with the papers' orders, its contact has 0.988, and hands off it runs away. With one solve a tick it does not.
 #[test]
-fn the_real_device_is_not_stable() {
-    let found = judge(&scenes::load(Laws::built_in(), "real-device").unwrap()).unwrap();
+fn the_real_device_as_it_was_is_not_stable() {
+    let mut scene = scenes::load(Laws::built_in(), "real-device").unwrap();
+    assert!(judge(&scene).unwrap().worst.stable);
+    scene.apply_override("coordination.comm=passive-wave").unwrap();
+    scene.apply_override("object.integrator=semi-implicit").unwrap();
+    let found = judge(&scene).unwrap();
     assert!(radius(&found, Hands::Both) < 0.989 && !found.worst.stable, "{found:?}");
     assert!((radius(&found, Hands::None) - 1.0023).abs() < 1e-4, "{found:?}");
     for word in ["encoder", "friction", "motor", "opens and closes", "held on their line"] {
@@ -102,7 +105,7 @@ fn what_is_not_judged_is_named() {
         ("network.bandwidth_bit_per_s=1e6", "queue"),
         ("network.jitter=uniform network.jitter_s=0.01", "from packet to packet"),
         ("network.jitter=gamma network.jitter_s=0.01", "no largest delay"),
-        ("network.jitter=uniform network.jitter_s=0.1", "between those"),
+        ("network.jitter=uniform network.jitter_s=2", "between those"),
         ("network.delay_step_s=0.01 network.delay_step_at_s=1", "steps"),
         ("network.clock_drift_ppm=50", "clocks"),
         ("coordination.comm=passive-mean coordination.ledger=true", "ledger"),
@@ -115,12 +118,6 @@ fn what_is_not_judged_is_named() {
         assert!(found.iter().any(|what| what.contains(word)), "{overrides}: {found:?}");
         assert!(!usual.iter().any(|what| what.contains(word)), "{usual:?}");
     }
-    // A recording takes the table's place: what the table says is neither judged nor named.
-    let mut recorded = scene("network.jitter=uniform network.jitter_s=0.05 network.loss=0.1");
-    recorded.network_trace = Some(NetworkTrace::record(&recorded, 10).into());
-    let found = judge(&recorded).unwrap();
-    assert!(found.not_judged.len() == usual.len() + 1 && found.not_judged.contains(&"what the recorded network did"));
-    assert_eq!(found.modes, judged("").modes);
 }
 
 /// Moving delay from one way to the other changes no radius: all that `analysis/src/delays.rs` leaves out follows from this.

@@ -39,7 +39,7 @@ impl Random {
         of[(self.bits() % of.len() as u64) as usize]
     }
 
-    fn whole(&mut self, low: u32, high: u32) -> u32 {
+    pub(crate) fn whole(&mut self, low: u32, high: u32) -> u32 {
         low + (self.bits() % u64::from(high - low + 1)) as u32
     }
 
@@ -75,6 +75,11 @@ pub(crate) fn scene(seed: u64) -> Scene {
     let damping = random.spread(0.1, 20.0);
     peer.coordination.damping_n_s_per_m = random.sometimes(damping);
     peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 100.0);
+    if peer.object.integrator == IntegratorName::Midpoint {
+        // What it needs.
+        peer.coordination.decode = Decode::Implicit;
+        peer.object.force_delay_ticks = 0.0;
+    }
     peer.coordination.cutoff_hz = random.spread(5.0, 500.0);
     peer.axis.velocity =
         random.one(&[VelocityName::Measured, VelocityName::Measured, VelocityName::Difference, VelocityName::Filtered]);

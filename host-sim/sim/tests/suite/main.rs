@@ -5,6 +5,7 @@ mod double_double;
 mod engine;
 mod link;
 mod measure;
+mod midpoint;
 mod oracle;
 mod outcome;
 mod recording;

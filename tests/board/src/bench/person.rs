@@ -90,7 +90,7 @@ impl Bench {
     fn settle(&mut self) -> Result<(), String> {
         if self.nodes.len() == 2 {
             let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
-            let steps = u64::from(safety.disengage_packets - safety.fade_packets);
+            let steps = u64::from(timing.packet_periods(safety.disengage_s - safety.fade_s));
             let delay = u64::from(self.scene.world.network.one_way_delay_packets);
             // Twice what it takes without losses.
             self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);

@@ -41,7 +41,7 @@ type Fault<'a> = &'a dyn Fn(&mut Bench, &Firmware, u64);
 impl Campaign {
     fn bench(&self, boards: usize) -> Bench {
         let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-        scene.apply_override("safety.peer_lost_packets=12").expect("a good override");
+        scene.apply_override("safety.peer_lost_s=0.096").expect("a good override");
         for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"] {
             scene.apply_override(limit).expect("a good override");
         }

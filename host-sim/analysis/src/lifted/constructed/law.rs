@@ -1,13 +1,11 @@
 //! The coordination laws as feedback rows: what F_T, ẋ_d and u_out of a tick depend on.
 //!
-//! Equations: THEORY §2; cooperation paper (1), (2), (4)–(7), (13), (14).
+//! Equations: THEORY §2, §7; cooperation paper (1), (2), (4)–(7), (13), (14).
 
 use haptic_core::law::wave::Decode;
 
 use super::peer::Input::{Coordination, Decoded, Wave};
-use super::peer::State::{
-    CoordinationForce, DesiredPosition, DesiredVelocity, ObjectPosition, ObjectVelocity, Outgoing,
-};
+use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing};
 use super::peer::{Peer, decay};
 use haptic_sim::scene::Scene;
 
@@ -15,11 +13,10 @@ impl Peer {
     /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
     pub(super) fn power(&mut self, scene: &Scene) {
         let (k, b) = (scene.peer.coordination.stiffness_n_per_m, scene.peer.coordination.damping_n_s_per_m);
-        for (held, (state, gain)) in [(ObjectPosition, k), (ObjectVelocity, b)].into_iter().enumerate() {
-            let at = self.at(state);
-            self.f[(Coordination as usize, at)] = -gain;
+        for (held, gain) in [k, b].into_iter().enumerate() {
             self.h[(Coordination as usize, held)] = gain;
         }
+        self.resist(Coordination, k, b, scene.peer.timing.control_period_s);
     }
 
     pub(super) fn wave(&mut self, scene: &Scene) {
@@ -29,7 +26,6 @@ impl Peer {
         let root = (2.0 * impedance).sqrt();
         let [x_d, v_d, force, out] =
             [DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing].map(|state| self.at(state));
-        let [x_o, v_o] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
         let [coordination_row, decoded, wave] = [Coordination, Decoded, Wave].map(|input| input as usize);
 
         // ẋ_d = (√(2b)·u_in − F_T)/b with F_T of the tick before, or of this one.
@@ -46,11 +42,12 @@ impl Peer {
             Decode::Implicit => {
                 self.g[(decoded, coordination_row)] = -1.0 / impedance;
                 self.b[(x_d, decoded)] = period;
-                self.g[(coordination_row, decoded)] = damping + k * period;
+                // The spring as it is at the tick's end, or midway.
+                let through = if self.is_midway() { 0.5 * period } else { period };
+                self.g[(coordination_row, decoded)] = damping + k * through;
             }
         }
-        self.f[(coordination_row, x_o)] = -k;
-        self.f[(coordination_row, v_o)] = -damping;
+        self.resist(Coordination, k, damping, period);
         self.b[(v_d, decoded)] = 1.0;
         self.b[(force, coordination_row)] = 1.0;
 

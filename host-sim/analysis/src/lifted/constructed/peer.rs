@@ -1,9 +1,9 @@
 //! One peer's augmented open loop and the feedback that closes it, tick by tick.
 //!
 //! Open loop z⁺ = A·z + B·u: states z ([`State`]) under fast inputs u (`Input`): the contact force, the coordination force,
-//! the decoded velocity, the outgoing wave sample. Feedback u = F·z + G·u + H·s, where s is what the packet of this
+//! the decoded velocity, the outgoing wave sample, the object's mean velocity. Feedback u = F·z + G·u + H·s, where s is what the packet of this
 //! period brought, held for M ticks. G is the algebraic part: inputs of a tick that need each other, which is how the
-//! implicit decode is written here (core solves it by hand). Equations: THEORY §2.
+//! implicit decode and the midpoint rule's one solve are written here (core solves them by hand). Equations: THEORY §2, §7.
 
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::object::IntegratorName;
@@ -42,6 +42,8 @@ pub(super) enum Input {
     Coordination,
     Decoded,
     Wave,
+    /// v: the object's mean velocity through the tick, where it is moved by ports.
+    Mean,
 }
 
 /// Open loop and feedback of one peer.
@@ -63,11 +65,21 @@ pub(super) struct Peer {
     pub h: Matrix,
     /// A state that starts from zero in every period, once it has been sent.
     pub restarts: Option<State>,
+    met: Met,
     /// The peer can stand anywhere: no arm pulls it back.
     pub free: bool,
 }
 
-use Input::{Contact, Coordination};
+/// How the forces of a tick meet the object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Met {
+    /// As it was when the tick began.
+    Before,
+    /// Where it is on average.
+    Midway,
+}
+
+use Input::{Contact, Coordination, Mean};
 use State::{
     CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, FilteredVelocity,
     LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
@@ -83,7 +95,14 @@ impl Peer {
             "none" => (false, vec![]),
             _ => return None,
         };
-        let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity, ObjectForce];
+        let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
+        let met = match scene.peer.object.integrator {
+            IntegratorName::Midpoint => Met::Midway,
+            _ => Met::Before,
+        };
+        if met == Met::Before {
+            states.push(ObjectForce);
+        }
         if wave {
             states.extend([DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing]);
         }
@@ -94,7 +113,7 @@ impl Peer {
             #[allow(unreachable_patterns)]
             _ => return None,
         }
-        let (z, u, s) = (states.len(), 4, sends.len());
+        let (z, u, s) = (states.len(), 5, sends.len());
         let mut peer = Self {
             sends,
             a: Matrix::zeros(z, z),
@@ -102,6 +121,7 @@ impl Peer {
             f: Matrix::zeros(u, z),
             g: Matrix::zeros(u, u),
             h: Matrix::zeros(u, s),
+            met,
             restarts: (comm == "passive-mean").then_some(Outgoing),
             free: scene.users[index].settings.user.arm_stiffness_n_per_m == 0.0,
             states,
@@ -156,11 +176,47 @@ impl Peer {
             IntegratorName::ForwardEuler => Held::forward_euler(mass, damping, late, period),
             IntegratorName::SemiImplicit => Held::semi_implicit(mass, damping, late, period),
             IntegratorName::Exact => Held::exact(mass, damping, 0.0, late, period),
+            IntegratorName::Midpoint => {
+                self.midway(mass, damping, period);
+                return Some(());
+            }
             #[allow(unreachable_patterns)]
             _ => return None,
         };
         self.moves([ObjectPosition, ObjectVelocity, ObjectForce], &held, &[(Contact, 1.0), (Coordination, 1.0)]);
         Some(())
+    }
+
+    /// v = ẋ_o + T_c/(2m_O)·(F_LC + F_T − b_O·v), x_o ← x_o + T_c·v, ẋ_o ← 2v − ẋ_o.
+    fn midway(&mut self, mass: f64, damping: f64, period: f64) {
+        let [position, velocity] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
+        let mean = Mean as usize;
+        self.f[(mean, velocity)] = 1.0;
+        for force in [Contact, Coordination] {
+            self.g[(mean, force as usize)] = 0.5 * period / mass;
+        }
+        self.g[(mean, mean)] = -0.5 * period / mass * damping;
+        self.a[(position, position)] = 1.0;
+        self.b[(position, mean)] = period;
+        self.a[(velocity, velocity)] = -1.0;
+        self.b[(velocity, mean)] = 2.0;
+    }
+
+    /// What a force with this stiffness and damping toward the object takes from where the object is: −K·x_o − B·ẋ_o as the
+    /// tick begins, or both on average through the tick, −K·(x_o + T_c/2·v) − B·v.
+    pub(super) fn resist(&mut self, force: Input, stiffness: f64, damping: f64, period: f64) {
+        let [position, velocity] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
+        let row = force as usize;
+        self.f[(row, position)] -= stiffness;
+        match self.met {
+            Met::Before => self.f[(row, velocity)] -= damping,
+            Met::Midway => self.g[(row, Mean as usize)] -= stiffness * 0.5 * period + damping,
+        }
+    }
+
+    /// Whether the object is moved by ports.
+    pub(super) fn is_midway(&self) -> bool {
+        self.met == Met::Midway
     }
 
     /// F_LC = K_LC·(x_h − x_o) + B_LC·(ẋ_h − ẋ_o), with ẋ_h as the estimator gives it.
@@ -176,10 +232,9 @@ impl Peer {
             }
             _ => vec![(DeviceVelocity, 1.0)],
         };
-        for (state, gain) in [(DevicePosition, k), (ObjectPosition, -k), (ObjectVelocity, -b)] {
-            let at = self.at(state);
-            self.f[(Contact as usize, at)] += gain;
-        }
+        let device = self.at(DevicePosition);
+        self.f[(Contact as usize, device)] += k;
+        self.resist(Contact, k, b, period);
         for (state, share) in estimate {
             let at = self.at(state);
             self.f[(Contact as usize, at)] += b * share;

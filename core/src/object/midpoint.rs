@@ -1,0 +1,89 @@
+//! The implicit midpoint rule: one solve a tick for everything that pushes on the copy.
+//!
+//! With every push a [`Port`], F = f − z·v, the mean velocity of the tick is
+//!
+//! > v = (2m_O/T_c·ẋ_o + Σf)/(2m_O/T_c + b_O + Σz),   x_o ← x_o + T_c·v,   ẋ_o ← 2v − ẋ_o
+//!
+//! (THEORY §7). ½·m_O·ẋ_o² changes by exactly T_c·(ΣF·v − b_O·v²): what no damper takes is neither made nor lost, at any
+//! stiffness. Computed as the change 2(v − ẋ_o), which is small where v itself is not, and summed with its rounding.
+
+use super::Integrator;
+use super::port::Port;
+use crate::model::Model;
+use crate::names::Decode;
+use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::settings::{Allowed, Refused, Settings};
+
+/// A mass that is moved by ports.
+#[derive(Clone, Copy, Debug)]
+pub struct Midpoint<S> {
+    period: S,
+    /// 2m_O/T_c, N·s/m.
+    inertia: S,
+    /// b_O, N·s/m.
+    damping: S,
+}
+
+/// What position and velocity could not hold: rounding, no state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carries<S> {
+    position: Carry<S>,
+    velocity: Carry<S>,
+}
+
+impl<S> StateVector<S> for Carries<S> {
+    #[inline]
+    fn visit(&mut self, _: &mut impl FnMut(&mut S)) {}
+}
+
+impl<S: Scalar> Midpoint<S> {
+    /// v − ẋ_o, m/s: by how much the mean velocity of a tick differs from the one that it begins with (m/s).
+    #[inline]
+    pub fn half_change(&self, velocity: S, ports: Port<S>) -> S {
+        let resistance = self.damping + ports.impedance;
+        (ports.force - resistance * velocity).ratio(self.inertia + resistance)
+    }
+
+    /// The motion one control period later, after this half change.
+    #[inline]
+    pub fn advance(&self, carries: &mut Carries<S>, motion: Motion<S>, half_change: S) -> Motion<S> {
+        Motion {
+            position: carries.position.add(motion.position, self.period * (motion.velocity + half_change)),
+            velocity: carries.velocity.add(motion.velocity, half_change + half_change),
+        }
+    }
+}
+
+impl<S: Scalar> Model<S> for Midpoint<S> {
+    type State = Carries<S>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let (period, object) = (settings.timing.control_period_s, &settings.object);
+        let needs = |name, what| Err(settings.refuses(name, Allowed::Only(what)));
+        if settings.coordination.decode != Decode::Implicit {
+            return needs(
+                "coordination.decode",
+                "\"implicit\" where object.integrator is \"midpoint\": one solve decodes and moves",
+            );
+        }
+        if object.force_delay_ticks != 0.0 {
+            return needs(
+                "object.force_delay_ticks",
+                "0 where object.integrator is \"midpoint\": forces act in the tick they are solved for",
+            );
+        }
+        Ok(Self {
+            period: S::from_f64(period),
+            inertia: S::from_f64(2.0 * object.mass_kg / period),
+            damping: S::from_f64(object.damping_n_s_per_m),
+        })
+    }
+}
+
+/// Under a force that does not depend on the copy.
+impl<S: Scalar> Integrator<S> for Midpoint<S> {
+    #[inline]
+    fn step(&self, carries: &mut Carries<S>, motion: Motion<S>, force: S) -> Motion<S> {
+        self.advance(carries, motion, self.half_change(motion.velocity, Port::of_force(force)))
+    }
+}

@@ -1,0 +1,42 @@
+//! A port: what pushes on the copy through one tick, as far as it depends on how the copy moves.
+//!
+//! Over a tick the mean force of a spring, a damper, a wall or a wave line is affine in the copy's mean velocity v,
+//!
+//! > F = f − z·v,   z ≥ 0,
+//!
+//! and two ports that push on one copy are again a port: f and z add up (THEORY §7). [`super::midpoint`] solves for v once,
+//! whatever there is.
+
+use core::ops::Add;
+
+use crate::num::Scalar;
+
+/// Mean force on the copy through one tick, as a function of its mean velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Port<S> {
+    /// f: the force on a copy that stands still, N.
+    pub force: S,
+    /// z: by how much less it is on one that moves, N·s/m; never negative.
+    pub impedance: S,
+}
+
+impl<S: Scalar> Port<S> {
+    /// A force that does not depend on how the copy moves, N.
+    pub fn of_force(force: S) -> Self {
+        Self { force, impedance: S::ZERO }
+    }
+
+    /// The force on a copy whose mean velocity (m/s) is this, N.
+    #[inline]
+    pub fn at(self, velocity: S) -> S {
+        self.force - self.impedance * velocity
+    }
+}
+
+impl<S: Scalar> Add for Port<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self { force: self.force + other.force, impedance: self.impedance + other.impedance }
+    }
+}

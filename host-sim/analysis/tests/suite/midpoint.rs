@@ -1,0 +1,102 @@
+//! The midpoint peer (THEORY §7): its limits of contact, and random scenes in contact and let go, none of which is unstable.
+
+use haptic_analysis::{Effort, Hands, Range, agreement, figure4, judge, limit, verdict};
+use haptic_core::contact::RenderingName;
+use haptic_core::law::wave::Decode;
+use haptic_core::object::IntegratorName;
+use haptic_sim::scene::Scene;
+
+use crate::random::Random;
+
+fn midpoint(comm: &'static str, delay_packets: u32) -> Scene {
+    let mut scene = figure4::scene(comm, delay_packets);
+    scene.peer.object.integrator = IntegratorName::Midpoint;
+    scene.peer.object.force_delay_ticks = 0.0;
+    scene.peer.object.mass_kg = 0.3;
+    scene.peer.coordination.decode = Decode::Implicit;
+    scene
+}
+
+/// K_T = 10⁴, m_O = 0.3, M = 8, n_t = 1, by the device's own delay.
+#[test]
+fn limits_of_contact_as_in_theory() {
+    for (delay_ticks, wanted) in [(0.0, 7295.0), (0.1, 6086.0), (0.5, 3511.0), (1.0, 2318.0)] {
+        let mut scene = midpoint("passive-mean", 1);
+        scene.peer.coordination.stiffness_n_per_m = 1e4;
+        scene.world.device.force_delay_ticks = delay_ticks;
+        let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 100.0, to: 12_000.0 };
+        let found = limit(&scene, range, Effort::default()).expect("a good scene");
+        let got = found.crossings[0];
+        assert!((got / wanted - 1.0).abs() < 5e-3, "delay of {delay_ticks} ticks: {got} N/m, {wanted} in THEORY");
+    }
+}
+
+/// In contact as THEORY draws them: K_LC 200, 1000, 1800, a device a tick late.
+#[test]
+fn no_scene_in_contact_is_unstable() {
+    let mut random = Random::new(7);
+    for number in 0..300 {
+        let mut scene = midpoint("passive-mean", random.whole(0, 20));
+        scene.peer.timing.ticks_per_packet = random.whole(1, 8);
+        scene.peer.contact.stiffness_n_per_m = [200.0, 1000.0, 1800.0][random.whole(0, 2) as usize];
+        scene.peer.coordination.stiffness_n_per_m = random.spread(1e2, 1e6);
+        scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(5.0, 70.0);
+        scene.peer.object.mass_kg = if random.whole(0, 1) == 0 { 0.02 } else { 0.3 };
+        let radius = verdict(&scene).expect("a good scene").spectral_radius;
+        assert!(radius <= 1.0 + 1e-6, "scene {number}: {radius} of {:?}", scene.peer);
+    }
+}
+
+/// Radius of the pair that nobody holds. Rendered by impacts a scene has no other mode.
+fn released(mut scene: Scene) -> f64 {
+    scene.peer.contact.rendering = RenderingName::Impulsive;
+    scene.peer.contact.one_sided = true;
+    let judged = judge(&scene).expect("a good scene");
+    assert_eq!(judged.modes.iter().map(|mode| mode.mode).collect::<Vec<_>>(), [Hands::None]);
+    judged.worst.spectral_radius
+}
+
+/// Nobody's hand on the object, drawn as in THEORY: there the orders of the papers make energy, one solve makes none.
+#[test]
+fn no_scene_that_is_let_go_of_is_unstable() {
+    let mut random = Random::new(11);
+    for number in 0..3000 {
+        let mut scene = midpoint("passive-mean", random.whole(0, 20));
+        scene.peer.timing.ticks_per_packet = random.whole(1, 16);
+        scene.peer.timing.control_period_s = random.spread(1e-4, 5e-3);
+        scene.peer.coordination.stiffness_n_per_m = random.spread(10.0, 1e6);
+        scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
+        scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
+        scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
+        let radius = released(scene.clone());
+        assert!(radius <= 1.0 + 1e-6, "scene {number}: {radius} of {:?}", scene.peer);
+    }
+}
+
+/// The one-pole filter is passive in its band only: the counter-example.
+#[test]
+fn the_filter_before_the_rate_drop_is_not_passive() {
+    let mut scene = midpoint("passive-wave", 0);
+    scene.peer.coordination.stiffness_n_per_m = 1e4;
+    scene.peer.coordination.wave_impedance_n_s_per_m = 40.0;
+    scene.peer.object.mass_kg = 0.02;
+    let radius = released(scene);
+    assert!((radius - 1.048).abs() < 1e-3, "{radius}");
+}
+
+/// The second construction writes the rule as algebra and lets a solver close it.
+#[test]
+fn both_constructions_say_the_same() {
+    for comm in ["power", "wave", "passive-wave", "passive-mean", "none"] {
+        for (delay, ticks) in [(0, 1), (1, 8), (3, 5)] {
+            let mut scene = midpoint(comm, delay);
+            scene.peer.timing.ticks_per_packet = ticks;
+            scene.peer.object.damping_n_s_per_m = 0.7;
+            for hands in [Hands::Both, Hands::One, Hands::None] {
+                let apart = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
+                let apart = apart.matrix.max(apart.spectral_radius);
+                assert!(apart < 1e-9, "{comm}, {delay} packets of {ticks} ticks, {hands:?}: {apart:.1e}");
+            }
+        }
+    }
+}
