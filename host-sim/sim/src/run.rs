@@ -3,146 +3,27 @@
 //! Discrepancies are two, always by name (THEORY §4): **true** |x_o1 − x_o2| at one instant, and **decoded** |x_o − x_d| at
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 //!
-//! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, both peers
-//! were engaged in the end, and the copies are within [`APART_MM`] of each other; else [`Outcome::reason`] is the first of these that
+//! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, the copies
+//! are within [`APART_MM`] of each other, and both peers were engaged in the end; else [`Outcome::reason`] is the first of these that
 //! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. One that only let the copies
 //! come apart is told as far as it tells that ([`Outcome::whole`]): how far they are, how large the forces were, who made energy.
 //! Peaks and ratios stand for the whole run.
 
 mod account;
+mod outcome;
 mod reason;
 
 use haptic_core::contact::{Impacts, RenderingName};
-use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
+pub use self::outcome::{Options, Outcome};
 pub use self::reason::{APART_MM, Reason, Verdict};
 pub use crate::measure::port::PortEnergy;
 
-use crate::measure::{Statistics, port::ratio};
 use crate::pair::{HASH_SEED, Pair};
 use crate::peers::Number;
-use crate::report::Columns;
 use crate::scene::Scene;
-
-/// How to run.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Simulated time, s.
-    pub duration_s: f64,
-    /// Keep every how-many-th tick; 0 keeps none.
-    pub record_every: u64,
-}
-
-impl Options {
-    /// Records at most about 100,000 rows.
-    pub fn recorded(duration_s: f64, period_s: f64) -> Self {
-        Self { duration_s, record_every: ((duration_s / period_s) as u64).div_ceil(100_000).max(1) }
-    }
-}
-
-/// What a run gave.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// What keeps the run from being stable.
-    pub reason: Option<Reason>,
-    /// Neither peer faulted, and neither force nor energy grew without bound; the copies may have come apart.
-    pub bounded: bool,
-    /// Who stopped first, and why.
-    pub fault: Option<(usize, Fault)>,
-    /// When, s.
-    pub fault_time_s: Option<f64>,
-    /// Mean of |x_o1 − x_o2| over the last half, mm.
-    pub true_discrepancy_mm: f64,
-    /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
-    pub decoded_discrepancy_mm: f64,
-    /// F_T at peer 2 over the last half, N.
-    pub coordination_force_n: Statistics,
-    /// Mean of |F_LC| over both peers and the last half, N.
-    pub contact_force_n: f64,
-    /// Largest |F_T| of either peer, N.
-    pub peak_coordination_force_n: f64,
-    /// Largest change of either F_T from one tick to the next, N.
-    pub largest_jump_n: f64,
-    /// Energy through the ports of both peers.
-    pub energy: [PortEnergy; 2],
-    /// Impacts at both peers, where contact is impulsive.
-    pub impacts: Option<[Impacts<f64>; 2]>,
-    /// Ticks done.
-    pub ticks: u64,
-    /// Hash of both peers' states over every tick.
-    pub hash: u64,
-    /// What was recorded; empty if nothing was.
-    pub table: Columns,
-}
-
-impl Outcome {
-    /// What is to be said of it.
-    pub fn verdict(&self) -> Verdict {
-        match self.reason {
-            None => Verdict::Stable,
-            Some(Reason::Apart { .. }) => Verdict::Apart,
-            Some(_) => Verdict::Unstable,
-        }
-    }
-
-    /// Nothing failed.
-    pub fn is_stable(&self) -> bool {
-        self.reason.is_none()
-    }
-
-    /// A figure of merit; none of a run that is not stable.
-    pub fn merit<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
-        self.is_stable().then(|| of(self))
-    }
-
-    /// What is told of a run in which the copies came apart, too; none of one in which anything else failed.
-    pub fn whole<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
-        (self.verdict() != Verdict::Unstable).then(|| of(self))
-    }
-
-    /// The same, where something besides the run says that it is not stable; what failed in the run comes first.
-    #[must_use]
-    pub fn doubted(mut self, reason: Option<Reason>) -> Self {
-        // Apart is the least that can be said.
-        if self.verdict() != Verdict::Unstable {
-            self.reason = reason.or(self.reason);
-        }
-        self
-    }
-
-    /// **Channel**: energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1
-    /// the network makes energy.
-    pub fn energy_out_over_in(&self) -> f64 {
-        let [first, second] = self.energy;
-        ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j))
-    }
-
-    /// **Peer**: energy that left the ports of a peer's coordination or waits in its spring over what entered them, of the worse peer;
-    /// above 1 it makes energy ([`crate::measure::port`]). None where contact is impulsive.
-    pub fn peer_energy_out_over_in(&self) -> Option<f64> {
-        let [first, second] = self.energy.map(|energy| energy.out_over_in());
-        self.impacts.is_none().then(|| first.max(second))
-    }
-}
-
-/// The columns that are recorded, each peer's by its number.
-const PEER_COLUMNS: [&str; 10] = [
-    "device_{}_m",
-    "object_{}_m",
-    "desired_{}_m",
-    "object_velocity_{}_m_per_s",
-    "contact_force_{}_n",
-    "coordination_force_{}_n",
-    "energy_received_{}_j",
-    "energy_sent_{}_j",
-    "energy_to_object_{}_j",
-    "energy_from_object_{}_j",
-];
-
-/// The last columns, of both.
-const COMMON_COLUMNS: [&str; 2] = ["true_discrepancy_m", "decoded_discrepancy_2_m"];
 
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);

@@ -28,11 +28,13 @@ pub enum Jitter {
     Uniform,
     /// Gamma-distributed with shape 2 and mean jitter_s.
     Gamma,
+    /// Heavy-tailed: Pareto-distributed (Lomax) with shape 2, cut at 100 times its mean jitter_s.
+    Pareto,
 }
 
 impl Choice for Jitter {
-    const NAMES: &'static [&'static str] = &["none", "uniform", "gamma"];
-    const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma];
+    const NAMES: &'static [&'static str] = &["none", "uniform", "gamma", "pareto"];
+    const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma, Self::Pareto];
 }
 
 haptic_core::settings! {
@@ -68,13 +70,15 @@ haptic_core::settings! {
             "From network.delay_step_at_s on, the delay is longer (or shorter) by this.";
         delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s", "When the delay steps.";
         jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "", "How the delay varies from packet to packet.";
-        jitter_s: f64 = 0.0, number(0.0, 2.0), "s", "Uniform jitter: the most; gamma jitter: the mean.";
+        jitter_s: f64 = 0.0, number(0.0, 2.0), "s", "Uniform jitter: the most; gamma and Pareto jitter: the mean.";
         loss: f64 = 0.0, number(0.0, 0.95), "", "Fraction of the packets that are lost.";
         loss_burst_packets: f64 = 1.0, number(1.0, 1e4), "packets",
             "Mean length of a run of losses (Gilbert-Elliott); 1 is independent losses.";
         reorder: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that are held back and overtaken.";
         reorder_depth_packets: u32 = 4, Allowed::Whole { min: 1, max: 1000 }, "packets",
             "How far a packet is held back at the most.";
+        reverse_block_packets: u32 = 0, Allowed::Whole { min: 0, max: 64 }, "packets",
+            "Every block of this many packets arrives in reverse order, once its last is sent; 0 and 1 change nothing.";
         duplicate: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that arrive twice.";
         corrupt: f64 = 0.0, number(0.0, 1.0), "", "Fraction of the packets that arrive broken.";
         clock_drift_ppm: f64 = 0.0, number(-10000.0, 10000.0), "ppm", "How much slower peer 2's clock runs.";

@@ -43,6 +43,15 @@ pub struct User {
 }
 
 impl User {
+    /// Whether the user ever does anything.
+    pub fn acts(&self) -> bool {
+        let profile = &self.settings.user;
+        let has_arm = profile.arm_stiffness_n_per_m != 0.0 || profile.arm_damping_n_s_per_m != 0.0;
+        let forces = [profile.push_n, profile.pulse_n, profile.sine_n, profile.side_push_n];
+        let reaches = [profile.reach_m, profile.tremor_m];
+        self.trace.is_some() || forces.iter().any(|n| *n != 0.0) || has_arm && reaches.iter().any(|m| *m != 0.0)
+    }
+
     /// Force at `time_s`, N toward the other peer.
     pub fn force_n(&self, time_s: f64) -> f64 {
         let user = &self.settings.user;

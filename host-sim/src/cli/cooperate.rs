@@ -40,15 +40,6 @@ pub(super) struct Cooperate {
     out: Out,
 }
 
-/// Whether a user ever does anything.
-fn pushes(user: &User) -> bool {
-    let profile = &user.settings.user;
-    let has_arm = profile.arm_stiffness_n_per_m != 0.0 || profile.arm_damping_n_s_per_m != 0.0;
-    let forces = [profile.push_n, profile.pulse_n, profile.sine_n, profile.side_push_n];
-    let reaches = [profile.reach_m, profile.tremor_m];
-    user.trace.is_some() || forces.iter().any(|n| *n != 0.0) || has_arm && reaches.iter().any(|m| *m != 0.0)
-}
-
 impl Cooperate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
@@ -74,7 +65,7 @@ impl Cooperate {
         let verdict = haptic_analysis::verdict(&scene)?;
         let outcome = outcome.doubted(doubt(&scene, &verdict));
         let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(&scene)?] };
-        if !scene.users.iter().any(pushes) {
+        if !scene.users.iter().any(User::acts) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
         }
         if options.record_every > 1 {

@@ -24,11 +24,13 @@ impl Growth {
         self.largest.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Whether it grows without bound: in each of the last four eighths it is larger than in the one before, fourfold in all; or
-    /// it was infinite.
+    /// Whether it grows without bound: fourfold over the last four eighths, and as an exponential does, by at least half of an even
+    /// share (in the logarithm) in each of them, which the chances of a bad network hardly ever do; or it was infinite.
     pub fn grew(&self) -> bool {
         let tail = &self.largest[3..];
-        tail.windows(2).all(|pair| pair[1] > 1.05 * pair[0]) && tail[4] > 4.0 * tail[0] || self.largest().is_infinite()
+        let all = tail[4] / tail[0];
+        let half_share = all.sqrt().sqrt().sqrt();
+        all > 4.0 && tail.windows(2).all(|pair| pair[1] > half_share * pair[0]) || self.largest().is_infinite()
     }
 }
 

@@ -140,13 +140,24 @@ impl SeededRule {
             Jitter::Gamma => {
                 -0.5 * network.jitter_s * (libm::log(1.0 - self.rng.unit()) + libm::log(1.0 - self.rng.unit()))
             }
+            // P(X > x) = (1 + x/λ)^-2, cut at 99·λ: its mean is 0.99·λ, and the cut 100 times that.
+            Jitter::Pareto => {
+                let scale_s = network.jitter_s / 0.99;
+                (scale_s * (1.0 / libm::sqrt(1.0 - self.rng.unit()) - 1.0)).min(99.0 * scale_s)
+            }
         };
         delay
+    }
+
+    /// How much later a packet is, so that its block arrives in reverse order, a packet a packet period, when its last is sent.
+    fn held_back(&self, number: u64) -> f64 {
+        let block = u64::from(self.network.reverse_block_packets.max(1));
+        2.0 * (block - 1 - number % block) as f64 * self.packet_s
     }
 }
 
 impl Rule for SeededRule {
-    fn decide(&mut self, _: u64, sent_ns: u64) -> Fate {
+    fn decide(&mut self, number: u64, sent_ns: u64) -> Fate {
         let (network, sent_s) = (self.network, seconds(sent_ns));
         if self.lost() {
             return Fate::Drop;
@@ -158,7 +169,7 @@ impl Rule for SeededRule {
         }
         let copies = 1 + usize::from(self.rng.chance(network.duplicate));
         let copy = |_| {
-            let mut delay_s = queued + self.delay(sent_s);
+            let mut delay_s = queued + self.held_back(number) + self.delay(sent_s);
             if self.rng.chance(network.reorder) {
                 delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.rng.unit();
             }

@@ -4,11 +4,29 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
 
-use super::{APART_MM, COMMON_COLUMNS, Options, Outcome, PEER_COLUMNS, Reason};
+use super::outcome::{Options, Outcome};
+use super::reason::{APART_MM, Reason};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::ObjectPort;
 use crate::measure::{LastHalf, Statistics};
 use crate::{peers::DynPeer, report::Columns, scene::Scene};
+
+/// The columns that are recorded, each peer's by its number.
+const PEER_COLUMNS: [&str; 10] = [
+    "device_{}_m",
+    "object_{}_m",
+    "desired_{}_m",
+    "object_velocity_{}_m_per_s",
+    "contact_force_{}_n",
+    "coordination_force_{}_n",
+    "energy_received_{}_j",
+    "energy_sent_{}_j",
+    "energy_to_object_{}_j",
+    "energy_from_object_{}_j",
+];
+
+/// The last columns, of both.
+const COMMON_COLUMNS: [&str; 2] = ["true_discrepancy_m", "decoded_discrepancy_2_m"];
 
 /// A peer after a tick.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,6 +79,7 @@ pub struct Account {
     energy: Growth,
     stopped: Option<(usize, Fault, f64)>,
     true_m: f64,
+    largest_true_m: f64,
     table: Columns,
 }
 
@@ -82,6 +101,7 @@ impl Account {
             energy: Growth::new(ticks),
             stopped: None,
             true_m: 0.0,
+            largest_true_m: 0.0,
             table: Columns::named(names.concat()),
         }
     }
@@ -98,6 +118,7 @@ impl Account {
         let [first, second] = self.latest.map(|ticked| ticked.observed);
         let time_s = self.tick as f64 * self.period_s;
         self.true_m = (first.object.position - second.object.position).abs();
+        self.largest_true_m = self.largest_true_m.max(self.true_m);
         let decoded_m = (second.object.position - second.desired.position).abs();
         let forces = [first, second].map(|seen| seen.coordination_force);
         self.forces.see(self.tick, forces);
@@ -143,10 +164,10 @@ impl Account {
             Some(Reason::ForceGrew)
         } else if self.energy.grew() {
             Some(Reason::EnergyGrew)
-        } else if let Some(at) = let_go {
-            Some(Reason::LetGo { peer: at + 1 })
+        } else if apart_mm > APART_MM {
+            Some(Reason::Apart { true_discrepancy_mm: apart_mm })
         } else {
-            (apart_mm > APART_MM).then_some(Reason::Apart { true_discrepancy_mm: apart_mm })
+            let_go.map(|at| Reason::LetGo { peer: at + 1 })
         };
         let [first, second] = [0, 1].map(|at| {
             let ticked = self.latest[at];
@@ -158,6 +179,7 @@ impl Account {
             fault: self.stopped.map(|(peer, fault, _)| (peer, fault)),
             fault_time_s: self.stopped.map(|(.., time_s)| time_s),
             true_discrepancy_mm: 1e3 * true_m,
+            largest_true_discrepancy_mm: 1e3 * self.largest_true_m,
             decoded_discrepancy_mm: 1e3 * decoded_m,
             coordination_force_n: Statistics::of_moments(force, force_squared),
             contact_force_n: contact,

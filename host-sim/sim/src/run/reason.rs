@@ -24,11 +24,6 @@ pub enum Reason {
     ForceGrew,
     /// The kinetic energy of the copies grew until the end.
     EnergyGrew,
-    /// At the end a peer had let go of the other one, which was silent.
-    LetGo {
-        /// 1 or 2.
-        peer: usize,
-    },
     /// The scene is linear, and an eigenvalue of it lies outside the unit circle, however little of it the run shows.
     Unstable {
         /// Largest |eigenvalue| of a packet period.
@@ -38,6 +33,11 @@ pub enum Reason {
     Apart {
         /// The larger of both, mm.
         true_discrepancy_mm: f64,
+    },
+    /// At the end a peer had let go of the other one, which was silent: that the copies are close is chance.
+    LetGo {
+        /// 1 or 2.
+        peer: usize,
     },
 }
 

@@ -58,6 +58,55 @@ fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
     }
 }
 
+/// Pareto with shape 2 around its mean of 5 ms, cut at 0.5 s: P(X > x) = (1 + x/λ)^-2 with λ = mean/0.99.
+#[test]
+fn heavy_tails_are_as_heavy_as_their_closed_form() {
+    const PACKETS: usize = 1_000_000;
+    let mut route = Route::of_scene(
+        &scene(&["network.one_way_delay_packets=0", "network.jitter=pareto", "network.jitter_s=0.005"]),
+        Direction::OneToTwo,
+        0,
+    );
+    let mut late_s = Vec::with_capacity(PACKETS);
+    for _ in 0..PACKETS {
+        route.send(0, &[0_u8][..], |due_ns, _| late_s.push(1e-9 * due_ns as f64));
+    }
+    let scale = 0.005 / 0.99;
+    let share = |x: f64| late_s.iter().filter(|late| **late > x).count() as f64 / PACKETS as f64;
+    for times in [0.1, 1.0, 10.0, 50.0] {
+        let (got, want) = (share(times * 0.005), (1.0 + times * 0.005 / scale).powi(-2));
+        // Five standard deviations of a count.
+        let within = 5.0 * (want / PACKETS as f64).sqrt();
+        assert!((got - want).abs() < within, "{got} are later than {times} means, not {want}");
+    }
+    let (mean, most) = (late_s.iter().sum::<f64>() / PACKETS as f64, late_s.iter().copied().fold(0.0, f64::max));
+    assert!((mean - 0.005).abs() < 1e-4, "mean {mean} s");
+    assert!((most - 0.5).abs() < 1e-8, "largest {most} s");
+}
+
+#[test]
+fn blocks_arrive_exactly_reversed() {
+    let mut line: Link<Numbered<u64>> = {
+        let scene = scene(&["network.one_way_delay_packets=1", "network.reverse_block_packets=4"]);
+        Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0))
+    };
+    let mut came = Vec::new();
+    for number in 0..12_u64 {
+        line.send(8_000_000 * number, &Numbered { number, what: number });
+    }
+    while let Some((due_ns, packet)) = line.take(u64::MAX) {
+        came.push((due_ns / 8_000_000, packet.what));
+    }
+    // The last of a block after the constant delay, the others after it, a packet period from one to the next.
+    let want: Vec<(u64, u64)> = (4..16).zip([3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8]).collect();
+    assert_eq!(came, want);
+    for nothing in ["network.reverse_block_packets=0", "network.reverse_block_packets=1"] {
+        assert_eq!(period(&mut self::line(&[nothing]), 0), None);
+        let mut line = self::line(&[nothing, "network.one_way_delay_packets=0"]);
+        assert!((0..10).all(|number| period(&mut line, number) == Some(number)));
+    }
+}
+
 #[test]
 fn whatever_happens_on_the_way_numbers_only_grow() {
     let mut line = line(&[

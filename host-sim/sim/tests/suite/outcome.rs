@@ -91,6 +91,10 @@ fn what_grows_without_bound_is_no_run() {
     assert!(!oscillating.bounded && oscillating.merit(|o| o.contact_force_n).is_none());
     let faster = outcome(|time| armed(at(0.0, 1e-3 * time.exp(), 0.0)));
     assert_eq!(faster.reason, Some(Reason::EnergyGrew));
+    // As large in the end, but not by growing on and on: a network that draws a bad burst late.
+    let bursts = [1.0, 0.5, 0.1, 0.1, 0.4, 0.44, 0.9, 0.95];
+    let unlucky = outcome(move |time| armed(at(0.0, bursts[time as usize], 0.0)));
+    assert_eq!(unlucky.reason, None);
     let pushed = outcome(|time| armed(at(0.0, 0.1 * time, 0.0)));
     assert_eq!(pushed.reason, None);
     let no_number = outcome(|time| armed(at(0.0, if time < 1.0 { 0.0 } else { f64::NAN }, 0.0)));
@@ -104,6 +108,11 @@ fn who_had_let_go_in_the_end_did_not_hold_an_object() {
     };
     assert_eq!(let_go(7.0, 8.0), Some(Reason::LetGo { peer: 2 }));
     assert_eq!(let_go(5.0, 7.0), None);
+    // Nothing is told of copies that are close by chance; of those that are not, that they came apart.
+    let close_by = outcome(|time| told(at(0.0, 0.0, 0.0), Mode::Armed, time < 7.0));
+    assert_eq!((close_by.verdict(), close_by.whole(|o| o.true_discrepancy_mm)), (Verdict::Unstable, None));
+    let gone = outcome(|time| told(at(0.5, 0.0, 0.0), Mode::Armed, time < 7.0));
+    assert_eq!(gone.verdict(), Verdict::Apart);
 }
 
 /// Of copies that came apart, how far is told, and nothing that would make them look good.

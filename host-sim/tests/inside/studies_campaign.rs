@@ -1,0 +1,101 @@
+//! Cells of the campaign: networks in milliseconds, seeds, means with their intervals, and what is not told.
+
+use haptic_sim::run::Reason;
+
+use super::*;
+
+fn base(overrides: &[&str]) -> Scene {
+    let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a built-in scene");
+    overrides.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
+    scene.users = scenes::load(Laws::built_in(), BASE).expect("a built-in scene").users;
+    scene
+}
+
+fn cells(scene: &Scene, networks: &[Named]) -> Vec<Cell> {
+    over_networks(&[("one".to_owned(), scene.clone())], networks, 0).expect("runs")
+}
+
+/// A burst of 40 ms is 5 packets of 8 ms, or 40 of 1 ms; so with every network there is.
+#[test]
+fn networks_are_the_same_for_every_packet_period() {
+    for (ticks, packets) in [("8", [5.0, 3.0, 8.0]), ("1", [40.0, 24.0, 64.0])] {
+        let scene = base(&[&format!("timing.ticks_per_packet={ticks}")]);
+        let network = |name: &str| {
+            let (_, settings) = networks::IMPAIRMENTS.iter().find(|(known, _)| *known == name).expect("a network");
+            networks::over(&scene, settings).expect("a good network").world.network
+        };
+        let got = [
+            network("bursts of 40 ms, 50 %").loss_burst_packets,
+            f64::from(network("delay 24 ms").one_way_delay_packets),
+            f64::from(network("blocks of 64 ms reversed").reverse_block_packets),
+        ];
+        assert_eq!(got, packets);
+        for (name, settings) in networks::IMPAIRMENTS {
+            assert!(networks::over(&scene, settings).is_ok(), "{name} with {ticks} ticks a packet");
+        }
+    }
+}
+
+/// One run where nothing is drawn, twenty others where something is; the same bits on one thread and on two.
+#[test]
+fn seeds_are_others_and_threads_change_nothing() {
+    let networks: &[Named] =
+        &[("none", &[]), ("loss", &["network.loss=0.3"]), ("asymmetry", &["network.asymmetry_s=0.01"])];
+    let scene = base(&[]);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+        pool.install(|| cells(&scene, networks))
+    };
+    let (one, two) = (on(1), on(2));
+    let hashes = |cells: &[Cell]| -> Vec<Vec<u64>> {
+        cells.iter().map(|cell| cell.outcomes.iter().map(|outcome| outcome.hash).collect()).collect()
+    };
+    assert_eq!(hashes(&one), hashes(&two));
+    assert_eq!(columns(&one), columns(&two));
+    let counts = hashes(&one).into_iter().map(|mut hashes| {
+        hashes.sort_unstable();
+        hashes.dedup();
+        hashes.len()
+    });
+    assert_eq!(counts.collect::<Vec<_>>(), [1, SEEDS as usize, 1]);
+}
+
+/// 1 to 20: mean 10.5, standard deviation √35, t = 2.093 with 19 degrees of freedom.
+#[test]
+fn an_interval_is_students() {
+    let values: Vec<f64> = (1..=20).map(f64::from).collect();
+    let Estimate { mean, within_95 } = Estimate::of(&values);
+    assert_eq!(mean, 10.5);
+    let want = 2.093_024 * (35.0_f64 / 20.0).sqrt();
+    assert!(within_95.is_some_and(|within| (within - want).abs() < 1e-9), "{within_95:?} is not {want}");
+    assert_eq!(Estimate::of(&[3.0]), Estimate { mean: 3.0, within_95: None });
+}
+
+/// A single run of twenty that failed takes the figures of the cell; one that came apart does not hide how far.
+#[test]
+fn one_failure_is_not_averaged_away() {
+    let mut cell = cells(&base(&[]), &[("loss", &["network.loss=0.1"])]).remove(0);
+    assert_eq!((cell.verdict().as_str(), cell.is_stable(), cell.reason()), ("stable 20/20", true, None));
+    let mean = cell.true_discrepancy_mm().expect("figures");
+    cell.outcomes[7].reason = Some(Reason::Apart { true_discrepancy_mm: 500.0 });
+    assert_eq!((cell.verdict().as_str(), cell.is_stable()), ("apart 1/20", false));
+    assert_eq!(cell.true_discrepancy_mm(), Some(mean));
+    cell.outcomes[3].reason = Some(Reason::ForceGrew);
+    assert_eq!(cell.verdict(), "NO 1/20");
+    assert_eq!(cell.reason(), Some(Reason::ForceGrew.to_string()));
+    assert_eq!((cell.true_discrepancy_mm(), cell.worst(|o| o.peak_coordination_force_n)), (None, None));
+    assert!(columns(&[cell]).row(0)["true_discrepancy_mm"].is_null());
+}
+
+/// On the scene's own network the way is 1 by definition; a longer line is heavier, so that the same push moves it less far.
+#[test]
+fn the_way_is_that_of_the_scenes_own_network() {
+    let scene = base(&["coordination.ledger=false", "coordination.drift_correction=false"]);
+    let [own, late] = [("none", &[][..]), ("late", &["network.one_way_delay_packets=20"][..])]
+        .map(|network| cells(&scene, &[network]).remove(0));
+    let way = own.way().expect("a way");
+    assert_eq!((way.mean, way.within_95), (1.0, None));
+    // A line of 160 ms and 10 N s/m weighs 1.6 kg more than one of 8 ms.
+    assert!(late.way().is_some_and(|way| way.mean > 0.3 && way.mean < 0.7), "{:?}", late.way());
+    assert!(own.way_peak_n().is_some_and(|peak| peak > 0.1 && peak < 1.0), "{:?}", own.way_peak_n());
+}
