@@ -165,7 +165,7 @@ fn energy_at_the_object_is_force_times_way() {
 /// integrates it.
 #[test]
 fn work_on_a_copy_is_its_kinetic_energy() {
-    for integrator in ["forward-euler", "semi-implicit", "exact"] {
+    for integrator in ["forward-euler", "semi-implicit", "exact", "midpoint"] {
         let scene = scene(&[
             &format!("object.integrator={integrator}"),
             "object.force_delay_ticks=0",
@@ -211,6 +211,39 @@ fn a_peer_that_makes_energy_is_caught() {
     ];
     let implicit = ratio(&soft);
     assert!(implicit > 0.5 && implicit < 1.0, "{implicit}");
+}
+
+/// 40 ms of delay and nobody at the copies but for a touch at the start: the staged peers feed a limit cycle over a line that is passive,
+/// the midpoint peers make nothing.
+#[test]
+fn a_limit_cycle_is_told_whoever_feeds_it() {
+    let let_go = |integrator: &str| {
+        let scene = scene(&[
+            &format!("object.integrator={integrator}"),
+            "object.force_delay_ticks=0",
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=4000",
+            "coordination.decode=implicit",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+            "network.one_way_delay_packets=5",
+            "contact.one_sided=true",
+            "contact.gap_m=0.005",
+            "user.1.pulse_n=1",
+            "user.1.pulse_every_s=100000",
+            "user.1.push_n=-0.01",
+            "user.2.push_n=-0.01",
+        ]);
+        run::<f64>(&scene, Options { duration_s: 400.0, record_every: 0 }, &|_| {}).expect("a good scene")
+    };
+    let staged = let_go("semi-implicit");
+    assert_eq!(staged.verdict(), Verdict::Apart, "{:?}", staged.reason);
+    let (line, peer) = (staged.energy_out_over_in(), staged.peer_energy_out_over_in().expect("booked"));
+    assert!(line <= 1.0 && peer > 1.01, "{line}, {peer}");
+    let midpoint = let_go("midpoint");
+    assert!(midpoint.is_stable(), "{:?}", midpoint.reason);
+    let peer = midpoint.peer_energy_out_over_in().expect("booked");
+    assert!(peer > 0.9 && peer <= 1.0, "{peer}");
 }
 
 /// Nothing is said where the velocity of the copy jumps between two ticks.
