@@ -299,7 +299,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         match (self.is_engaged(), packet.is_finite()) {
             (true, true) => packet,
             (false, true) => resting,
-            (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, ..resting },
+            (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, live_ticks: 0, ..resting },
         }
     }
 

@@ -119,6 +119,18 @@ impl Key {
         Self { name, allowed: Allowed::Number { min, max }, unit, doc, default }
     }
 
+    /// A whole number between two ends, both included.
+    pub const fn whole(
+        name: &'static str,
+        default: u32,
+        [min, max]: [u32; 2],
+        unit: &'static str,
+        doc: &'static str,
+    ) -> Self {
+        assert!(min <= default && default <= max, "the default of a key lies outside its range");
+        Self { name, allowed: Allowed::Whole { min, max }, unit, doc, default: default as f64 }
+    }
+
     /// `true` or `false`: 1 or 0 for [`Settings::own`].
     pub const fn flag(name: &'static str, default: bool, doc: &'static str) -> Self {
         Self { name, allowed: Allowed::Flag, unit: "", doc, default: if default { 1.0 } else { 0.0 } }
@@ -145,6 +157,8 @@ pub enum Sends {
     Motion,
     /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
     Waves,
+    /// How many waves it has sent and what they sum up to, which says it all in the newest packet.
+    Counters,
 }
 
 /// A kind of coordination law, as settings and reports know it.
@@ -176,6 +190,7 @@ impl Own {
     pub(crate) fn set<'a>(&mut self, key: &Key, value: Value<'a>) -> Result<(), Refused<'a>> {
         let number = match key.allowed {
             Allowed::Flag => bool::parse(value, key.allowed).map(|flag| f64::from(u8::from(flag))),
+            Allowed::Whole { .. } => u32::parse(value, key.allowed).map(f64::from),
             _ => f64::parse(value, key.allowed),
         }
         .ok_or(key.refuses(value))?;

@@ -7,7 +7,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::Command;
 use haptic_core::schema::Schema;
-use haptic_core::settings::{Allowed, Key, Refused, SetError, Settings, Value};
+use haptic_core::settings::{Allowed, Key, Refused, SetError, Settings, Tables, Value};
 
 const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "How far the remote copy is carried on.");
 const STOPS: Key = Key::flag("predict.stops", false, "The remote copy is taken to be at rest.");
@@ -75,7 +75,7 @@ fn a_law_from_outside_runs_with_keys_of_its_own() {
     assert_eq!(desired::<f64>(&told), Motion::at(0.125));
     assert_eq!(desired::<f32>(&told), Motion::at(0.125));
     let keys: Vec<&str> = SCHEMA.keys().map(|key| key.name).collect();
-    assert_eq!(keys.len(), Settings::keys().count() + 2);
+    assert_eq!(keys.len(), <Settings as Tables>::KEYS.len() + 2);
     assert!(keys.ends_with(&["predict.ahead_s", "predict.stops"]));
     let told = |key| SCHEMA.get(&told, key);
     assert_eq!((told("predict.ahead_s"), told("predict.stops")), (Some(Value::Number(0.125)), Some(Value::Flag(true))));
@@ -113,7 +113,7 @@ fn settings_that_say_the_same_are_the_same() {
 fn a_peer_refuses_a_law_that_it_does_not_hold() {
     let here = [Motion::<f32>::REST; AXES];
     let refused = Peer::<f32, AnyLaw<f32>>::new(&settings(&[]), here).expect_err("another law").to_string();
-    let names = "\"power\", \"wave\", \"passive-wave\", \"passive-mean\", \"none\"";
+    let names = "\"power\", \"wave\", \"passive-wave\", \"passive-mean\", \"self-timed\", \"none\"";
     assert_eq!(refused, format!("coordination.comm = \"predict\" is not allowed: it must be one of {names}"));
     let refused = Peer::<f32, Power<f32>>::new(&Settings::default(), here).expect_err("another law");
     assert_eq!(refused.allowed, Allowed::Kinds(Power::<f32>::KINDS));

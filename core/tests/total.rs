@@ -32,6 +32,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 struct Outside {
     numbers: [f64; 7],
     counts: [u16; AXES],
+    live_ticks: u32,
     read_counts: bool,
     overrun: bool,
     packet: bool,
@@ -41,16 +42,16 @@ struct Outside {
 
 fn outside() -> impl Strategy<Value = Outside> {
     let probe = prop::option::weighted(0.1, 0..Shape::ALL.len());
-    (prop::array::uniform7(any_number()), any::<[u16; AXES]>(), any::<bool>(), 0..50_u8, any::<bool>(), probe).prop_map(
-        |(numbers, counts, read_counts, overrun, packet, probe)| Outside {
+    (prop::array::uniform7(any_number()), any::<([u16; AXES], u32)>(), any::<bool>(), 0..50_u8, any::<bool>(), probe)
+        .prop_map(|(numbers, (counts, live_ticks), read_counts, overrun, packet, probe)| Outside {
             numbers,
             counts,
+            live_ticks,
             read_counts,
             overrun: overrun == 0,
             packet,
             probe,
-        },
-    )
+        })
 }
 
 /// Settings with every key drawn from its range by one number in 0..=1; 0 and 1 are the ends.
@@ -74,6 +75,10 @@ fn settings(draws: &[f64]) -> Settings {
     // Half of all pairs would be out of order, and refused.
     let safety = &mut settings.safety;
     safety.disengage_s = safety.disengage_s.max(safety.fade_s + 1e-5);
+    if settings.coordination.comm == "self-timed" {
+        settings.object.integrator = IntegratorName::Midpoint;
+        (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
+    }
     if settings.object.integrator == IntegratorName::Midpoint {
         settings.coordination.decode = Decode::Implicit;
         settings.object.force_delay_ticks = 0.0;
@@ -108,7 +113,13 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         }
         if peer.packet_due() {
             let [.., energy_j, wave_integral] = now.numbers;
-            let packet = Packet { motion: Motion { position: e, velocity: f }, wave: g, energy_j, wave_integral };
+            let packet = Packet {
+                motion: Motion { position: e, velocity: f },
+                wave: g,
+                energy_j,
+                wave_integral,
+                live_ticks: now.live_ticks,
+            };
             let sent = peer.exchange(now.packet.then_some(packet));
             prop_assert!(sent.is_finite(), "sent {sent:?}");
         }

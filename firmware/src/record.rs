@@ -1,4 +1,4 @@
-//! What one tick read, computed and commanded, with a digest of the state behind it: 88 bytes, little-endian.
+//! What one tick read, computed and commanded, with a digest of the state behind it: 92 bytes, little-endian.
 //!
 //! The interrupt fills one [`Record`] a tick; tasks put its bytes into telemetry. Inputs and digest are enough to run the
 //! same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
@@ -20,6 +20,7 @@
 //! | 60 | 4 | digest of the state after the tick |
 //! | 64 | 8 | energy from and to the network (J) |
 //! | 72 | 16 | the counters of the packet that came in: energy (J), wave integral (√W·s), 2 × f64; 0 without one |
+//! | 88 | 4 | its live ticks; 0 without one |
 
 use haptic_core::law::{Law, Packet};
 use haptic_core::num::{Motion, StateVector};
@@ -31,7 +32,7 @@ use crate::signals::Coded;
 /// What a sample with a record in it is called on the operator's link.
 pub const CODE: u16 = 1;
 /// Bytes of a record.
-pub const BYTES: usize = 88;
+pub const BYTES: usize = 92;
 const WORDS: usize = BYTES / 4;
 
 /// The bridges are enabled.
@@ -91,6 +92,7 @@ impl Record {
             (energy >> 32) as u32,
             integral as u32,
             (integral >> 32) as u32,
+            incoming.live_ticks,
         ])
     }
 
@@ -138,6 +140,7 @@ impl Record {
             wave,
             energy_j: double(18),
             wave_integral: double(20),
+            live_ticks: self.0[22],
         })
     }
     /// What the tick saw and did.

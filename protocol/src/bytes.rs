@@ -272,7 +272,7 @@ pub(crate) fn byte_of(flags: &[bool]) -> u8 {
 ///
 /// ```text
 /// layout! {
-///     pub message Flow("flow", 36 bytes, kind 1) {
+///     pub message Flow("flow", 40 bytes, kind 1) {
 ///         flags at 1 { engaged, "What it says."; }
 ///         4 => tick: u32, "What it says.";
 ///         8 => position: f32 where |position| *position > 0.0, "What it says.";

@@ -29,6 +29,7 @@ pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
         velocity: wire(packet.motion.velocity),
         wave: wire(packet.wave),
         wave_integral: packet.wave_integral,
+        live_ticks: packet.live_ticks,
         energy_sent: packet.energy_j,
         ..Flow::default()
     }
@@ -42,6 +43,7 @@ pub fn packet_of<S: Scalar>(flow: &Flow) -> Packet<S> {
         wave: core(flow.wave),
         energy_j: flow.energy_sent,
         wave_integral: flow.wave_integral,
+        live_ticks: flow.live_ticks,
     }
 }
 

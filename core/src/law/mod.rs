@@ -16,9 +16,11 @@ pub mod ladder;
 pub mod ledger;
 pub mod node;
 pub mod power;
+pub mod self_timed;
+mod terminal;
 pub mod wave;
 
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar, StateVector, visit_f64};
 use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -35,13 +37,16 @@ pub struct Packet<S> {
     pub energy_j: f64,
     /// Integral of the sender's outgoing wave over the same time, √W·s.
     pub wave_integral: f64,
+    /// Ticks that the integral is over, where the line has a time of its own; wraps.
+    pub live_ticks: u32,
 }
 
 /// The signals that a peer may send, in the order of declaration; the counters beside them are no state of a linear line.
-impl<S> StateVector<S> for Packet<S> {
+impl<S: Scalar> StateVector<S> for Packet<S> {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.motion.visit(each);
         each(&mut self.wave);
+        visit_f64(&mut self.wave_integral, each);
     }
 }
 
@@ -211,6 +216,7 @@ laws! {
     Wave(wave::Wave<S>),
     PassiveWave(wave::PassiveWave<S>),
     PassiveMean(wave::PassiveMean<S>),
+    SelfTimed(self_timed::SelfTimed<S>),
     Free(free::Free),
 }
 

@@ -15,7 +15,8 @@
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
-use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use super::terminal::{Ended, Terminal};
+use super::{Coupled, Kind, Law, Packet, Seen, Sends};
 use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
 use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
@@ -34,7 +35,7 @@ pub type PassiveMean<S> = Line<S, Mean<S>>;
 /// One end of a wave line.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<S, D> {
-    spring: Spring<S>,
+    end: Terminal<S>,
     decimator: D,
     decode: Decode,
     credit: Option<Credit<S>>,
@@ -43,20 +44,8 @@ pub struct Line<S, D> {
     root_over_impedance: S,
     /// 1/b.
     inverse_impedance: S,
-    /// √(2b).
-    root: S,
     /// 1/(b + B_T + K_T·T_c), to decode implicitly.
     inverse_loop: S,
-    /// 1/(b + κ), to solve with the object.
-    inverse_sum: S,
-    /// κ/(b + κ), the part of the drive that reaches the object.
-    share: S,
-    /// z = κ·b/(b + κ), spring and line in a row, N·s/m.
-    impedance_through: S,
-    /// √(b/2), the part of u_out that is velocity.
-    velocity_to_wave: S,
-    /// 1/√(2b), the part of u_out that is force.
-    force_to_wave: S,
     half: S,
 }
 
@@ -102,7 +91,7 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
     /// u_out of this tick goes into what is sent.
     #[inline]
     fn emit(&self, state: &mut LineState<S, D::State>, desired: Motion<S>, wave_in: S) -> Coupled<S> {
-        let wave_out = self.velocity_to_wave * desired.velocity - self.force_to_wave * state.force;
+        let wave_out = self.end.wave_out(desired.velocity, state.force);
         self.decimator.push(&mut state.outgoing, wave_out);
         if self.credit.is_some() {
             state.integral.add(self.period * wave_out);
@@ -125,8 +114,8 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
             },
             Decode::Implicit => {
                 let stretch = before.position - local.position;
-                let velocity = (self.root * wave_in - self.spring.stiffness * stretch
-                    + self.spring.damping * local.velocity)
+                let spring = &self.end.spring;
+                let velocity = (self.end.root * wave_in - spring.stiffness * stretch + spring.damping * local.velocity)
                     * self.inverse_loop;
                 Motion { position: state.carry.add(before.position, self.period * velocity), velocity }
             }
@@ -149,23 +138,16 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         }
         let impedance = coordination.wave_impedance_n_s_per_m;
         let loop_gain = impedance + coordination.damping_n_s_per_m + coordination.stiffness_n_per_m * period;
-        let kappa = coordination.damping_n_s_per_m + 0.5 * coordination.stiffness_n_per_m * period;
         let root = libm::sqrt(2.0 * impedance);
         Ok(Self {
-            spring: Spring::build(settings),
+            end: Terminal::build(settings),
             decimator: D::build(settings),
             decode: coordination.decode,
             credit: Credit::build(settings),
             period: S::from_f64(period),
             root_over_impedance: S::from_f64(root / impedance),
             inverse_impedance: S::from_f64(1.0 / impedance),
-            root: S::from_f64(root),
             inverse_loop: S::from_f64(1.0 / loop_gain),
-            inverse_sum: S::from_f64(1.0 / (impedance + kappa)),
-            share: S::from_f64(kappa / (impedance + kappa)),
-            impedance_through: S::from_f64(impedance * kappa / (impedance + kappa)),
-            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
-            force_to_wave: S::from_f64(1.0 / root),
             half: S::from_f64(0.5),
         })
     }
@@ -191,7 +173,7 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         let wave_in = self.paid(state);
         let desired = self.decode(state, wave_in, seen.local);
         state.desired = desired;
-        state.force = self.spring.force(desired, seen.local);
+        state.force = self.end.spring.force(desired, seen.local);
         self.emit(state, desired, wave_in)
     }
 
@@ -204,14 +186,9 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     ) -> Coupled<S> {
         let wave_in = self.paid(state);
         let before = state.desired.position;
-        let spring = self.spring.stiffness * (before - seen.local.position);
-        // b·ẋ_d = drive − κ·(ẋ_d − v): what is left of the wave's push once the spring has taken its part.
-        let drive = self.root * wave_in - spring;
-        let port = Port { force: spring + self.share * drive, impedance: self.impedance_through };
-        let mean = solve(port);
-        let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
+        let Ended { velocity, force } = self.end.meet(before - seen.local.position, wave_in, solve);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
-        state.force = port.at(mean);
+        state.force = force;
         self.emit(state, Motion { position: before, velocity }, wave_in)
     }
 

@@ -4,4 +4,5 @@ mod scalar;
 mod state;
 
 pub use scalar::{Fixed, Scalar};
+pub(crate) use state::visit_f64;
 pub use state::{Carry, Motion, StateVector, Sum};

@@ -41,6 +41,16 @@ impl<S, T: StateVector<S>, const N: usize> StateVector<S> for [T; N] {
     }
 }
 
+/// Visits a number that is kept in `f64` whatever the peer computes in; untouched unless it is changed.
+pub(crate) fn visit_f64<S: Scalar>(number: &mut f64, each: &mut impl FnMut(&mut S)) {
+    let before = S::from_f64(*number);
+    let mut visited = before;
+    each(&mut visited);
+    if visited.bits() != before.bits() {
+        *number = visited.to_f64();
+    }
+}
+
 /// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<S> {
@@ -106,5 +116,10 @@ impl<S: Scalar> Sum<S> {
     /// The sum.
     pub fn total(&self) -> S {
         self.total
+    }
+
+    /// A sum that begins with this.
+    pub fn from(total: S) -> Self {
+        Self { total, carry: Carry::default() }
     }
 }

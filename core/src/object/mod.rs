@@ -12,7 +12,6 @@ use crate::model::Model;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 
 pub use crate::names::IntegratorName;
-pub use midpoint::Midpoint;
 pub use port::Port;
 
 /// Advances a mass by one tick.
@@ -27,7 +26,7 @@ list! {
         ForwardEuler(euler::ForwardEuler<S>),
         SemiImplicit(euler::SemiImplicit<S>),
         Exact(exact::Exact<S>),
-        Midpoint(Midpoint<S>),
+        Midpoint(midpoint::Midpoint<S>),
     }
 }
 

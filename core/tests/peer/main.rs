@@ -3,6 +3,7 @@
 mod midpoint;
 mod parting;
 mod safety;
+mod self_timed;
 
 use haptic_core::device::Reading;
 use haptic_core::law::AnyLaw;

@@ -1,9 +1,9 @@
 //! Records: bytes and back, and a digest that misses nothing.
 
-use firmware_parts::record::{ENABLED, Record, SENT, digest};
+use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, digest};
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
-use haptic_core::law::AnyLaw;
+use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer};
 use haptic_core::safety::Mode;
@@ -29,6 +29,24 @@ fn bytes_lead_back_to_the_record() {
         [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|(position, velocity)| Motion { position, velocity });
     let seen = Observed { device, object, desired, contact_force: 7.0, coordination_force: 8.0 };
     assert_eq!(told.observed(), seen);
+}
+
+#[test]
+fn a_packet_that_came_in_comes_out_whole() {
+    let packet = Packet::<f32> {
+        motion: Motion { position: 0.25, velocity: -1.5 },
+        wave: 2.0,
+        energy_j: 1.0 / 3.0,
+        wave_integral: -1.0 / 7.0,
+        live_ticks: 0xFEDC_BA98,
+    };
+    let told = |flags, incoming| {
+        let mut peer = peer(0.0);
+        let record = Record::new(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
+        Record::from_bytes(&record.bytes()).incoming()
+    };
+    assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
+    assert_eq!(told(SENT, None), None);
 }
 
 #[test]

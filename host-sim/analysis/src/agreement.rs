@@ -9,8 +9,9 @@ use haptic_core::num::StateVector;
 use haptic_core::object::IntegratorName;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
+use super::lifted::delay::delays_packets;
 use super::lifted::driven::{OBJECT, TOO_LARGE};
-use super::lifted::pair::{delays_packets, is_apart, seat, seated_matrix};
+use super::lifted::pair::{is_apart, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
 use super::modes::Hands;
 use super::verdict::Analyser;
@@ -122,6 +123,7 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
         "passive-mean" => {
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
         }
+        "self-timed" => &[Some(DesiredPosition), Some(Outstanding), Some(Outgoing)],
         "power" => &[None, None],
         _ => &[],
     };
@@ -146,6 +148,7 @@ fn driven_place(linear: &Scene, place: Place, locals: &[Option<State>], second: 
             let field = match state {
                 State::ObjectPosition => 0,
                 State::ObjectVelocity => 1,
+                _ if linear.peer.coordination.comm == "self-timed" => 3,
                 _ => 2,
             };
             let before = if to == 0 { 0 } else { delays_packets(linear)[0] };

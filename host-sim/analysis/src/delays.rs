@@ -10,7 +10,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::lifted::pair::{delays_packets, whole_packets};
+use super::lifted::delay::{delays_packets, whole_packets};
 use haptic_sim::scene::{Jitter, Scene};
 
 /// Round trips judged at the most, spread evenly with both ends.

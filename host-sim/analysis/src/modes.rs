@@ -16,7 +16,7 @@ use haptic_core::names::Choice;
 use serde::Serialize;
 
 use super::delays::delays;
-use super::lifted::pair::delays_packets;
+use super::lifted::delay::delays_packets;
 use super::verdict::{Analyser, Verdict};
 use crate::error::AnalysisError;
 use haptic_sim::scene::{Jitter, Scene};
@@ -153,7 +153,11 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
             drawn(network.jitter == Jitter::Uniform && network.jitter_s > 0.0),
             "a delay that changes from packet to packet",
         ),
-        (drawn(network.jitter == Jitter::Gamma && network.jitter_s > 0.0), "jitter: it has no largest delay"),
+        (
+            drawn(matches!(network.jitter, Jitter::Gamma | Jitter::Pareto) && network.jitter_s > 0.0),
+            "jitter: it has no largest delay",
+        ),
+        (drawn(network.reverse_block_packets > 1), "packets that come in reversed blocks"),
         (drawn(network.delay_step_s != 0.0), "the moment at which the delay steps"),
         (!every_delay, "delays between those that were judged"),
         (network.clock_drift_ppm != 0.0, "clocks that drift"),

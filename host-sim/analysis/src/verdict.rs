@@ -6,8 +6,9 @@
 use serde::Serialize;
 
 use super::error::AnalysisError;
+use super::lifted::delay::delays_packets;
 use super::lifted::driven::Response;
-use super::lifted::pair::{Joined, delays_packets, is_apart, same_arms, seat};
+use super::lifted::pair::{Joined, is_apart, same_arms, seat};
 use super::lifted::{Lifted, prune, rest};
 use super::spectrum::Spectrum;
 use haptic_sim::scene::Scene;

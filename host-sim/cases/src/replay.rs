@@ -6,7 +6,7 @@
 //! Layout, little-endian: length of the settings (u32) and their lines `key=value`; position of the device's two axes at the
 //! start (2 × f32); then for every tick a byte of flags, and what they announce: 1 exact reading (4 × f32: position and
 //! velocity of both axes) instead of counts (2 × u16); 2 an exchange before the tick; 4 a packet in it (3 × f32: position,
-//! velocity, wave; 2 × f64: energy, wave integral). The file ends after a tick.
+//! velocity, wave; 2 × f64: energy, wave integral; u32: live ticks). The file ends after a tick.
 //!
 //! The hash: FNV-1a over 64-bit words with a fold, over the bits of the dynamic state, of forces and duties, after every tick.
 
@@ -97,7 +97,10 @@ pub fn run(
             let mut doubles = wide.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
             let mut double = || doubles.next().unwrap_or_default();
             let (energy_j, wave_integral) = (double(), double());
-            incoming = Some(Packet { motion: Motion { position, velocity }, wave, energy_j, wave_integral });
+            let [a, b, c, d, ..] = take(4)?;
+            let live_ticks = u32::from_le_bytes([a, b, c, d]);
+            let motion = Motion { position, velocity };
+            incoming = Some(Packet { motion, wave, energy_j, wave_integral, live_ticks });
         }
         if flags & EXCHANGE != 0 {
             peer.exchange(incoming);

@@ -98,6 +98,12 @@ pub const SCENES: &[Scene] = &[
         (s.coordination.comm, s.coordination.ledger) = ("passive-mean", true);
         s.coordination.drift_correction = true;
     }),
+    scene("self-timed", Some("implicit-midpoint"), "a line with a time of its own instead of the filter", |s| {
+        implicit(s);
+        s.object.integrator = IntegratorName::Midpoint;
+        s.object.force_delay_ticks = 0.0;
+        s.coordination.comm = "self-timed";
+    }),
     scene("play", Some("implicit-forward-euler"), "contact with play to both sides", |s| {
         implicit(s);
         s.contact.gap_m = 0.002;

@@ -136,6 +136,11 @@ impl Trace {
         Self { file: PathBuf::default(), samples: vec![(0.0, 0.0), (until_s, force_n)] }
     }
 
+    /// Nothing before `at_s`, then `force_n`.
+    pub fn step(at_s: f64, force_n: f64) -> Self {
+        Self { file: PathBuf::default(), samples: vec![(at_s, 0.0), (at_s, force_n)] }
+    }
+
     /// Force at `time_s`, N.
     pub fn force_n(&self, time_s: f64) -> f64 {
         let after = self.samples.partition_point(|sample| sample.0 <= time_s);

@@ -38,7 +38,7 @@ impl Peer {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(mut_arg("scene", |scene| scene.default_value("hub")))]
 pub(super) struct Hub {
     #[command(flatten)]
     scene: SceneArgs,

@@ -4,7 +4,7 @@
 use std::{net::SocketAddr, time::Duration};
 
 use haptic_core::safety::Mode;
-use haptic_protocol::link::{Link, Notice};
+use haptic_protocol::link::{Error, Link, Notice};
 use haptic_protocol::{key::Key, wire::Telemetry};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, measure::LastHalf, node::Node, scene::Scene};
@@ -86,14 +86,18 @@ struct Peer {
     /// Ticks of the experiment.
     ticks: u64,
     halves: LastHalf<2>,
+    /// Why the last datagram that was refused was.
+    refusal: Option<Error>,
 }
 
 impl Actor<SocketAddr> for Peer {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, _: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
-        // What is refused is counted by the link, and there is nothing else to do about it.
-        let _ = self.node.receive(now_ns / 1_000, datagram);
+        // What is refused is counted by the link, too.
+        if let Err(why) = self.node.receive(now_ns / 1_000, datagram) {
+            self.refusal = Some(why);
+        }
     }
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -119,7 +123,10 @@ impl Live for Peer {
             true => format!(
                 "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
-            false => format!("nobody answered from {connect} within {patience_s} s"),
+            false => {
+                let refused = self.refusal.map_or(String::new(), |why| format!("; what came was refused: {why}"));
+                format!("nobody answered from {connect} within {patience_s} s{refused}")
+            }
         })
     }
 
@@ -141,7 +148,7 @@ pub(crate) fn run(
     let node = Node::new(scene, number, key, entropy()?)?;
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
-    let mut peer = Peer { node, connect, patience_s, ticks, halves: LastHalf::new(ticks) };
+    let mut peer = Peer { node, connect, patience_s, ticks, halves: LastHalf::new(ticks), refusal: None };
     let endpoint = Endpoint::polled(listen)?;
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;

@@ -69,5 +69,6 @@ fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
         bytes
             .extend([packet.motion.position, packet.motion.velocity, packet.wave].iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([packet.energy_j, packet.wave_integral].iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend(packet.live_ticks.to_le_bytes());
     }
 }

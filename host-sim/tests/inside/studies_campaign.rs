@@ -5,7 +5,7 @@ use haptic_sim::run::Reason;
 use super::*;
 
 fn base(overrides: &[&str]) -> Scene {
-    let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a built-in scene");
+    let mut scene = scenes::load(Laws::built_in(), "hub").expect("a built-in scene");
     overrides.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
     scene.users = scenes::load(Laws::built_in(), BASE).expect("a built-in scene").users;
     scene

@@ -162,11 +162,11 @@ fn the_engine_without_bounder_needs_the_papers_200_hz() {
     }
 }
 
-/// Bytes against the layouts: 125 packets a second of flow (36), push (32) and state (48), 32 around each.
+/// Bytes against the layouts: 125 packets a second of flow (40), push (32) and state (48), 32 around each.
 #[test]
 fn bytes_are_those_of_the_wire() {
     let row = |architecture| host_sim::studies::architectures::row(architecture, 20.0).expect("a run");
-    near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 68.0, 1.0);
+    near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 72.0, 1.0);
     let cooperative = row(Architecture::CooperativeServer);
     near(cooperative.user_bytes_per_s, 125.0 * 64.0, 1.0);
     near(cooperative.server_bytes_per_s, 2.0 * 125.0 * 80.0, 1.0);

@@ -124,6 +124,33 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
     }
 }
 
+/// An end of version 1 of the wire says hello all the time: why it is nobody is told, with both versions.
+#[test]
+fn an_end_of_another_version_is_named() {
+    let folder = folder("another-version");
+    let old = UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");
+    let [own] = addresses();
+    let mut waiting = host_sim(&["peer", "--number", "1", "--listen", &own, "--patience-s", "1", "--connect"])
+        .arg(old.local_addr().expect("its address").to_string())
+        .arg("--key-file")
+        .arg(folder.join("key"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("host-sim runs");
+    let mut hello = [0; 200];
+    hello[..4].copy_from_slice(&[1, 1, 2, 1]);
+    while waiting.try_wait().expect("a process").is_none() {
+        // Until it listens, nobody is there.
+        let _ = old.send_to(&hello, &own);
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let said = waiting.wait_with_output().expect("it has ended");
+    let said = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(said.contains("nobody answered from"), "{said}");
+    assert!(said.contains("what came was refused: version 1 is spoken here, this end speaks 2"), "{said}");
+}
+
 #[test]
 fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     let folder = folder("relay");

@@ -1,6 +1,7 @@
 //! A recording, replayed without the scene around it, computes what the peer computed there.
 
 use haptic_cases::replay;
+use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 use host_sim::studies::record::record;
 
@@ -15,16 +16,36 @@ fn replayed(bytes: &[u8]) -> Result<(u64, u64), replay::Unreadable> {
     replay::run(read, |_, _| ())
 }
 
-/// Every built-in scene, either peer: alone with the recording it computes what it did in the scene.
+/// Either peer: alone with the recording it computes what it did in the scene.
+fn assert_replayed(scene: &Scene, name: &str) {
+    for number in [1, 2] {
+        let recording = record(scene, number, 500).expect("a good scene");
+        assert_eq!(replayed(&recording.bytes), Ok((500, recording.hash)), "{name}, peer {number}");
+    }
+}
+
 #[test]
 fn a_replay_is_the_scene_again() {
     for (name, _) in scenes::ALL {
         let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
-        for number in [1, 2] {
-            let recording = record(&scene, number, 500).expect("a good scene");
-            assert_eq!(replayed(&recording.bytes), Ok((500, recording.hash)), "{name}, peer {number}");
-        }
+        assert_replayed(&scene, name);
     }
+}
+
+/// What its packets count in ticks is in the recording, too.
+#[test]
+fn a_replay_of_a_line_with_a_time_of_its_own() {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("a built-in scene");
+    for text in [
+        "coordination.comm=self-timed",
+        "coordination.ledger=false",
+        "coordination.drift_correction=false",
+        "network.loss=0.2",
+        "user.1.push_n=1",
+    ] {
+        scene.apply_override(text).expect("a good override");
+    }
+    assert_replayed(&scene, "self-timed");
 }
 
 #[test]

@@ -140,7 +140,7 @@ fn servers_and_hubs_say_goodbye() {
     let hub = host_sim(&hub).spawn().expect("host-sim runs");
     let peers = [1, 2].map(|line: u32| {
         let (number, key) = (line.to_string(), keys.file(line));
-        let own = ["peer", "--json", "--scene", "any-network", "--number", &number, "--listen", "127.0.0.1:0"];
+        let own = ["peer", "--json", "--scene", "hub", "--number", &number, "--listen", "127.0.0.1:0"];
         let all = [&own[..], &["--connect", &address, "--seconds", "60", "--key-file", &key]].concat();
         host_sim(&all).spawn().expect("host-sim runs")
     });

@@ -1,6 +1,6 @@
 //! Any datagrams to a link in a session: none is taken, and the session is as it was.
 
-use haptic_protocol::wire::{Flow, MAX_DATAGRAM};
+use haptic_protocol::wire::{Flow, MAX_DATAGRAM, VERSION};
 
 use super::pair;
 
@@ -16,8 +16,8 @@ pub(super) fn run(bytes: &[u8]) {
         rest = tail;
         match dress % 4 {
             0 => {}
-            1 => datagram.splice(..0, [1, 3, 2, 1]).for_each(drop),
-            2 => datagram.splice(..0, [1, 1, 2, 1]).for_each(drop),
+            1 => datagram.splice(..0, [VERSION, 3, 2, 1]).for_each(drop),
+            2 => datagram.splice(..0, [VERSION, 1, 2, 1]).for_each(drop),
             _ => {
                 // A true datagram with the given bytes laid over it: nothing, or an alteration.
                 let len = two.send(5_000, Flow::default(), &mut out).expect("a session");

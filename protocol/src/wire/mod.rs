@@ -1,4 +1,4 @@
-//! The wire format, version 1: what every byte of a datagram means. `FORMAT.md` says the same for other languages.
+//! The wire format, version 2: what every byte of a datagram means. `FORMAT.md` says the same for other languages.
 //!
 //! A datagram is either a [`Greeting`] (hello or welcome: readable, authenticated by the shared key) or a [`Header`]
 //! followed by one sealed [`Message`] and its tag. Everything is little-endian, of fixed layout and without padding that
@@ -8,8 +8,8 @@
 //! is in it. What does not fit is an [`Error`] that says what was wrong.
 //!
 //! Offsets in the files of this module count from the first byte of the message; a sealed message begins at byte
-//! [`Header::LEN`] of its datagram. **Stable from version 1**: a layout is never changed, a new one gets a new kind, and a
-//! change of meaning gets a new version byte.
+//! [`Header::LEN`] of its datagram. **Stable**: within a version no layout changes and what is new gets a new kind;
+//! any other change gets a new version byte. Ends of two versions refuse each other ([`Error::UnknownVersion`]).
 
 mod datagram;
 mod fixed;
@@ -28,14 +28,14 @@ pub use crate::key::TAG_LEN;
 pub const SEAL_LEN: usize = Header::LEN + TAG_LEN;
 
 /// The longest message before sealing.
-pub const MAX_MESSAGE: usize = Telemetry::LEN;
+pub const MAX_MESSAGE: usize = Sample::MAX_LEN;
 
-/// The longest datagram of version 1.
+/// The longest datagram of version 2.
 pub const MAX_DATAGRAM: usize = Greeting::TAGGED;
 
 const _: () = assert!(Header::LEN + MAX_MESSAGE + TAG_LEN <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
 const _: () = assert!(Part::MAX_LEN <= MAX_MESSAGE && Presence::MAX_LEN <= MAX_MESSAGE && Ask::LEN <= MAX_MESSAGE);
-const _: () = assert!(Sample::MAX_LEN <= MAX_MESSAGE);
+const _: () = assert!(Telemetry::LEN <= MAX_MESSAGE);
 
 /// Room for any datagram.
 pub type Datagram = [u8; MAX_DATAGRAM];
@@ -44,7 +44,7 @@ macro_rules! kinds {
     ($($Kind:ident, $meaning:literal;)+) => {
         /// What a sealed datagram holds; the first byte says which.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        #[allow(clippy::large_enum_variant)] // 92 bytes on the way to the caller, and nowhere else.
+        #[allow(clippy::large_enum_variant)] // 96 bytes on the way to the caller, and nowhere else.
         pub enum Message { $(#[doc = $meaning] $Kind($Kind),)+ }
 
         impl Message {

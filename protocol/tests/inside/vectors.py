@@ -52,6 +52,7 @@ RFC = aead(
 )
 assert RFC[-16:].hex() == "1ae10b594f09e26a7e902ecbd0600691", RFC[-16:].hex()
 
+VERSION = 2
 K = bytes([7] * 32)
 ONE, TWO = 1, 2
 C1, C2 = bytes(range(16)), bytes(range(16, 32))
@@ -82,19 +83,19 @@ tables = b"".join(TABLES) + bytes(8 * (16 - len(TABLES)))
 count = bytes([len(TABLES)])
 
 # A hello from peer 1 to peer 2.
-body = bytes([1, 1, ONE, TWO, 0, 0, 0, 0]) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+body = bytes([VERSION, 1, ONE, TWO, 0, 0, 0, 0]) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
 hello = body + hashlib.blake2s(body, key=derive(K, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
 print("HELLO", hello.hex())
 
-secret = derive(K, "session", bytes([1, ONE, TWO]) + C1 + C2 + struct.pack("<QQ", I1, I2) + count + tables)
+secret = derive(K, "session", bytes([VERSION, ONE, TWO]) + C1 + C2 + struct.pack("<QQ", I1, I2) + count + tables)
 number = derive(secret, "number")[:4]
-flow = struct.pack("<BBHIfffdd", 1, 1, 0, 4711, 0.25, -0.5, 1.5, 2.0, 3.0)
+flow = struct.pack("<BBHIfffddI", 1, 1, 0, 4711, 0.25, -0.5, 1.5, 2.0, 3.0, 4712)
 
 
 def seal(source, sink, sequence, message):
     base = derive(secret, "direction", bytes([source, sink]))
     key = derive(base, "epoch", struct.pack("<Q", sequence >> 20))
-    head = bytes([1, 3, source, sink]) + number + struct.pack("<Q", sequence)
+    head = bytes([VERSION, 3, source, sink]) + number + struct.pack("<Q", sequence)
     return head + aead(key, bytes(4) + struct.pack("<Q", sequence), message, head)
 
 
@@ -102,7 +103,7 @@ print("FLOW", seal(ONE, TWO, 0, flow).hex())
 print("LATER_FLOW", seal(ONE, TWO, (5 << 20) + 3, flow).hex())
 # A server's line 300: its key, and a hello on it.
 line = derive(K, "line", struct.pack("<I", 300))
-body = bytes([1, 1, ONE, TWO]) + struct.pack("<I", 300) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+body = bytes([VERSION, 1, ONE, TWO]) + struct.pack("<I", 300) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
 tag = hashlib.blake2s(body, key=derive(line, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
 print("LINE_HELLO_TAG", tag.hex())
 

@@ -1,4 +1,4 @@
-//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 1 does
+//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 2 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::format`]).
 
 use haptic_protocol::link::{Error, Link, Stage};
@@ -120,7 +120,7 @@ fn a_peer_that_says_nothing_else_is_there_and_coordinates_nothing() {
 }
 
 #[test]
-fn any_bytes_under_a_right_tag_are_a_message_of_version_1_or_nothing() {
+fn any_bytes_under_a_right_tag_are_a_message_of_version_2_or_nothing() {
     let mut ear = Ear::new(4);
     let mut rng = Rng(5);
     let mut taken = 0;
@@ -132,7 +132,7 @@ fn any_bytes_under_a_right_tag_are_a_message_of_version_1_or_nothing() {
         }
         if round % 4 == 0 {
             message = flow(round).1.to_vec();
-            message[rng.below(36) as usize] ^= 1 << rng.below(8);
+            message[rng.below(40) as usize] ^= 1 << rng.below(8);
         }
         let read = Message::parse(&message);
         taken += u32::from(read.is_ok());

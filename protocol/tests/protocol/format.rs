@@ -7,6 +7,8 @@ use blake2::{Blake2sMac, Blake2sMac256};
 use chacha20poly1305::ChaCha20Poly1305;
 use chacha20poly1305::aead::{AeadInOut, KeyInit};
 
+/// Byte 0 of every datagram.
+const VERSION: u8 = 2;
 /// Bytes of a greeting, of a sealed datagram's header and of a tag.
 pub(crate) const GREETING: usize = 200;
 const HEADER: usize = 16;
@@ -50,7 +52,7 @@ impl Session {
     pub(crate) fn of(key: &[u8; 32], one: &[u8], two: &[u8]) -> Self {
         let (low, high) = if one[2] < two[2] { (one, two) } else { (two, one) };
         let parts = [
-            &[1, low[2], high[2]],
+            &[VERSION, low[2], high[2]],
             &low[8..24],
             &high[8..24],
             &low[40..48],
@@ -73,7 +75,7 @@ impl Session {
 
     /// Any bytes, sealed.
     pub(crate) fn seal(&self, from: u8, to: u8, sequence: u64, message: &[u8]) -> Vec<u8> {
-        let head = [&[1, 3, from, to][..], &self.number, &sequence.to_le_bytes()].concat();
+        let head = [&[VERSION, 3, from, to][..], &self.number, &sequence.to_le_bytes()].concat();
         let (cipher, nonce) = self.cipher(from, to, sequence);
         let mut body = message.to_vec();
         let tag = cipher.encrypt_inout_detached(&nonce.into(), &head, body.as_mut_slice().into());
@@ -88,6 +90,6 @@ impl Session {
         let (cipher, nonce) = self.cipher(head[2], head[3], sequence);
         let mut body = body.to_vec();
         let opened = cipher.decrypt_inout_detached(&nonce.into(), head, body.as_mut_slice().into(), &(*tag).into());
-        (head[..2] == [1, 3] && head[4..8] == self.number && opened.is_ok()).then_some(body)
+        (head[..2] == [VERSION, 3] && head[4..8] == self.number && opened.is_ok()).then_some(body)
     }
 }

@@ -1,4 +1,4 @@
-//! Every message as bytes that were written down by hand, and what version 1 refuses.
+//! Every message as bytes that were written down by hand, and what version 2 refuses.
 
 use haptic_protocol::wire::{
     Ack, Ask, Bits, Error, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE, Message, Moved, Page,
@@ -41,6 +41,7 @@ fn flow() {
         0x00, 0x00, 0x20, 0x40, // 2.5
         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xd0, 0xbf, // -0.25
         0x00, 0x00, 0x00, 0x00, 0x00, 0x40, 0x5f, 0x40, // 125.0
+        0x0d, 0x0c, 0x0b, 0x0a, // live ticks
     ];
     let flow = Flow {
         engaged: true,
@@ -51,6 +52,7 @@ fn flow() {
         wave: 2.5,
         wave_integral: -0.25,
         energy_sent: 125.0,
+        live_ticks: 0x0a0b_0c0d,
     };
     is(flow, &bytes);
     refused(&bytes, 1, &[4], Error::Reserved("flow"));
@@ -58,8 +60,8 @@ fn flow() {
     refused(&bytes, 8, &f32::NAN.to_le_bytes(), Error::NotFinite("flow"));
     refused(&bytes, 28, &f64::INFINITY.to_le_bytes(), Error::NotFinite("flow"));
     // Too little room is an error.
-    let wanted = Err(Error::Length { message: "flow", wanted: 36, got: 35 });
-    assert_eq!(Flow::default().emit(&mut [0; 35]), wanted);
+    let wanted = Err(Error::Length { message: "flow", wanted: 40, got: 39 });
+    assert_eq!(Flow::default().emit(&mut [0; 39]), wanted);
 }
 
 #[test]
@@ -116,7 +118,7 @@ fn push_and_moved() {
 }
 
 #[test]
-fn events_have_up_to_48_bytes_and_samples_88() {
+fn events_have_up_to_48_bytes_and_samples_92() {
     let event = Event::new(0xbeef, &[9, 8, 7]).unwrap().numbered(0x0102_0304);
     is(event, &[3, 3, 0xef, 0xbe, 4, 3, 2, 1, 9, 8, 7]);
     assert_eq!(event.emitted_len(), 11);
@@ -127,11 +129,11 @@ fn events_have_up_to_48_bytes_and_samples_88() {
     refused(&[3], 0, &[3], Error::Length { message: "event", wanted: 8, got: 1 });
 
     is(Sample::new(0x1234, &[0xaa, 0xbb]).unwrap(), &[9, 2, 0x34, 0x12, 0xaa, 0xbb]);
-    is(Sample::new(1, &[7; 88]).unwrap(), &[&[9, 88, 1, 0][..], &[7; 88]].concat());
-    assert!(Sample::new(0, &[0; 89]).is_err());
+    is(Sample::new(1, &[7; 92]).unwrap(), &[&[9, 92, 1, 0][..], &[7; 92]].concat());
+    assert!(Sample::new(0, &[0; 93]).is_err());
     refused(&[9, 1, 0, 0], 0, &[], Error::Length { message: "sample", wanted: 5, got: 4 });
     refused(&[9, 0, 0, 0, 0], 0, &[], Error::Length { message: "sample", wanted: 4, got: 5 });
-    refused(&[9, 89, 0, 0], 0, &[], Error::OutOfRange { message: "sample", field: "payload length" });
+    refused(&[9, 93, 0, 0], 0, &[], Error::OutOfRange { message: "sample", field: "payload length" });
 }
 
 #[test]
@@ -197,7 +199,7 @@ fn part() {
 
 #[test]
 fn header() {
-    let bytes = [1, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
+    let bytes = [2, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
     let header = Header { from: PeerId(7), to: PeerId(9), session: 0xaabb_ccdd, sequence: 0x0102_0304_0506_0708 };
     let mut out = [0; Header::LEN];
     assert_eq!(header.emit(&mut out), Ok(Header::LEN));
@@ -205,9 +207,12 @@ fn header() {
     let mut datagram = [0x55; 33];
     datagram[..16].copy_from_slice(&bytes);
     assert_eq!(Header::parse(&mut datagram), Ok((header, &bytes, &mut [0x55; 17][..])));
-    datagram[0] = 2;
-    assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion(2)));
-    datagram[..2].copy_from_slice(&[1, 4]);
+    for version in [0, 1, 3, 255] {
+        datagram[0] = version;
+        assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion(version)));
+    }
+    assert_eq!(Error::UnknownVersion(1).to_string(), "version 1 is spoken here, this end speaks 2");
+    datagram[..2].copy_from_slice(&[2, 4]);
     assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind(4)));
     let error = Error::Length { message: "sealed", wanted: 32, got: 31 };
     assert_eq!(Header::parse(&mut datagram[..31]), Err(error));
@@ -229,7 +234,7 @@ fn greeting() {
         tables,
     };
     let mut bytes = [0; Greeting::TAGGED];
-    bytes[..8].copy_from_slice(&[1, 2, 1, 2, 1, 2, 3, 4]);
+    bytes[..8].copy_from_slice(&[2, 2, 1, 2, 1, 2, 3, 4]);
     bytes[8..24].fill(0xaa);
     bytes[24..40].fill(0xbb);
     bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);

@@ -3,7 +3,7 @@
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
     Ack, Ask, Bits, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved,
-    Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sighting, TABLES, Telemetry, Topic,
+    Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES, Telemetry, Topic, VERSION,
 };
 use haptic_protocol::world::{Manifest, Scope};
 use proptest::prelude::*;
@@ -19,9 +19,19 @@ fn f64s() -> impl Strategy<Value = f64> {
 }
 
 fn messages() -> impl Strategy<Value = Message> {
-    let flow = (any::<(bool, bool, u32)>(), f32s(), f32s(), f32s(), f64s(), f64s()).prop_map(
-        |((engaged, fading, tick), position, velocity, wave, wave_integral, energy_sent)| {
-            Message::Flow(Flow { engaged, fading, tick, position, velocity, wave, wave_integral, energy_sent })
+    let flow = (any::<(bool, bool, [u32; 2])>(), f32s(), f32s(), f32s(), f64s(), f64s()).prop_map(
+        |((engaged, fading, [tick, live_ticks]), position, velocity, wave, wave_integral, energy_sent)| {
+            Message::Flow(Flow {
+                engaged,
+                fading,
+                tick,
+                position,
+                velocity,
+                wave,
+                wave_integral,
+                energy_sent,
+                live_ticks,
+            })
         },
     );
     let telemetry = (any::<([u8; 3], [u32; 8], i64)>(), prop::array::uniform7(f32s()), f64s(), f64s()).prop_map(
@@ -54,6 +64,8 @@ fn messages() -> impl Strategy<Value = Message> {
     );
     let event = (any::<(u16, u32)>(), prop::collection::vec(any::<u8>(), 0..=Event::MAX_PAYLOAD))
         .prop_map(|((code, number), payload)| Message::Event(Event::new(code, &payload).unwrap().numbered(number)));
+    let sample = (any::<u16>(), prop::collection::vec(any::<u8>(), 0..=Sample::MAX_PAYLOAD))
+        .prop_map(|(code, payload)| Message::Sample(Sample::new(code, &payload).unwrap()));
     let scope = prop_oneof![
         Just(Scope::All),
         any::<u8>().prop_map(Scope::Region),
@@ -98,6 +110,7 @@ fn messages() -> impl Strategy<Value = Message> {
         flow,
         telemetry,
         event,
+        sample,
         ask,
         part,
         presence,
@@ -157,7 +170,7 @@ proptest! {
 
     #[test]
     fn greetings_likewise(mut bytes in prop::collection::vec(any::<u8>(), Greeting::TAGGED), kind in 0..4u8, count in 0..20u8, clean: bool) {
-        bytes[..2].copy_from_slice(&[1, kind]);
+        bytes[..2].copy_from_slice(&[VERSION, kind]);
         if clean {
             bytes[4..8].fill(0);
             bytes[48] = count;
@@ -183,7 +196,7 @@ proptest! {
     #[test]
     fn headers_likewise(mut bytes in prop::collection::vec(any::<u8>(), 0..250), right: bool) {
         if right && bytes.len() > 2 {
-            bytes[..2].copy_from_slice(&[1, 3]);
+            bytes[..2].copy_from_slice(&[VERSION, 3]);
         }
         let copy = bytes.clone();
         if let Ok((header, head, sealed)) = Header::parse(&mut bytes) {
@@ -203,9 +216,9 @@ proptest! {
         for (mut datagram, dress) in datagrams {
             // Bare, or with the beginning of a datagram that could come from the other end.
             match (dress, datagram.get_mut(..4)) {
-                (1, Some(head)) => head.copy_from_slice(&[1, 3, 2, 1]),
+                (1, Some(head)) => head.copy_from_slice(&[VERSION, 3, 2, 1]),
                 (2, Some(head)) => {
-                    head.copy_from_slice(&[1, 1, 2, 1]);
+                    head.copy_from_slice(&[VERSION, 1, 2, 1]);
                     datagram.resize(Greeting::TAGGED, 0);
                 }
                 _ => {}

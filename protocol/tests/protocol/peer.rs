@@ -12,6 +12,7 @@ fn a_packet_survives_the_way() {
         wave: 2.0,
         energy_j: 1.0 / 3.0,
         wave_integral: -1.0 / 7.0,
+        live_ticks: u32::MAX,
     };
     let flow = flow_of(sent, true, 9);
     assert_eq!((packet_of(&flow), flow.engaged, flow.tick), (sent, true, 9));

@@ -37,7 +37,7 @@ fn sealed() -> Vec<(&'static str, usize, World, Vec<u8>)> {
     let now = world.clock(0);
     let flow = Flow { engaged: true, tick: 9, position: 0.25, ..Flow::default() };
     let len = world.links[0].send(now, flow, &mut out).unwrap();
-    all.push(("flow", 68, world, out[..len].to_vec()));
+    all.push(("flow", 72, world, out[..len].to_vec()));
 
     let mut world = silent(2);
     let now = world.clock(0);

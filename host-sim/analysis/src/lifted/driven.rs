@@ -8,15 +8,21 @@
 //! **Small signals.** Unit states are 2⁻³⁰⁰ units: a power of two, so every product with them is exact as before, and far
 //! below any limit, so that no guard acts. A period that grows beyond 2²⁵⁰ counts as infinite.
 //!
+//! **Counters.** A line with a time of its own counts what it has sent and heard. Such a peer is first left at rest on the
+//! scene's network until every tick is live, and starts each period with the counters it has then, and the packet that is due.
+//!
 //! **Order of the local state**: x_h, ẋ_h, motor force of the tick before; then what `State::visit` visits (object,
 //! integrator, law, velocity estimators). Units: m, m/s, N, √W.
 
+use std::collections::VecDeque;
+
 use haptic_core::device::AXES;
-use haptic_core::law::Packet;
+use haptic_core::law::{Packet, Sends};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::Refused;
+use haptic_core::settings::{Allowed, Refused, Value};
 
+use super::delay::delays_packets;
 use crate::matrix::{Matrix, reset};
 use haptic_sim::peers::DynPeer;
 use haptic_sim::plant::Plant;
@@ -130,6 +136,45 @@ impl Response {
     }
 }
 
+/// Most packet periods, beyond four round trips, that a line needs to learn a delay.
+const LEARNING: usize = 64;
+
+/// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
+/// packet that is due next. A peer that counts nothing stays as it is.
+fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Result<Packet<f64>, Refused<'static>> {
+    if linear.law().sends != Sends::Counters {
+        return Ok(Packet::default());
+    }
+    let timing = &linear.peer.timing;
+    let delay = delays_packets(linear).iter().sum::<usize>().div_ceil(2);
+    let sensors = plant.sensors();
+    let (mut at_rest, mut flying) = (peer.clone(), VecDeque::new());
+    let mut live = 0;
+    // Learning a delay takes round trips by the logarithm of it.
+    let patience = (LEARNING + delay) * LEARNING;
+    for _ in 0..patience {
+        flying.push_back(at_rest.outgoing());
+        let due = flying.front().copied().filter(|_| flying.len() > delay);
+        if live > 4 * (delay + 1) {
+            *peer = at_rest;
+            return Ok(due.unwrap_or_default());
+        }
+        let before = at_rest.outgoing().live_ticks;
+        if due.is_some() {
+            flying.pop_front();
+        }
+        at_rest.exchange(due);
+        for _ in 0..timing.ticks_per_packet {
+            at_rest.tick(&sensors);
+        }
+        let ticks = at_rest.outgoing().live_ticks.wrapping_sub(before);
+        live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
+    }
+    let allowed = Allowed::Only("0, or more than the delay of the network: a line that stands has no period to judge");
+    let value = linear.get("coordination.credit_ticks").unwrap_or(Value::Number(0.0));
+    Err(Refused { key: "coordination.credit_ticks", value, allowed, unit: "" })
+}
+
 /// A peer in front of its device, and the state and packet it is to start from, in units.
 struct Seat {
     armed: Box<dyn DynPeer<f64>>,
@@ -139,6 +184,8 @@ struct Seat {
     plant: Plant,
     local: Vec<f64>,
     packet: Vec<f64>,
+    /// What arrives next at rest: the counters of a packet.
+    due: Packet<f64>,
 }
 
 impl Seat {
@@ -156,8 +203,9 @@ impl Seat {
         let mut numbers = 0;
         Packet::<f64>::default().visit(&mut |_| numbers += 1);
         let plant = Plant::new(linear, index);
+        let due = settle(&mut armed, linear, &plant)?;
         let ticks_per_packet = settings.timing.ticks_per_packet;
-        Ok(Self { armed, there, ticks_per_packet, plant, local: vec![0.0; states], packet: vec![0.0; numbers] })
+        Ok(Self { armed, there, ticks_per_packet, plant, local: vec![0.0; states], packet: vec![0.0; numbers], due })
     }
 
     /// Everything at zero.
@@ -191,7 +239,7 @@ impl Seat {
         let (motion, motor) = self.plant.free_axis();
         *motion = Motion { position: self.local[0] * UNIT, velocity: self.local[1] * UNIT };
         *motor = self.local[2] * UNIT;
-        let mut packet = Packet::default();
+        let mut packet = self.due;
         let mut numbers = self.packet.iter();
         packet.visit(&mut |number: &mut f64| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
 

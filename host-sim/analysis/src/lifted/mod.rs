@@ -8,6 +8,7 @@
 //! | [`driven`] | running `haptic_core::peer::{exchange, tick}`, the code that flies, on unit states |
 //! | [`constructed`] | the paper's algebra: lifted open loop, augmentation, feedback matrix |
 //! | [`closing`] | joining what peers answer through the network's queues, for the former |
+//! | [`delay`] | counting the packets on their way |
 //! | [`prune`] | leaving out states that nothing depends on, or that are always zero |
 //! | [`pair`] | which of these a scene falls apart into |
 //! | [`rest`] | dividing rest modes out by their eigenvectors |
@@ -18,6 +19,7 @@
 
 pub(crate) mod closing;
 pub(crate) mod constructed;
+pub(crate) mod delay;
 pub(crate) mod driven;
 pub(crate) mod pair;
 pub(crate) mod prune;

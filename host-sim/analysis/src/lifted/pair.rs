@@ -6,6 +6,7 @@ use haptic_sim::scene::Scene;
 
 use super::Lifted;
 use super::closing::{End, close};
+use super::delay::delays_packets;
 use super::driven::{OBJECT, Response};
 use crate::error::AnalysisError;
 
@@ -33,20 +34,6 @@ pub(crate) fn is_apart(linear: &Scene) -> bool {
 /// it, are no part of it.
 pub(crate) fn seat(linear: &Scene, released: bool) -> Cow<'_, Scene> {
     if released || is_apart(linear) { Cow::Owned(linear.hands_off()) } else { Cow::Borrowed(linear) }
-}
-
-/// Packet periods that a packet is on its way to peer 1 and to peer 2.
-pub fn delays_packets(linear: &Scene) -> [usize; 2] {
-    let (network, packet_s) = (&linear.world.network, linear.peer.timing.packet_period_s());
-    let to = |added_s: f64| network.one_way_delay_packets as usize + whole_packets(added_s, packet_s);
-    [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
-}
-
-/// Packet periods that time on top of whole ones counts as: peers look once a period, so that a fraction is one more. None
-/// where it is negative: no packet comes before the constant delay is over.
-pub(crate) fn whole_packets(added_s: f64, packet_s: f64) -> usize {
-    // A boundary reached to within rounding is reached, as in `haptic_sim::network`.
-    (added_s / packet_s - 1e-9).ceil().max(0.0) as usize
 }
 
 /// Two peers' answers and the packet periods that packets are on their way to each of them.

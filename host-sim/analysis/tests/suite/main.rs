@@ -10,4 +10,5 @@ mod midpoint;
 mod modes;
 mod oracle;
 mod random;
+mod self_timed;
 mod theory;

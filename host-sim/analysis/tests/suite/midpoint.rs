@@ -8,7 +8,7 @@ use haptic_sim::scene::Scene;
 
 use crate::random::Random;
 
-fn midpoint(comm: &'static str, delay_packets: u32) -> Scene {
+pub(crate) fn midpoint(comm: &'static str, delay_packets: u32) -> Scene {
     let mut scene = figure4::scene(comm, delay_packets);
     scene.peer.object.integrator = IntegratorName::Midpoint;
     scene.peer.object.force_delay_ticks = 0.0;

@@ -33,7 +33,7 @@ pub const COLUMNS: [&str; 19] = [
 
 /// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.
 pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
-    const BYTES: usize = 88;
+    const BYTES: usize = 92;
     let record: &[u8; BYTES] = record.try_into().ok()?;
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
     let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);

@@ -10,3 +10,4 @@ mod oracle;
 mod outcome;
 mod recording;
 mod report;
+mod self_timed;

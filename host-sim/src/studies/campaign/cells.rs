@@ -8,7 +8,8 @@ use haptic_sim::measure::growth::Forces;
 use haptic_sim::measure::swing::{Felt, felt};
 use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, Outcome, Verdict, run};
-use haptic_sim::{scene::Scene, user::User};
+use haptic_sim::scene::Scene;
+use haptic_sim::user::{Trace, User};
 
 use super::networks;
 use crate::studies::Failure;
@@ -27,6 +28,9 @@ pub const WAY_N: f64 = 1.0;
 
 /// And for how long, s.
 pub const WAY_S: f64 = 1.0;
+
+/// After how long at rest, s: a line that follows the network has learned it.
+pub const REST_S: f64 = 3.0;
 
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,10 +147,12 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
         let own = &mut user.settings.user;
         own.arm_damping_n_s_per_m = arm.arm_damping_n_s_per_m;
         own.arm_mass_kg = arm.arm_mass_kg;
-        own.push_n = sign * WAY_N;
+        user.trace = Some(Trace::step(REST_S, sign * WAY_N));
     }
     let mut pair = Pair::<f64>::new(&pushed)?;
-    let ticks = (WAY_S / scene.peer.timing.control_period_s).round() as u64;
+    let ticks = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round() as u64;
+    (0..ticks(REST_S)).for_each(|_| pair.step());
+    let ticks = ticks(WAY_S);
     let mut forces = Forces::new(ticks);
     let middle =
         |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed().object.position).iter().sum::<f64>() / 2.0;

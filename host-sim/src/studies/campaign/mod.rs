@@ -14,7 +14,7 @@
 //! | channel | what a peer took from the network over what the other one gave to it, worst direction and seed: above 1 the network makes energy, which is what a hand feels as an object that comes alive (THEORY §5) | ≤ 1 |
 //! | peer | what left the ports of a peer's coordination over what entered them ([`haptic_sim::measure::port`]), worst peer and seed: above 1 the peer makes energy | ≤ 1 |
 //! | peak, jump | largest F_T of any seed, and its largest change from tick to tick | |
-//! | way | how far the copies (their mean) are after both users have pushed [`WAY_N`] the same way for [`WAY_S`] from rest, over the same on the scene's own network: mean over the seeds | 1 |
+//! | way | how far the copies (their mean) are after both users have pushed [`WAY_N`] the same way for [`WAY_S`], after [`REST_S`] at rest, over the same on the scene's own network: mean over the seeds | 1 |
 //! | its peak | largest F_T in any of those runs: what an object that moves and is held by a bad network does to a hand | |
 //!
 //! | column of the costs | what | ideal |
@@ -42,10 +42,10 @@ use haptic_sim::{scenes, user::User};
 use self::networks::Named;
 use super::Failure;
 
-pub use self::cells::{Cell, DURATION_S, Estimate, SEEDS, WAY_N, WAY_S};
+pub use self::cells::{Cell, DURATION_S, Estimate, REST_S, SEEDS, WAY_N, WAY_S};
 
 /// Communications, with what they need: name, settings, and whether they promise passivity.
-pub const COMMS: [(&str, &[&str], bool); 4] = [
+pub const COMMS: [(&str, &[&str], bool); 5] = [
     ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"], false),
     ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"], false),
     (
@@ -63,6 +63,20 @@ pub const COMMS: [(&str, &[&str], bool); 4] = [
         ],
         true,
     ),
+    ("self-timed", SELF_TIMED, true),
+];
+
+/// The built-in scene `any-network` on the forces of the others.
+const SELF_TIMED: &[&str] = &[
+    "coordination.comm=self-timed",
+    "object.integrator=midpoint",
+    "timing.ticks_per_packet=1",
+    "network.one_way_delay_packets=8",
+    "object.mass_kg=0.02",
+    "coordination.wave_impedance_n_s_per_m=60",
+    "coordination.stiffness_n_per_m=10000",
+    "safety.fade_s=2",
+    "safety.disengage_s=3",
 ];
 
 /// These ways to hold the copies together, and every law that none of them names and that sends something.

@@ -12,7 +12,7 @@ const B: f64 = 10.0;
 const PACKET_S: f64 = 0.008;
 
 fn scene(ledger: bool) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("a built-in scene");
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "hub").expect("a built-in scene");
     scene.peer.coordination.ledger = ledger;
     scene.peer.coordination.drift_correction = ledger;
     scene

@@ -10,7 +10,7 @@ use crate::program::{Keys, free, host_sim, report};
 /// The peer on a line, whose user does this.
 fn peer(keys: &Keys, line: u32, hub: &str, user: &[&str], duration_s: &str) -> Child {
     let (number, key) = (if line % 2 == 1 { "1" } else { "2" }, keys.file(line));
-    host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--listen", "127.0.0.1:0"])
+    host_sim(&["peer", "--json", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
         .args(["--connect", hub, "--key-file", &key, "--seconds", duration_s])
         .args(user.iter().flat_map(|setting| ["--set", setting]))
         .spawn()
@@ -95,7 +95,7 @@ fn what_is_wrong_is_said_in_one_line() {
     }
     // A peer that was told something else.
     let mut waiting = host_sim(&[&hub[..], &["--users", "2"]].concat()).spawn().expect("host-sim runs");
-    let other = host_sim(&["peer", "--scene", "any-network", "--set", "object.mass_kg=0.5", "--number", "1"])
+    let other = host_sim(&["peer", "--scene", "hub", "--set", "object.mass_kg=0.5", "--number", "1"])
         .args(["--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &keys.file(1)])
         .output()
         .expect("host-sim runs");

@@ -16,7 +16,7 @@ use host_sim::shared::cooperative::hub::{Hub, number_on};
 use host_sim::shared::cooperative::waves::Waves;
 
 fn scene(keys: &[String]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("a built-in scene");
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "hub").expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
     scene

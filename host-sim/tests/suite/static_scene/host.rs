@@ -2,7 +2,7 @@
 
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
-use haptic_protocol::wire::Header;
+use haptic_protocol::wire::{Header, VERSION};
 use host_sim::shared::world::host::{Host, MOST_LINES};
 use host_sim::shared::world::load;
 use host_sim::shared::world::visitor::{Setup, Visitor};
@@ -99,7 +99,7 @@ fn anything_at_all_from_anybody() {
         // Every other one begins as a hello on some line, or as a datagram that the client has sent, with one bit wrong.
         if round % 3 == 1 {
             bytes.resize(200, 0);
-            bytes[..8].copy_from_slice(&[1, 1, 0, 1, next() % 16, 0, 0, 0]);
+            bytes[..8].copy_from_slice(&[VERSION, 1, 0, 1, next() % 16, 0, 0, 0]);
         } else if round % 3 == 2 {
             bytes.clone_from(&pair.sent[round % pair.sent.len()]);
             let bit = usize::from(next()) * 8 % (8 * bytes.len());

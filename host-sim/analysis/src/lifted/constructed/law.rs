@@ -3,10 +3,12 @@
 //! Equations: THEORY §2, §7; cooperation paper (1), (2), (4)–(7), (13), (14).
 
 use haptic_core::law::wave::Decode;
+use haptic_core::settings::Value;
 
-use super::peer::Input::{Coordination, Decoded, Wave};
-use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing};
+use super::peer::Input::{Coordination, Decoded, Emitted, Wave};
+use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing, Outstanding};
 use super::peer::{Peer, decay};
+use crate::lifted::delay::delays_packets;
 use haptic_sim::scene::Scene;
 
 impl Peer {
@@ -19,6 +21,28 @@ impl Peer {
         self.resist(Coordination, k, b, scene.peer.timing.control_period_s);
     }
 
+    /// The mean of k samples that are outstanding comes out, u_in = (R + r)/(k·T_c) with r what this tick's packet brought, and
+    /// R ← R + r − T_c·u_in (THEORY §8). A packet each tick, the same delay both ways and a credit d₀ that is stated: then
+    /// k = d₀ − n_t at every tick. `None` for others.
+    pub(super) fn emitted(&mut self, scene: &Scene) -> Option<()> {
+        let (period, [there, back]) = (scene.peer.timing.control_period_s, delays_packets(scene));
+        let credit = match scene.get("coordination.credit_ticks") {
+            Some(Value::Number(credit)) if credit > 0.0 && scene.peer.timing.ticks_per_packet == 1 && there == back => {
+                credit
+            }
+            _ => return None,
+        };
+        let samples = credit - there as f64;
+        if samples < 1.0 {
+            return None;
+        }
+        let (outstanding, emitted) = (self.at(Outstanding), Emitted as usize);
+        self.f[(emitted, outstanding)] = 1.0 / (samples * period);
+        self.h[(emitted, 0)] = 1.0 / (samples * period);
+        self.b[(outstanding, emitted)] = (samples - 1.0) * period;
+        Some(())
+    }
+
     pub(super) fn wave(&mut self, scene: &Scene) {
         let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
         let (k, damping) = (coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
@@ -29,7 +53,10 @@ impl Peer {
         let [coordination_row, decoded, wave] = [Coordination, Decoded, Wave].map(|input| input as usize);
 
         // ẋ_d = (√(2b)·u_in − F_T)/b with F_T of the tick before, or of this one.
-        self.h[(decoded, 0)] = root / impedance;
+        match scene.peer.coordination.comm {
+            "self-timed" => self.g[(decoded, Emitted as usize)] = root / impedance,
+            _ => self.h[(decoded, 0)] = root / impedance,
+        }
         self.a[(x_d, x_d)] = 1.0;
         self.f[(coordination_row, x_d)] = k;
         match coordination.decode {
@@ -60,6 +87,7 @@ impl Peer {
                 (keep, 1.0 - keep)
             }
             "passive-mean" => (1.0, 1.0 / f64::from(scene.peer.timing.ticks_per_packet)),
+            "self-timed" => (1.0, period),
             _ => (0.0, 1.0),
         };
         self.a[(out, out)] = keep;

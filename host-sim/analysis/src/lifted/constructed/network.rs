@@ -7,7 +7,7 @@
 use super::lift::Period;
 use super::peer::{Peer, State};
 use crate::lifted::Lifted;
-use crate::lifted::pair::delays_packets;
+use crate::lifted::delay::delays_packets;
 use crate::matrix::{Matrix, add_block};
 use haptic_sim::scene::Scene;
 

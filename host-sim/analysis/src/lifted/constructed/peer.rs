@@ -30,6 +30,8 @@ pub(crate) enum State {
     CoordinationForce,
     /// u_out or y of the tick before, or the mean so far.
     Outgoing,
+    /// What a self-timed line has heard and not yet emitted, √W·s.
+    Outstanding,
     /// Device position of the tick before.
     LastReading,
     FilteredVelocity,
@@ -42,6 +44,8 @@ pub(super) enum Input {
     Coordination,
     Decoded,
     Wave,
+    /// u_in of a line that emits the mean of what is outstanding.
+    Emitted,
     /// v: the object's mean velocity through the tick, where it is moved by ports.
     Mean,
 }
@@ -82,7 +86,7 @@ enum Met {
 use Input::{Contact, Coordination, Mean};
 use State::{
     CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, FilteredVelocity,
-    LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing,
+    LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding,
 };
 
 impl Peer {
@@ -91,7 +95,7 @@ impl Peer {
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
             "power" => (false, vec![ObjectPosition, ObjectVelocity]),
-            "wave" | "passive-wave" | "passive-mean" => (true, vec![Outgoing]),
+            "wave" | "passive-wave" | "passive-mean" | "self-timed" => (true, vec![Outgoing]),
             "none" => (false, vec![]),
             _ => return None,
         };
@@ -106,6 +110,9 @@ impl Peer {
         if wave {
             states.extend([DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing]);
         }
+        if comm == "self-timed" {
+            states.push(Outstanding);
+        }
         match scene.peer.axis.velocity {
             VelocityName::Measured => {}
             VelocityName::Difference => states.push(LastReading),
@@ -113,7 +120,7 @@ impl Peer {
             #[allow(unreachable_patterns)]
             _ => return None,
         }
-        let (z, u, s) = (states.len(), 5, sends.len());
+        let (z, u, s) = (states.len(), 6, sends.len());
         let mut peer = Self {
             sends,
             a: Matrix::zeros(z, z),
@@ -122,7 +129,7 @@ impl Peer {
             g: Matrix::zeros(u, u),
             h: Matrix::zeros(u, s),
             met,
-            restarts: (comm == "passive-mean").then_some(Outgoing),
+            restarts: matches!(comm, "passive-mean" | "self-timed").then_some(Outgoing),
             free: scene.users[index].settings.user.arm_stiffness_n_per_m == 0.0,
             states,
         };
@@ -132,6 +139,10 @@ impl Peer {
         match comm {
             "power" => peer.power(scene),
             "none" => {}
+            "self-timed" => {
+                peer.emitted(scene)?;
+                peer.wave(scene);
+            }
             _ => peer.wave(scene),
         }
         Some(peer)

@@ -1,0 +1,264 @@
+//! The receiving half of a self-timed line: what has been heard and is not yet emitted, and how much of it a tick emits.
+//!
+//! A tick emits the mean of what is outstanding, u_in = R/(k·T_c), where R is the integral and k the number of samples that
+//! were heard and not yet emitted: every sample that was sent comes out with weight one in the end (nothing drifts), and a mean
+//! never has more energy than what it is the mean of (Jensen; passive). No sample: the line stands, and nothing is counted.
+//!
+//! Each end begins with d₀ samples of zero to its credit. Their number never changes by itself: in line time the line is one
+//! of constant delay, whatever the network does.
+//!
+//! **Following the network** (`coordination.credit_ticks = 0`, beginning with [`FIRST_S`]). A zero sample more costs nothing. An
+//! end that stands for more than a tenth of the time ([`Outstanding::impatience`]; a rare outage is better stood through than
+//! lengthened for) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
+//! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
+//! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
+//! of what is left over goes, two samples in a tick, if averaging has saved what that costs and the line is nearly at rest.
+//!
+//! **Running ahead** (`coordination.run_ahead_ticks`, none by default). Before it stands, the end emits the last sample again,
+//! on credit: k and R go below zero, and an account of E₀ plus all that was heard less all that was emitted must stay above
+//! it. What came out ahead is taken back when samples come, no faster than the account pays for and than [`SLEW`]. With a delay
+//! that is fixed this bridges single losses; with one that follows it costs more than it gives (docs/networks.md).
+
+use crate::law::Packet;
+use crate::num::{Scalar, visit_f64};
+use crate::settings::{Key, Settings};
+
+pub(super) const CREDIT: Key = Key::whole(
+    "coordination.credit_ticks",
+    0,
+    [0, 2000],
+    "ticks",
+    "Self-timed line: its delay each way in its own time, as samples of zero that an end begins with; 0 follows the network.",
+);
+pub(super) const CAPITAL: Key = Key::number(
+    "coordination.starting_energy_j",
+    0.02,
+    [0.0, 1.0],
+    "J",
+    "Self-timed line: what running ahead may borrow at most.",
+);
+pub(super) const AHEAD: Key = Key::whole(
+    "coordination.run_ahead_ticks",
+    0,
+    [0, 100],
+    "ticks",
+    "Self-timed line: ticks for which the last sample comes again before the line stands.",
+);
+
+/// Samples that are added beside what was missing, and those that may always be left before the line is made shorter: single
+/// losses of 20 % in a row are bridged without standing.
+const SPARE: i32 = 2;
+const KEPT: i32 = 8;
+/// The credit that following begins with, beside what a packet's ticks take, s.
+const FIRST_S: f64 = 0.016;
+/// What a tick that stands adds to impatience, and a live one takes from it: balanced at a tenth of the time.
+const STANDING: u32 = 10;
+/// Impatience from which on the line is made longer, and the most there is: 100 and 200 ticks in a row.
+const IMPATIENT: u32 = 100 * STANDING;
+/// Samples that may be added at once after a quiet time, and at most.
+const LEAST_AT_ONCE: i32 = 4;
+const MOST_AT_ONCE: i32 = 128;
+/// For how long they must have been, s.
+const WINDOW_S: f64 = 1.0;
+/// The largest wave at which two samples may come out in one tick, √W.
+const NEARLY_AT_REST: f64 = 0.25;
+/// Most that the wave may change in a tick while something that came out ahead is taken back, √W.
+const SLEW: f64 = 0.5;
+/// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
+pub(super) const ANEW: u32 = 1 << 20;
+
+/// How samples come out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Incoming {
+    /// T_c, s.
+    period_s: f64,
+    /// d₀, or what following begins with.
+    credit: i32,
+    follows: bool,
+    capital_j: f64,
+    most_ahead: u32,
+    /// [`WINDOW_S`] in ticks.
+    window: u32,
+}
+
+/// The other end's counters, as they came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Counters {
+    live: u32,
+    integral: f64,
+    energy_j: f64,
+}
+
+/// What is outstanding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Outstanding {
+    /// The newest that was heard; nothing comes out before.
+    heard: Option<Counters>,
+    /// R, √W·s.
+    integral: f64,
+    /// k; below 0 while running ahead.
+    samples: i32,
+    /// E₀ and what was heard, less what was emitted, J.
+    account_j: f64,
+    /// The sample that came out last, √W.
+    last: f64,
+    /// Ticks that the last sample came again.
+    ahead: u32,
+    /// What came out ahead may not have been paid back.
+    owes: bool,
+    /// Ticks that the line has stood since something came.
+    stood: u32,
+    /// How much more than a tenth of the time it has stood lately.
+    impatience: u32,
+    /// Most samples that may be added at once.
+    reach: i32,
+    /// Fewest samples left in this window, and ticks of it.
+    fewest: i32,
+    watched: u32,
+    /// Samples by which the line is to be made shorter.
+    surplus: i32,
+}
+
+impl Incoming {
+    pub(super) fn build(settings: &Settings) -> Self {
+        let timing = &settings.timing;
+        let credit = settings.own(&CREDIT) as i32;
+        // A cast saturates; a tick is at least 10 µs and a packet at most 1000 of them.
+        let first = timing.ticks_per_packet.cast_signed() - 1 + (FIRST_S / timing.control_period_s) as i32;
+        Self {
+            period_s: timing.control_period_s,
+            credit: if credit > 0 { credit } else { first },
+            follows: credit == 0,
+            capital_j: settings.own(&CAPITAL),
+            most_ahead: settings.own(&AHEAD) as u32,
+            window: (WINDOW_S / timing.control_period_s) as u32,
+        }
+    }
+
+    /// Takes in the counters of a packet. Older than the newest: nothing. The first, or a jump: both ends begin anew.
+    #[inline]
+    pub(super) fn receive<S: Scalar>(&self, state: &mut Outstanding, packet: &Packet<S>) {
+        let heard = Counters { live: packet.live_ticks, integral: packet.wave_integral, energy_j: packet.energy_j };
+        let Some(before) = state.heard else {
+            *state = self.begin(heard);
+            return;
+        };
+        let new = heard.live.wrapping_sub(before.live).cast_signed();
+        if new > (ANEW / 2).cast_signed() {
+            *state = self.begin(heard);
+        } else if new > 0 {
+            state.heard = Some(heard);
+            state.samples = state.samples.saturating_add(new);
+            state.integral += heard.integral - before.integral;
+            state.account_j += heard.energy_j - before.energy_j;
+            if self.follows && state.stood > 0 && state.impatience >= IMPATIENT {
+                // The other end stands as long and adds its half.
+                let half = i32::try_from(state.stood.div_ceil(2)).unwrap_or(i32::MAX);
+                state.samples = state.samples.saturating_add(half.min(state.reach) + SPARE);
+                state.reach = (2 * state.reach).min(MOST_AT_ONCE);
+                (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
+            }
+            state.stood = 0;
+        }
+    }
+
+    fn begin(&self, heard: Counters) -> Outstanding {
+        Outstanding {
+            heard: Some(heard),
+            samples: self.credit,
+            account_j: self.capital_j,
+            reach: LEAST_AT_ONCE,
+            fewest: i32::MAX,
+            ..Outstanding::default()
+        }
+    }
+
+    /// u_in of this tick, √W; none: the line stands.
+    #[inline]
+    pub(super) fn emit<S: Scalar>(&self, state: &mut Outstanding) -> Option<S> {
+        state.heard?;
+        let mut taken = 1;
+        let wave = if state.samples > 0 {
+            state.ahead = 0;
+            let mean = state.integral / (f64::from(state.samples) * self.period_s);
+            if state.owes {
+                self.within_means(state, state.last + (mean - state.last).limit(SLEW))
+            } else if self.follows {
+                taken = self.follow(state, mean);
+                f64::from(taken) * mean
+            } else {
+                mean
+            }
+        } else if state.ahead < self.most_ahead && self.price_j(state.last) <= state.account_j {
+            state.ahead += 1;
+            state.owes = true;
+            state.last
+        } else {
+            state.stood = state.stood.saturating_add(1);
+            state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
+            state.fewest = 0;
+            state.last = 0.0;
+            return None;
+        };
+        state.impatience = state.impatience.saturating_sub(1);
+        // What comes out is what is booked, to the bit.
+        let wave = S::from_f64(wave);
+        state.last = wave.to_f64();
+        state.integral -= self.period_s * state.last;
+        state.samples -= taken;
+        state.account_j -= self.price_j(state.last);
+        if state.owes && state.samples > 0 {
+            let needed = state.integral * state.integral / (2.0 * f64::from(state.samples) * self.period_s);
+            state.owes = needed > state.account_j;
+        }
+        Some(wave)
+    }
+
+    /// ½·T_c·u², J.
+    #[inline]
+    fn price_j(&self, wave: f64) -> f64 {
+        0.5 * self.period_s * wave * wave
+    }
+
+    /// The wave, as far as the account pays for it.
+    #[inline]
+    fn within_means(&self, state: &Outstanding, wave: f64) -> f64 {
+        if self.price_j(wave) <= state.account_j {
+            wave
+        } else if state.account_j > 0.0 {
+            let most = Scalar::sqrt(2.0 * state.account_j / self.period_s);
+            wave.limit(most)
+        } else {
+            0.0
+        }
+    }
+
+    /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
+    #[inline]
+    fn follow(&self, state: &mut Outstanding, mean: f64) -> i32 {
+        state.fewest = state.fewest.min(state.samples);
+        state.watched += 1;
+        if state.watched >= self.window {
+            state.surplus = (state.fewest - KEPT).max(0) / 2;
+            state.reach = LEAST_AT_ONCE;
+            (state.fewest, state.watched) = (i32::MAX, 0);
+        }
+        if state.surplus == 0 || state.samples < 2 || mean.abs() > NEARLY_AT_REST {
+            return 1;
+        }
+        let left = f64::from(state.samples - 2) * self.price_j(mean);
+        if state.account_j - self.capital_j - self.price_j(2.0 * mean) < left {
+            return 1;
+        }
+        state.surplus -= 1;
+        2
+    }
+}
+
+impl Outstanding {
+    /// The one state of a linear line: R.
+    #[inline]
+    pub(super) fn visit<S: Scalar>(&mut self, each: &mut impl FnMut(&mut S)) {
+        visit_f64(&mut self.integral, each);
+    }
+}

@@ -1,0 +1,158 @@
+//! The self-timed line: wave coordination that is passive and without drift on any network, with a time of its own
+//! (THEORY §8).
+//!
+//! Every tick of a line's end is **live** or **stands**. Live: it has a sample, emits it and sends one. Standing: it has
+//! none; x_d stays where it is and the copy hangs on the spring K_T there, as on a wall, which makes no energy and moves no
+//! position; nothing is emitted, sent or counted. What crosses the network are two counters, the live ticks and the integral of
+//! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. [`incoming`] says how
+//! much of it a tick emits.
+//!
+//! x_d is not the sum of its velocities but of the waves, x_d = x_d0 + (∫u_in + ∫u_out)/√(2b), so that two ends that have
+//! exchanged the same waves are as far apart as when they began. These sums are compensated `f64` in every number type: one
+//! rounding of 10⁻¹⁶ however long the session.
+//!
+//! Nothing is live before a packet has come; what the other end sent before that (at most d₀ samples, both at rest) is not in
+//! the line.
+//!
+//! A peer that begins anew (a restart, a silence after which it was let go of) goes on with its counters, which jump by more
+//! than a line can hold: the other end sees that and begins anew with it. Needs `object.integrator = "midpoint"`.
+
+mod incoming;
+
+use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
+
+use super::terminal::{Ended, Terminal};
+use super::{Coupled, Kind, Law, Packet, Seen, Sends};
+use crate::names::IntegratorName;
+use crate::num::{Motion, Scalar, StateVector, Sum, visit_f64};
+use crate::object::Port;
+use crate::settings::{Allowed, Refused, Settings};
+
+/// One end of a self-timed line.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfTimed<S> {
+    end: Terminal<S>,
+    incoming: Incoming,
+    ticks_per_packet: u32,
+    half: S,
+    /// T_c, s.
+    period_s: f64,
+    /// 1/√(2b).
+    wave_to_position: f64,
+}
+
+/// State of one end of a self-timed line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SelfTimedState {
+    /// x_d, m.
+    desired: Sum<f64>,
+    outstanding: Outstanding,
+    /// ∫u_out up to the packet before, and since, √W·s.
+    sent: Sum<f64>,
+    fresh: f64,
+    /// Ticks that it is over.
+    live: u32,
+    /// Ticks since a packet was due.
+    phase: u32,
+}
+
+/// x_d, what is outstanding, and what the next packet adds: all that a linear line remembers.
+impl<S: Scalar> StateVector<S> for SelfTimedState {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        let before = self.desired.total();
+        let mut desired = before;
+        visit_f64(&mut desired, each);
+        if desired != before {
+            self.desired = Sum::from(desired);
+        }
+        self.outstanding.visit(each);
+        visit_f64(&mut self.fresh, each);
+    }
+}
+
+impl<S: Scalar> Law<S> for SelfTimed<S> {
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "self-timed",
+        sends: Sends::Counters,
+        keys: &[CREDIT, CAPITAL, AHEAD],
+        gains: &["coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
+    }];
+    type State = SelfTimedState;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let coordination = &settings.coordination;
+        if settings.object.integrator != IntegratorName::Midpoint {
+            let allowed = Allowed::Only("\"midpoint\" where coordination.comm is \"self-timed\"");
+            return Err(settings.refuses("object.integrator", allowed));
+        }
+        Ok(Self {
+            end: Terminal::build(settings),
+            incoming: Incoming::build(settings),
+            ticks_per_packet: settings.timing.ticks_per_packet,
+            half: S::from_f64(0.5),
+            period_s: settings.timing.control_period_s,
+            wave_to_position: 1.0 / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m),
+        })
+    }
+
+    fn start(&self, local: Motion<S>) -> SelfTimedState {
+        SelfTimedState { desired: Sum::from(local.position.to_f64()), ..SelfTimedState::default() }
+    }
+
+    fn restart(&self, state: &mut SelfTimedState, local: Motion<S>) {
+        let SelfTimedState { sent, fresh, live, .. } = *state;
+        *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), ..self.start(local) };
+    }
+
+    fn receive(&self, state: &mut SelfTimedState, packet: Packet<S>) {
+        self.incoming.receive(&mut state.outstanding, &packet);
+    }
+
+    /// With the copy's velocity as it was: only of use where nothing is solved, which [`SelfTimed::build`] refuses.
+    fn couple(&self, state: &mut SelfTimedState, seen: &Seen<S>) -> Coupled<S> {
+        self.couple_as_port(state, seen, |_| seen.local.velocity)
+    }
+
+    #[inline]
+    fn couple_as_port(
+        &self,
+        state: &mut SelfTimedState,
+        seen: &Seen<S>,
+        solve: impl FnOnce(Port<S>) -> S,
+    ) -> Coupled<S> {
+        if state.phase == 0 {
+            state.sent.add(state.fresh);
+            state.fresh = 0.0;
+        }
+        state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
+        let desired = state.desired.total();
+        let stretch = S::from_f64(desired - seen.local.position.to_f64());
+        let position = S::from_f64(desired);
+        let Some(wave_in) = self.incoming.emit(&mut state.outstanding) else {
+            let Ended { velocity, force } = self.end.stand(stretch, solve);
+            return Coupled { desired: Motion { position, velocity }, force, ..Coupled::default() };
+        };
+        let Ended { velocity, force } = self.end.meet(stretch, wave_in, solve);
+        let wave_out = self.end.wave_out(velocity, force);
+        let (taken, given) = (wave_in.to_f64(), wave_out.to_f64());
+        state.desired.add(self.period_s * self.wave_to_position * (taken + given));
+        state.fresh += self.period_s * given;
+        state.live = state.live.wrapping_add(1);
+        Coupled {
+            desired: Motion { position, velocity },
+            force,
+            power_in: self.half * wave_in * wave_in,
+            power_out: self.half * wave_out * wave_out,
+        }
+    }
+
+    fn send(&self, state: &SelfTimedState, _: Motion<S>) -> Packet<S> {
+        Packet { wave_integral: state.sent.total() + state.fresh, live_ticks: state.live, ..Packet::default() }
+    }
+
+    /// Counters that came before stay what they are.
+    fn fade(&self, _: S, packet: Packet<S>, _: Motion<S>) -> Packet<S> {
+        packet
+    }
+}

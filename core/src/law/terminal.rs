@@ -1,0 +1,83 @@
+//! The end of a wave line behind the coordination spring, as a port of the object (THEORY §7).
+//!
+//! With s = x_d − x_o as the tick begins, w the mean velocity of x_d, v that of the copy, κ = K_T·T_c/2 + B_T:
+//!
+//! > F_T = K_T·s + κ·(w − v),   b·w + F_T = √(2b)·u_in,   u_out = (b·w − F_T)/√(2b)
+//!
+//! so that the line's end and the spring in a row are f = K_T·s + κ·(√(2b)·u_in − K_T·s)/(b + κ), z = κ·b/(b + κ). An end
+//! that stands (w = 0, [`Terminal::stand`]) is the spring to a wall: f = K_T·s, z = κ.
+
+use super::Spring;
+use crate::num::Scalar;
+use crate::object::Port;
+use crate::settings::Settings;
+
+/// Spring and line in a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terminal<S> {
+    pub(super) spring: Spring<S>,
+    /// √(2b).
+    pub(super) root: S,
+    /// 1/(b + κ).
+    inverse_sum: S,
+    /// κ/(b + κ), the part of the drive that reaches the object.
+    share: S,
+    /// z, N·s/m.
+    impedance: S,
+    /// √(b/2), the part of u_out that is velocity.
+    velocity_to_wave: S,
+    /// 1/√(2b), the part of u_out that is force.
+    force_to_wave: S,
+}
+
+/// What came of a tick at the end of a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended<S> {
+    /// w, m/s.
+    pub(super) velocity: S,
+    /// F_T on the copy, N.
+    pub(super) force: S,
+}
+
+impl<S: Scalar> Terminal<S> {
+    pub(super) fn build(settings: &Settings) -> Self {
+        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
+        let impedance = coordination.wave_impedance_n_s_per_m;
+        let kappa = coordination.damping_n_s_per_m + 0.5 * coordination.stiffness_n_per_m * period;
+        let root = libm::sqrt(2.0 * impedance);
+        Self {
+            spring: Spring::build(settings),
+            root: S::from_f64(root),
+            inverse_sum: S::from_f64(1.0 / (impedance + kappa)),
+            share: S::from_f64(kappa / (impedance + kappa)),
+            impedance: S::from_f64(impedance * kappa / (impedance + kappa)),
+            velocity_to_wave: S::from_f64(libm::sqrt(impedance / 2.0)),
+            force_to_wave: S::from_f64(1.0 / root),
+        }
+    }
+
+    /// A tick with a wave coming in, √W, from this stretch of the spring, m.
+    #[inline]
+    pub(super) fn meet(&self, stretch: S, wave_in: S, solve: impl FnOnce(Port<S>) -> S) -> Ended<S> {
+        let spring = self.spring.stiffness * stretch;
+        // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
+        let drive = self.root * wave_in - spring;
+        let port = Port { force: spring + self.share * drive, impedance: self.impedance };
+        let mean = solve(port);
+        let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
+        Ended { velocity, force: port.at(mean) }
+    }
+
+    /// A tick in which the line's end stands.
+    #[inline]
+    pub(super) fn stand(&self, stretch: S, solve: impl FnOnce(Port<S>) -> S) -> Ended<S> {
+        let port = Port { force: self.spring.stiffness * stretch, impedance: self.spring.impedance };
+        Ended { velocity: S::ZERO, force: port.at(solve(port)) }
+    }
+
+    /// u_out, √W.
+    #[inline]
+    pub(super) fn wave_out(&self, velocity: S, force: S) -> S {
+        self.velocity_to_wave * velocity - self.force_to_wave * force
+    }
+}

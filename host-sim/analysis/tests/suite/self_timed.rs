@@ -1,0 +1,63 @@
+//! The self-timed line (THEORY §8) at constant delay: a second construction, random scenes that are let go of, and what it needs.
+
+use haptic_analysis::{Hands, agreement, judge};
+use haptic_core::contact::RenderingName;
+use haptic_sim::scene::Scene;
+
+use crate::midpoint::midpoint;
+use crate::random::Random;
+
+fn self_timed(ticks_per_packet: u32, delay_packets: u32, credit_ticks: u32) -> Scene {
+    let mut scene = midpoint("self-timed", delay_packets);
+    scene.peer.timing.ticks_per_packet = ticks_per_packet;
+    scene.set_number("coordination.credit_ticks", f64::from(credit_ticks)).expect("it is allowed");
+    scene
+}
+
+/// A packet each tick: the samples that are outstanding are known, and the line is written down without core.
+#[test]
+fn both_constructions_say_the_same() {
+    for (delay, credit) in [(0, 1), (0, 4), (1, 2), (8, 9), (8, 12), (20, 40)] {
+        let mut scene = self_timed(1, delay, credit);
+        scene.peer.object.damping_n_s_per_m = 0.3;
+        for stiffness in [400.0, 1e5] {
+            scene.peer.coordination.stiffness_n_per_m = stiffness;
+            for hands in [Hands::Both, Hands::One, Hands::None] {
+                let apart = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
+                let apart = apart.matrix.max(apart.spectral_radius);
+                assert!(apart < 1e-9, "delay {delay}, credit {credit}, K_T {stiffness}, {hands:?}: {apart:.1e}");
+            }
+        }
+    }
+    let follows = self_timed(1, 8, 0);
+    assert!(agreement(&follows.linear(), Hands::Both).expect("a good scene").is_none(), "k is not known beforehand");
+}
+
+/// Whatever is drawn, with a stated credit and with one that follows: nothing grows that nobody holds.
+#[test]
+fn no_scene_that_is_let_go_of_is_unstable() {
+    let mut random = Random::new(5);
+    for number in 0..3000 {
+        let (ticks, delay) = (random.whole(1, 16), random.whole(0, 20));
+        let credit = if random.whole(0, 2) == 0 { 0 } else { ticks * (delay + 1) + random.whole(0, 30) };
+        let mut scene = self_timed(ticks, delay, credit);
+        scene.peer.timing.control_period_s = random.spread(1e-4, 5e-3);
+        scene.peer.coordination.stiffness_n_per_m = random.spread(10.0, 1e6);
+        scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
+        scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
+        scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
+        scene.peer.contact.rendering = RenderingName::Impulsive;
+        scene.peer.contact.one_sided = true;
+        let judged = judge(&scene).expect("a good scene");
+        let radius = judged.worst.spectral_radius;
+        assert!(radius <= 1.0 + 1e-6, "scene {number}, credit {credit}: {radius} of {:?}", scene.peer);
+    }
+}
+
+/// A line that stands part of the time has no period: the analysis says which key, and what would do.
+#[test]
+fn a_credit_below_the_delay_is_refused() {
+    let said = judge(&self_timed(1, 30, 12)).expect_err("it stands").to_string();
+    assert!(said.contains("coordination.credit_ticks = 12 is not allowed"), "{said}");
+    assert!(said.contains("more than the delay of the network"), "{said}");
+}

@@ -1,0 +1,154 @@
+//! The self-timed line in runs (THEORY §8): what it keeps apart over bad networks, what it costs, and that it makes nothing.
+
+use haptic_sim::pair::Pair;
+use haptic_sim::{Laws, Scene, scenes};
+
+const MATCHED: [&str; 3] =
+    ["coordination.stiffness_n_per_m=1e5", "coordination.wave_impedance_n_s_per_m=60", "object.mass_kg=0.02"];
+
+/// §5.2 with a self-timed line over 8 ms, a packet a tick.
+fn scene(settings: &[&str], network: &[&str], seed: u64) -> Scene {
+    let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+    let common = [
+        "object.integrator=midpoint",
+        "object.force_delay_ticks=0",
+        "coordination.decode=implicit",
+        "coordination.comm=self-timed",
+        "timing.ticks_per_packet=1",
+        "network.one_way_delay_packets=8",
+        // A silence is not let go of: the line stands.
+        "safety.fade_s=5",
+        "safety.disengage_s=9",
+        &format!("network.seed={seed}"),
+    ];
+    for setting in common.iter().chain(settings).chain(network) {
+        scene.apply_override(setting).expect("a good override");
+    }
+    scene.check("test").expect("a good scene");
+    scene
+}
+
+/// Means over the last half of 10 s.
+#[derive(Clone, Copy, Debug)]
+struct Got {
+    true_mm: f64,
+    /// Energy that came out over what went in, in the worse direction, at every tick.
+    out_over_in: f64,
+    /// Ticks in which the first end was live.
+    live: f64,
+    /// Energy of both copies and both springs less what the hands did, at the most, J.
+    made_j: f64,
+}
+
+fn run(scene: &Scene) -> Got {
+    let (ticks, mut pair) = (10_000, Pair::<f64>::new(scene).expect("a good scene"));
+    let period = scene.peer.timing.control_period_s;
+    let (mut sum_m, mut live, mut out_over_in, mut sent) = (0.0, 0, 0.0_f64, 0.0);
+    let (mut work_j, mut made_j, mut before) = ([0.0; 2], 0.0_f64, [None; 2]);
+    for tick in 0..ticks {
+        pair.step();
+        assert!(pair.fault().is_none(), "{:?}", pair.fault());
+        let seen = pair.sides().map(|side| *side.peer.observed());
+        if tick >= ticks / 2 {
+            sum_m += (seen[0].object.position - seen[1].object.position).abs();
+        }
+        let energies = pair.sides().map(|side| (side.peer.ledger().received_j(), side.peer.ledger().sent_j()));
+        for (into, out) in [(energies[0].1, energies[1].0), (energies[1].1, energies[0].0)] {
+            out_over_in = out_over_in.max(if into > 1e-9 { out / into } else { 0.0 });
+        }
+        live += u32::from(energies[0].1 != sent);
+        sent = energies[0].1;
+        // What the hands' contacts did on the copies, at the copies' mean velocity: known a tick later.
+        let mut stored_j = 0.0;
+        for (at, seen) in seen.iter().enumerate() {
+            if let Some((velocity, force)) = before[at] {
+                work_j[at] += period * force * 0.5 * (velocity + seen.object.velocity);
+            }
+            before[at] = Some((seen.object.velocity, seen.contact_force));
+            let stretch = seen.desired.position - seen.object.position;
+            stored_j += 0.5 * scene.peer.object.mass_kg * seen.object.velocity.powi(2)
+                + 0.5 * scene.peer.coordination.stiffness_n_per_m * stretch * stretch;
+        }
+        made_j = made_j.max(stored_j - work_j[0] - work_j[1]);
+    }
+    Got {
+        true_mm: 1e3 * sum_m / f64::from(ticks - ticks / 2),
+        out_over_in,
+        live: f64::from(live) / f64::from(ticks),
+        made_j,
+    }
+}
+
+/// Mean over seeds; what must hold in each of them is asserted.
+fn mean(settings: &[&str], network: &[&str], seeds: u64) -> Got {
+    let got: Vec<Got> = (1..=seeds).map(|seed| run(&scene(settings, network, seed))).collect();
+    for got in &got {
+        assert!(got.out_over_in <= 1.0 + 1e-9, "{network:?}: {got:?}");
+        assert!(got.made_j < 1e-9, "{network:?}: {got:?}");
+    }
+    let mean = |of: fn(&Got) -> f64| got.iter().map(of).sum::<f64>() / seeds as f64;
+    Got { true_mm: mean(|got| got.true_mm), live: mean(|got| got.live), ..got[0] }
+}
+
+fn near(got: f64, wanted: f64, tolerance: f64) {
+    assert!((got / wanted - 1.0).abs() < tolerance, "{got}, {wanted} in THEORY");
+}
+
+/// K_T = 4,000, b = 10, m_O = 0.3, a credit of 12: 1.69 mm whatever is lost; how much of the time it is live.
+#[test]
+fn what_is_lost_moves_no_position() {
+    let soft = ["coordination.stiffness_n_per_m=4000", "coordination.credit_ticks=12"];
+    near(mean(&soft, &[], 1).true_mm, 1.69, 0.01);
+    for (network, live) in [
+        (&["network.loss=0.2"][..], 1.00),
+        (&["network.loss=0.5"], 0.93),
+        (&["network.loss=0.2", "network.loss_burst_packets=40"], 0.65),
+        (&["network.loss=0.5", "network.loss_burst_packets=100"], 0.30),
+    ] {
+        let got = mean(&soft, network, 5);
+        near(got.true_mm, 1.69, 0.015);
+        assert!((got.live - live).abs() < 0.05, "{network:?}: live {}, {live} in THEORY", got.live);
+    }
+}
+
+/// K_T = 10⁵, m_O = 0.02, b = 60, a credit of 10.
+#[test]
+fn a_matched_line_is_close() {
+    let matched = [&MATCHED[..], &["coordination.credit_ticks=10"]].concat();
+    near(mean(&matched, &[], 1).true_mm, 0.185, 0.01);
+    near(mean(&matched, &["network.loss=0.2", "network.loss_burst_packets=40"], 8).true_mm, 0.217, 0.1);
+    near(mean(&matched, &["network.loss=0.5", "network.loss_burst_packets=100"], 8).true_mm, 0.205, 0.1);
+}
+
+/// A credit that follows learns any delay, and stays as close as its own line time allows: F·T/b + F/K_T.
+#[test]
+fn a_line_that_follows_learns_the_delay() {
+    for delay_ms in [1_u32, 8, 40, 200] {
+        let delay = format!("network.one_way_delay_packets={delay_ms}");
+        let got = mean(&MATCHED, &[&delay], 1);
+        // The network's delay and the eight samples that are always kept.
+        let line = f64::from(delay_ms + 8) / 60.0 + 0.01;
+        assert!(got.true_mm <= 1.3 * line, "{delay_ms} ms: {} mm, {line} mm of its line", got.true_mm);
+        // It stands only while it learns.
+        assert!(got.live > 0.85, "{delay_ms} ms: live {}", got.live);
+    }
+}
+
+/// Hostile networks, stated and following credits: nothing is made anywhere (asserted in `mean`), and no end is left behind.
+#[test]
+fn no_network_makes_energy() {
+    let networks: [&[&str]; 6] = [
+        &["network.jitter=gamma", "network.jitter_s=0.01"],
+        &["network.jitter=uniform", "network.jitter_s=0.03", "network.duplicate=0.2"],
+        &["network.reorder=0.3", "network.reorder_depth_packets=16"],
+        &["network.loss=0.6"],
+        &["network.loss=0.5", "network.loss_burst_packets=40", "network.asymmetry_s=0.04"],
+        &["network.clock_drift_ppm=500", "network.loss=0.1", "network.corrupt=0.1"],
+    ];
+    for network in networks {
+        for credit in ["coordination.credit_ticks=0", "coordination.credit_ticks=20"] {
+            let got = mean(&[&MATCHED[..], &[credit]].concat(), network, 4);
+            assert!(got.live > 0.1, "{network:?}, {credit}: live {}", got.live);
+        }
+    }
+}
