@@ -1,5 +1,7 @@
 //! `host-sim accuracy`: speed against error, for every numerical choice; and what each model adds to a scene.
 
+use std::path::Path;
+
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
@@ -9,7 +11,7 @@ use super::{Failure, SceneArgs, Ui, ui::pictures};
 use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
 use crate::studies::accuracy::{self, picture};
 use crate::studies::precision::{columns, measure};
-use haptic_sim::scenes;
+use haptic_sim::{scene::Scene, scenes};
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -68,29 +70,44 @@ impl Accuracy {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("seconds", |arg| arg.default_value("60")))]
+#[command(mut_arg("seconds", |arg| arg.default_value("60").help("How long in simulated time, s; a row after a minute, an hour, ten")))]
 pub(in crate::cli) struct Precision {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Every built-in scene instead of one.
+    /// Every built-in scene instead of one, and `any-network` with the pushes of the cooperation paper's §5.2.
     #[arg(long, conflicts_with_all = ["scene", "set"])]
     all: bool,
+    /// The paper's passive wave line, `matched-line` and `any-network`, all with the pushes of §5.2: what may go on for hours.
+    #[arg(long, conflicts_with_all = ["scene", "set", "all"])]
+    coupled: bool,
     #[command(flatten)]
     time: Time,
 }
 
+/// What those scenes are for which a long time is asked, and the one of them that comes without users.
+const COUPLED: [&str; 2] = ["paper-5.2-passive-wave-16ms", "matched-line"];
+const PUSHED: &str = "any-network";
+const PUSHES: [&str; 4] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
+
 impl Precision {
+    fn scenes(&self, ui: &Ui) -> Result<Vec<(String, Scene)>, Failure> {
+        if !(self.all || self.coupled) {
+            return Ok(vec![(self.scene.name(), self.scene.load(ui)?)]);
+        }
+        let named = scenes::ALL.iter().map(|(name, _)| *name).filter(|name| self.all || COUPLED.contains(name));
+        let pushed = scenes::find(ui.laws, Some(Path::new(PUSHED)), &PUSHES.map(str::to_owned))?;
+        let scenes = named.map(|name| Ok((name.to_owned(), scenes::load(ui.laws, name)?)));
+        scenes.chain([Ok((PUSHED.to_owned(), pushed))]).collect()
+    }
+
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scenes = if self.all {
-            scenes::ALL.iter().map(|(name, _)| Ok(((*name).to_owned(), scenes::load(ui.laws, name)?))).collect()
-        } else {
-            self.scene.load(ui).map(|scene| vec![(self.scene.name(), scene)])
-        }?;
+        let scenes = self.scenes(ui)?;
         let rows = scenes
             .par_iter()
             .map(|(name, scene)| measure(name, scene, self.time.seconds))
-            .collect::<Result<Vec<_>, _>>()?;
-        writeln!(ui, "Largest difference from f64 over {} s\n", self.time.seconds);
+            .collect::<Result<Vec<_>, _>>()?
+            .concat();
+        writeln!(ui, "Largest difference from f64 so far; steps are of the number type at the largest position\n");
         ui.result(&columns(&rows))
     }
 }

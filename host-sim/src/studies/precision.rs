@@ -1,133 +1,264 @@
-//! How far f32 and fixed point stray from f64 in the same scene.
+//! How far f32 and fixed point stray from f64 in the same scene, and whether that is rounding or the scene's own chaos.
 //!
-//! The three pairs run side by side, each with its own device in f64, on the same pushes. What is expected: a position is
-//! stored to a step (ulp) of the number type at its size, so the coordination spring feels steps of K_T times that; this
-//! force noise moves the pair along its rest modes, which nothing pulls back, and the difference walks away at random.
-//! Sums of ticks do not add to it: they are compensated (`haptic_core::sum`).
+//! Three pairs run side by side, f64, f32 and I32F32, each with its own devices in f64, on the same pushes; and a **shadow**, a
+//! second pair in f64 whose first device starts 1 nm (10⁻⁹ m) further to the right, otherwise the same. What the shadow's distance
+//! grows to, the scene makes of any difference. A number type that is no further from f64 than that makes of one of its own
+//! rounding steps is called **chaos**: a better number type would not help. Otherwise its rounding adds up: **error**. Where nothing
+//! grows and the number type is no further off than one step, it is **rounding** and no more.
+//!
+//! - Distance: the largest difference of either copy's position so far.
+//! - Growth rate λ: least squares of the logarithm of the shadow's distance over time, of the largest in each tenth of a second, until
+//!   it is [`GROWN`] times that of the start, 10 µm; after that it saturates. If it never is, all of the run is fitted.
+//! - What the scene makes of one step: the shadow's largest distance over 1 nm; once that has grown, e^(λt), but no more than
+//!   [`APART`] times the shadow's distance, for two runs that have nothing to do with each other any more differ by chance.
+//!
+//! Two modes of the copies are told apart: the **common** one, their mean position, which nothing pulls back where the hands have
+//! no arms, so that forces that are rounded move it at random; and the **relative** one, x_1 − x_2, which the coordination holds. In a
+//! line that decodes its waves into a velocity (`wave`) the relative mode is at rest anywhere, too (THEORY §2), and walks; a
+//! self-timed line sums the waves themselves, and it does not.
 
 use haptic_core::{num::Fixed, settings::Refused};
 
 use haptic_sim::{pair::Pair, peers::Number, report::Columns, scene::Scene};
 
-/// Largest differences from f64 over a run.
+/// How much further the first device of the shadow starts, m.
+const DISPLACED_M: f64 = 1e-9;
+/// How much a distance grows before it counts as the scene's own making, and is fitted no further.
+const GROWN: f64 = 1e4;
+/// How much further apart than f64 and its shadow two runs may be by chance that part at other times.
+const APART: f64 = 10.0;
+/// The shadow's distance is fitted by its largest in so many seconds.
+const WINDOW_S: f64 = 0.1;
+/// When a row is taken, beside the end, s: a minute, an hour, ten.
+const ROWS_S: [f64; 3] = [60.0, 3600.0, 36_000.0];
+
+/// Largest differences from f64 so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Differences {
-    /// Largest difference of either copy's position, m.
+    /// Of the mean of both copies' positions, m.
+    pub(crate) common_m: f64,
+    /// Of x_1 − x_2, m.
+    pub(crate) relative_m: f64,
+    /// Of either copy's position, m.
     pub(crate) position_m: f64,
-    /// Largest difference of either coordination force, N.
+    /// Of either coordination force, N.
     pub(crate) force_n: f64,
-    /// Step of the number type at the largest position seen, m.
-    pub(crate) position_step_m: f64,
-    /// K_T times that step: what one step of position is worth in force, N.
-    pub(crate) force_step_n: f64,
 }
 
-/// What a run of a scene in three number types gave.
+/// Where a difference from f64 comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// The scene makes as much of one rounding step.
+    Chaos,
+    /// It is one rounding step.
+    Rounding,
+    /// Rounding steps add up.
+    Error,
+}
+
+/// A number type's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rounded {
+    pub(crate) from_f64: Differences,
+    /// Step of the number type at the largest position seen, m.
+    pub(crate) position_step_m: f64,
+    pub(crate) verdict: Verdict,
+}
+
+/// What a run of a scene in three number types gave until a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Precision {
     pub(crate) scene: String,
-    pub(crate) duration_s: f64,
+    pub(crate) time_s: f64,
     /// Largest position of either copy in f64, m.
     pub(crate) largest_position_m: f64,
-    pub(crate) f32: Differences,
-    pub(crate) i32f32: Differences,
+    pub(crate) shadow: Differences,
+    /// λ; none where there is too little to fit.
+    pub(crate) growth_per_s: Option<f64>,
+    /// What the scene makes of a difference of 1.
+    pub(crate) amplification: f64,
+    pub(crate) f32: Rounded,
+    pub(crate) i32f32: Rounded,
     /// Where f64 itself faulted: differences were taken until then.
     pub(crate) faulted_after_s: Option<f64>,
-    /// Why the differences are what they are.
-    pub(crate) explanation: String,
+    /// Chaos or error, and how much of it.
+    pub(crate) why: String,
 }
 
-/// Runs the scene for `duration_s` in f64, f32 and I32F32.
-pub(crate) fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Precision, Refused<'static>> {
-    let (mut double, mut single, mut fixed) =
-        (Pair::<f64>::new(scene)?, Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
-    let ticks = (duration_s / scene.peer.timing.control_period_s).round() as u64;
-    let (mut f32, mut i32f32, mut largest) = (Differences::default(), Differences::default(), 0.0_f64);
-    let mut faulted_after_s = None;
-    for _ in 0..ticks {
+/// Runs the scene for `duration_s`: a row at each of [`ROWS_S`] within it, and at the end.
+pub(crate) fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<Precision>, Refused<'static>> {
+    let (mut double, mut shadow) = (Pair::<f64>::new(scene)?, Pair::<f64>::new(scene)?);
+    let (mut single, mut fixed) = (Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
+    if let Some(first) = shadow.sides_mut().next() {
+        first.plant.free_axis().0.position += DISPLACED_M;
+    }
+    let ticks_in = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round().max(1.0) as u64;
+    let (ticks, window) = (ticks_in(duration_s), ticks_in(WINDOW_S));
+    let rows_at = ROWS_S.map(ticks_in);
+    let mut seen = Seen::default();
+    let mut rows = Vec::new();
+    for tick in 1..=ticks {
         double.step();
         if double.fault().is_some() {
-            faulted_after_s = Some(double.time_s());
+            rows.push(seen.row(name, scene, double.time_s(), true));
             break;
         }
+        shadow.step();
         single.step();
         fixed.step();
         for side in double.sides() {
-            largest = largest.max(side.peer.observed().object.position.abs());
+            seen.largest_m = seen.largest_m.max(side.peer.observed().object.position.abs());
         }
-        f32.see(&double, &single);
-        i32f32.see(&double, &fixed);
+        let distance_m = seen.shadow.see(&double, &shadow);
+        seen.f32.see(&double, &single);
+        seen.i32f32.see(&double, &fixed);
+        seen.window_m = seen.window_m.max(distance_m);
+        if tick % window == 0 {
+            seen.distances.push((double.time_s(), std::mem::take(&mut seen.window_m)));
+        }
+        if tick == ticks || rows_at.contains(&tick) {
+            rows.push(seen.row(name, scene, double.time_s(), false));
+        }
     }
-    let stiffness = scene.peer.coordination.stiffness_n_per_m;
-    // Steps: 2^(exponent − 23) for f32, 2^−32 for I32F32.
-    f32.position_step_m = if largest > 0.0 { (largest.log2().floor() - 23.0).exp2() } else { 0.0 };
-    i32f32.position_step_m = (-32.0_f64).exp2();
-    for differences in [&mut f32, &mut i32f32] {
-        differences.force_step_n = stiffness * differences.position_step_m;
+    Ok(rows)
+}
+
+/// What was seen until now.
+#[derive(Default)]
+struct Seen {
+    largest_m: f64,
+    shadow: Differences,
+    f32: Differences,
+    i32f32: Differences,
+    /// Time, s, and largest distance of the shadow in the window that ended then, m.
+    distances: Vec<(f64, f64)>,
+    /// The same in this window.
+    window_m: f64,
+}
+
+impl Seen {
+    fn row(&self, name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Precision {
+        let shadow = self.shadow;
+        let grown = shadow.position_m >= GROWN * DISPLACED_M;
+        let until_m = GROWN * DISPLACED_M;
+        let fitted: Vec<_> =
+            self.distances.iter().take_while(|(_, distance_m)| *distance_m < until_m).copied().collect();
+        let growth_per_s = growth_per_s(&fitted);
+        let ratio = shadow.position_m / DISPLACED_M;
+        let amplification = match growth_per_s {
+            Some(rate) if grown => ratio.max((rate * time_s).exp()),
+            _ => ratio,
+        };
+        let rounded = |from_f64: Differences, position_step_m: f64| {
+            let makes_m = amplification * position_step_m;
+            let verdict = if grown && from_f64.position_m <= makes_m.min(APART * shadow.position_m) {
+                Verdict::Chaos
+            } else if !grown && from_f64.position_m <= makes_m.max(position_step_m) {
+                Verdict::Rounding
+            } else {
+                Verdict::Error
+            };
+            Rounded { from_f64, position_step_m, verdict }
+        };
+        // Steps: 2^(exponent − 23) for f32, 2^−32 for I32F32.
+        let step_of_f32 = if self.largest_m > 0.0 { (self.largest_m.log2().floor() - 23.0).exp2() } else { 0.0 };
+        let (f32, i32f32) = (rounded(self.f32, step_of_f32), rounded(self.i32f32, (-32.0_f64).exp2()));
+        let why = if faulted && scene.is_linear() {
+            "unstable: every difference grows with the oscillation until the peers fault".to_owned()
+        } else {
+            let grows = if grown { "as far as the shadow".to_owned() } else { format!("to {amplification:.1}") };
+            format!("f32 {}; I32F32 {}; one step grows {grows}", f32.judged(), i32f32.judged())
+        };
+        Precision {
+            scene: name.to_owned(),
+            time_s,
+            largest_position_m: self.largest_m,
+            shadow,
+            growth_per_s,
+            amplification,
+            f32,
+            i32f32,
+            faulted_after_s: faulted.then_some(time_s),
+            why,
+        }
     }
-    Ok(Precision {
-        scene: name.to_owned(),
-        duration_s,
-        largest_position_m: largest,
-        explanation: explain(scene, &f32, &i32f32, faulted_after_s),
-        f32,
-        i32f32,
-        faulted_after_s,
-    })
 }
 
 impl Differences {
-    fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) {
-        for (exact, rounded) in reference.sides().into_iter().zip(other.sides()) {
-            let (exact, rounded) = (exact.peer.observed(), rounded.peer.observed());
-            let position = (exact.object.position - rounded.object.position.to_f64()).abs();
+    /// Takes in how far the copies are apart now; how far that is, m.
+    fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) -> f64 {
+        let (exact, rounded) = (reference.sides().map(|side| side.peer.observed()), other.sides());
+        let [first, second] = [0, 1].map(|at| {
+            let (exact, rounded) = (exact[at], rounded[at].peer.observed());
             let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
-            self.position_m = self.position_m.max(position);
             self.force_n = self.force_n.max(force);
-        }
-    }
-
-    /// Position difference in steps of the number type.
-    fn steps(&self) -> f64 {
-        if self.position_step_m > 0.0 { self.position_m / self.position_step_m } else { 0.0 }
+            rounded.object.position.to_f64() - exact.object.position
+        });
+        let distance_m = first.abs().max(second.abs());
+        self.common_m = self.common_m.max((0.5 * (first + second)).abs());
+        self.relative_m = self.relative_m.max((first - second).abs());
+        self.position_m = self.position_m.max(distance_m);
+        distance_m
     }
 }
 
-fn explain(scene: &Scene, f32: &Differences, i32f32: &Differences, faulted_after_s: Option<f64>) -> String {
-    if let Some(time_s) = faulted_after_s {
-        return format!("unstable: rounding grows with the oscillation until the peers fault at {time_s:.2} s");
+impl Verdict {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Chaos => "chaos",
+            Self::Rounding => "rounding",
+            Self::Error => "error",
+        }
     }
-    if !scene.is_linear() {
-        return format!(
-            "contact that begins or ends a tick apart in two number types separates the runs: {:.0} steps in f32, {:.0} in I32F32",
-            f32.steps(),
-            i32f32.steps()
-        );
+}
+
+impl Rounded {
+    fn judged(&self) -> String {
+        let steps = if self.position_step_m > 0.0 { self.from_f64.position_m / self.position_step_m } else { 0.0 };
+        format!("{}, {steps:.0} steps", self.verdict.label())
     }
-    format!(
-        "a step of position is {:.1e} N of spring in f32, {:.1e} N in I32F32; the rest modes integrate it",
-        f32.force_step_n, i32f32.force_step_n
-    )
+}
+
+/// Slope of the logarithm of distances (m) over time (s) by least squares, 1/s; a distance of 0 has none.
+fn growth_per_s(distances: &[(f64, f64)]) -> Option<f64> {
+    let points =
+        || distances.iter().filter(|point| point.1 > 0.0).map(|(time_s, distance_m)| (*time_s, distance_m.ln()));
+    let count = points().count() as f64;
+    let sums = points().fold((0.0, 0.0), |sums, point| (sums.0 + point.0, sums.1 + point.1));
+    let mean = (sums.0 / count, sums.1 / count);
+    let (over, under) = points().fold((0.0, 0.0), |(over, under), (time, log)| {
+        (over + (time - mean.0) * (log - mean.1), under + (time - mean.0) * (time - mean.0))
+    });
+    (count >= 3.0).then(|| over / under)
 }
 
 pub(crate) fn columns(rows: &[Precision]) -> Columns {
     let mut columns = Columns::of(rows)
         .value("scene", |row| row.scene.as_str())
-        .value("duration_s", |row| row.duration_s)
-        .data_only()
+        .number("time_s", 0, |row| row.time_s)
         .value("largest_position_m", |row| row.largest_position_m)
+        .data_only()
+        .number("shadow.position_m", 4, |row| row.shadow.position_m)
+        .shown_in("µm", 1e6)
+        .head("shadow")
+        .number("growth_per_s", 3, |row| row.growth_per_s)
+        .value("amplification", |row| row.amplification)
         .data_only();
-    for (name, of) in [("f32", (|row| &row.f32) as fn(&Precision) -> &Differences), ("i32f32", |row| &row.i32f32)] {
+    for (name, of) in [("f32", (|row| &row.f32) as fn(&Precision) -> &Rounded), ("i32f32", |row| &row.i32f32)] {
         columns = columns
-            .number(format!("{name}.position_m"), 3, |row| of(row).position_m)
+            .number(format!("{name}.common_m"), 4, |row| of(row).from_f64.common_m)
             .shown_in("µm", 1e6)
-            .number(format!("{name}.force_n"), 3, |row| of(row).force_n)
-            .shown_in("mN", 1e3)
+            .number(format!("{name}.relative_m"), 4, |row| of(row).from_f64.relative_m)
+            .shown_in("µm", 1e6)
+            .value(format!("{name}.position_m"), |row| of(row).from_f64.position_m)
+            .data_only()
+            .value(format!("{name}.force_n"), |row| of(row).from_f64.force_n)
+            .data_only()
             .value(format!("{name}.position_step_m"), |row| of(row).position_step_m)
             .data_only()
-            .value(format!("{name}.force_step_n"), |row| of(row).force_step_n)
+            .value(format!("{name}.verdict"), |row| of(row).verdict.label())
             .data_only();
     }
     let columns = columns.value("faulted_after_s", |row| row.faulted_after_s).data_only();
-    columns.value("explanation", |row| row.explanation.as_str()).head("why").done()
+    columns.value("why", |row| row.why.as_str()).done()
 }

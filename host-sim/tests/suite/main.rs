@@ -15,6 +15,7 @@ mod hub;
 mod lifted;
 mod live;
 mod operator;
+mod precision;
 mod program;
 mod record;
 mod restarts;

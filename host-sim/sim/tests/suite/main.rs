@@ -9,6 +9,7 @@ mod measure;
 mod midpoint;
 mod oracle;
 mod outcome;
+mod precision;
 mod recording;
 mod report;
 mod self_timed;
