@@ -12,6 +12,7 @@
 use haptic_core::contact::RenderingName;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::Sends;
 use haptic_core::names::Choice;
 use serde::Serialize;
 
@@ -143,6 +144,7 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (peer.axis.count > 1, "the axes that are held on their line"),
         (peer.kinematics.model != KinematicsName::Direct, "the geometry of the mechanism"),
         (law.ledger, "the energy ledger, when it cuts"),
+        (scene.law().sends == Sends::Counters, "ticks in which the line stands, or is made longer or shorter"),
         (law.drift_correction, "the correction of drift"),
         (recorded, "what the recorded network did"),
         (drawn(network.loss > 0.0 || network.corrupt > 0.0), "packets that are lost"),

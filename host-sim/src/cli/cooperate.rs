@@ -1,7 +1,8 @@
 //! `host-sim cooperate`: two peers hold one object.
 
 use clap::{Args, ValueEnum};
-use haptic_analysis::Verdict;
+use haptic_analysis::{Verdict, judge};
+use haptic_core::names::Choice;
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
 use serde_json::json;
@@ -65,6 +66,14 @@ impl Cooperate {
         let verdict = haptic_analysis::verdict(&scene)?;
         let outcome = outcome.doubted(doubt(&scene, &verdict));
         let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(&scene)?] };
+        let judged = judge(&scene)?;
+        if verdict.stable && !judged.worst.stable {
+            let (hands, radius) = (judged.worst_mode().name(), judged.worst.spectral_radius);
+            warnings.push(format!(
+                "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
+                 what to change"
+            ));
+        }
         if !scene.users.iter().any(User::acts) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
         }

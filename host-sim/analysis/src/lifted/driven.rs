@@ -20,7 +20,7 @@ use haptic_core::device::AXES;
 use haptic_core::law::{Packet, Sends};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Refused, Value};
+use haptic_core::settings::{Refused, Settings};
 
 use super::delay::delays_packets;
 use crate::matrix::{Matrix, reset};
@@ -140,10 +140,11 @@ impl Response {
 const LEARNING: usize = 64;
 
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
-/// packet that is due next. A peer that counts nothing stays as it is.
-fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Result<Packet<f64>, Refused<'static>> {
+/// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
+/// goes on standing now and then.
+fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Option<Packet<f64>> {
     if linear.law().sends != Sends::Counters {
-        return Ok(Packet::default());
+        return Some(Packet::default());
     }
     let timing = &linear.peer.timing;
     let delay = delays_packets(linear).iter().sum::<usize>().div_ceil(2);
@@ -157,7 +158,7 @@ fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Re
         let due = flying.front().copied().filter(|_| flying.len() > delay);
         if live > 4 * (delay + 1) {
             *peer = at_rest;
-            return Ok(due.unwrap_or_default());
+            return due;
         }
         let before = at_rest.outgoing().live_ticks;
         if due.is_some() {
@@ -170,9 +171,7 @@ fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Re
         let ticks = at_rest.outgoing().live_ticks.wrapping_sub(before);
         live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
     }
-    let allowed = Allowed::Only("0, or more than the delay of the network: a line that stands has no period to judge");
-    let value = linear.get("coordination.credit_ticks").unwrap_or(Value::Number(0.0));
-    Err(Refused { key: "coordination.credit_ticks", value, allowed, unit: "" })
+    None
 }
 
 /// A peer in front of its device, and the state and packet it is to start from, in units.
@@ -191,19 +190,29 @@ struct Seat {
 impl Seat {
     fn new(linear: &Scene, index: usize) -> Result<Self, Refused<'static>> {
         let settings = &linear.peers()[index];
-        let at = |axes| {
+        let at = |settings: &Settings, axes| {
             let mut peer = linear.laws.peer(settings, axes)?;
             peer.command(Command::Arm);
             Ok(peer)
         };
         let [free, held @ ..] = [Motion::REST; AXES];
-        let (mut armed, there) = (at([free, held[0]])?, at([Motion::at(1.0), held[0]])?);
+        let (mut armed, there) = (at(settings, [free, held[0]])?, at(settings, [Motion::at(1.0), held[0]])?);
         let mut states = DEVICE_STATES;
         armed.visit(&mut |_| states += 1);
         let mut numbers = 0;
         Packet::<f64>::default().visit(&mut |_| numbers += 1);
         let plant = Plant::new(linear, index);
-        let due = settle(&mut armed, linear, &plant)?;
+        let due = match settle(&mut armed, linear, &plant) {
+            Some(due) => due,
+            // A credit below the delay: while it is live, the line is one of the delay.
+            None => {
+                let mut follows = linear.clone();
+                // A key of the law, which allows 0.
+                let _ = follows.set_number("coordination.credit_ticks", 0.0);
+                armed = at(&follows.peers()[index], [free, held[0]])?;
+                settle(&mut armed, linear, &plant).unwrap_or_default()
+            }
+        };
         let ticks_per_packet = settings.timing.ticks_per_packet;
         Ok(Self { armed, there, ticks_per_packet, plant, local: vec![0.0; states], packet: vec![0.0; numbers], due })
     }

@@ -54,10 +54,13 @@ fn no_scene_that_is_let_go_of_is_unstable() {
     }
 }
 
-/// A line that stands part of the time has no period: the analysis says which key, and what would do.
+/// A credit below the delay: the line stands part of the time, which is named; while it is live it is a line of that delay.
 #[test]
-fn a_credit_below_the_delay_is_refused() {
-    let said = judge(&self_timed(1, 30, 12)).expect_err("it stands").to_string();
-    assert!(said.contains("coordination.credit_ticks = 12 is not allowed"), "{said}");
-    assert!(said.contains("more than the delay of the network"), "{said}");
+fn a_line_that_stands_is_judged_while_it_is_live() {
+    let (short, follows) = (judge(&self_timed(1, 30, 12)), judge(&self_timed(1, 30, 0)));
+    let (short, follows) = (short.expect("a good scene"), follows.expect("a good scene"));
+    assert_eq!(short.worst, follows.worst);
+    for judged in [short, follows] {
+        assert!(judged.not_judged.iter().any(|what| what.contains("the line stands")), "{:?}", judged.not_judged);
+    }
 }
