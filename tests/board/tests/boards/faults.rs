@@ -78,6 +78,9 @@ impl Campaign {
             bench.step();
             assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
         }
+        if expected.reset {
+            bench.align(&self.firmware);
+        }
         bench.meet(1);
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");
