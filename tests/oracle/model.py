@@ -15,6 +15,11 @@ Conventions, where THEORY §2 leaves a choice (n is the tick):
 * The device is always exact ZOH, and only -F_LC is delayed; the user force of tick n acts from n to n+1, undelayed.
 * The object delay tau applies to the whole F_LC + F_T; its damping b_O is not delayed.
 * Delay "1 tick" in THEORY §3, §4 means device and object both (force_delay_ticks = 1.0).
+* `midpoint` (THEORY §7): the four equations of a tick (object, contact, spring, line or held packet) are solved as a linear system
+  for the mean velocities v of x_o and w of x_d and the two forces, which act through the tick. Needs `implicit`, tau_o = 0.
+* `passive-mean`: sent is the mean of the M waves since the last packet. `self-timed` (THEORY §8): sent are the live ticks and
+  T_c times the sum of their waves; emitted is the mean of what is outstanding; nothing before the first packet has come. As
+  matrices only with M = 1 and credit > n_t, when credit - n_t samples are outstanding at every tick.
 * Figures of tick n are taken before it advances: x_o[n], and x_d[n] as F_T[n] used it; "last half" is n >= N // 2;
   sd is the population's (ddof = 0). Two-sided contact only.
 """
@@ -31,6 +36,7 @@ DEFAULTS = {
     "coordination.comm": "passive-wave", "coordination.decode": "delayed",
     "coordination.stiffness_n_per_m": 10620.0, "coordination.damping_n_s_per_m": 2.0,
     "coordination.wave_impedance_n_s_per_m": 10.0, "coordination.cutoff_hz": 60.0,
+    "coordination.credit_ticks": 0,
     "network.one_way_delay_packets": 1,
 }
 USER_KEYS = ("push_n", "pulse_n", "pulse_s", "pulse_every_s", "sine_n", "sine_rad_per_s")
@@ -46,13 +52,18 @@ def complete(scene):
     if unknown:
         raise KeyError(f"unknown scene keys {sorted(unknown)}")
     full = {**DEFAULTS, **scene}
-    for key, words in (("coordination.comm", ("power", "wave", "passive-wave")),
+    for key, words in (("coordination.comm", ("power", "wave", "passive-wave", "passive-mean", "self-timed")),
                        ("coordination.decode", ("delayed", "implicit")),
-                       ("object.integrator", ("forward-euler", "semi-implicit", "exact"))):
+                       ("object.integrator", ("forward-euler", "semi-implicit", "exact", "midpoint"))):
         if full[key] not in words:
             raise ValueError(f"{key} = {full[key]!r}, expected one of {words}")
     if full["contact.one_sided"]:
         raise ValueError("contact.one_sided = True: the oracle has two-sided contact only")
+    midpoint = full["object.integrator"] == "midpoint"
+    if midpoint and (full["coordination.decode"], full["object.force_delay_ticks"]) != ("implicit", 0.0):
+        raise ValueError("midpoint needs decode = implicit and object.force_delay_ticks = 0")
+    if full["coordination.comm"] == "self-timed" and not (midpoint and full["coordination.credit_ticks"] > 0):
+        raise ValueError("self-timed needs midpoint and, here, a stated credit")
     return full
 
 
@@ -84,6 +95,24 @@ def plant(mass, damping, t_c, tau, integrator):
     return np.vstack([np.array([1, 0, 0, 0]) + t_c * moving_v, new_v])
 
 
+def midway(s, wave):
+    """The equations of one midpoint tick as a matrix: unknowns v, w, F_LC, F_T; rows object, contact, spring, line (or w held).
+
+    Right sides: 2 m_O/T_c v_o; K_LC (x_h - x_o) + B_LC v_h; K_T (x_d - x_o); sqrt(2b) u_in, or for power the held v_d.
+    In power x_d does not move through the tick, so that w enters the spring as B_T v_d only.
+    """
+    t_c = s["timing.control_period_s"]
+    inertia = 2 * s["object.mass_kg"] / t_c
+    z_c = s["contact.stiffness_n_per_m"] * t_c / 2 + s["contact.damping_n_s_per_m"]
+    b_t = s["coordination.damping_n_s_per_m"]
+    z_t = s["coordination.stiffness_n_per_m"] * t_c / 2 + b_t
+    b = s["coordination.wave_impedance_n_s_per_m"]
+    return np.array([[inertia + s["object.damping_n_s_per_m"], 0, -1, -1],
+                     [z_c, 0, 1, 0],
+                     [z_t, -(z_t if wave else b_t), 0, 1],
+                     [0, b, 0, 1] if wave else [0, 1, 0, 0]])
+
+
 def user_force(s, peer, t):
     """Force of one user at time t (s), in N along +x. Ties of the pulse are decided as in exact arithmetic (1 ns guard)."""
     push, pulse, width, every, sine, rate = (s[f"user.{peer}.{key}"] for key in USER_KEYS)
@@ -106,8 +135,14 @@ def simulate(scene, duration_s=20.0, traces=False):
     rows = lambda table, i, tau, how: plant(s[f"{table}.mass_kg"], s[f"{table}.damping_n_s_per_m"], t_c, tau, how)[i].tolist()
     tau_h, tau_o = s["device.force_delay_ticks"], s["object.force_delay_ticks"]
     dev = [rows("device", i, tau_h, "exact") for i in (0, 1)]
-    obj = [rows("object", i, tau_o, s["object.integrator"]) for i in (0, 1)]
-    nothing = (0.0, 0.0) if comm == "power" else 0.0
+    midpoint = s["object.integrator"] == "midpoint"
+    obj = None if midpoint else [rows("object", i, tau_o, s["object.integrator"]) for i in (0, 1)]
+    solve = np.linalg.inv(midway(s, comm != "power")) if midpoint else None
+    timed, mean = comm == "self-timed", comm == "passive-mean"
+    inertia = 2 * s["object.mass_kg"] / t_c
+    # A self-timed line: ticks and wave integral sent; of the other's, what was heard and what was emitted.
+    live, integral, heard, emitted = [0, 0], [0.0, 0.0], [None, None], [(0, 0.0), (0, 0.0)]
+    nothing = (0.0, 0.0) if comm in ("power", "self-timed") else 0.0
     x_h, v_h, x_o, v_o, x_d, v_d = ([0.0, 0.0] for _ in range(6))
     f_lc_old, f_o_old, f_t, u_out, y = ([0.0, 0.0] for _ in range(5))
     held, wire = [nothing, nothing], [[nothing] * n_t, [nothing] * n_t]
@@ -117,28 +152,60 @@ def simulate(scene, duration_s=20.0, traces=False):
     for n in range(ticks):
         if n % m == 0:
             for i in (0, 1):
-                wire[i].append((x_o[i], v_o[i]) if comm == "power" else u_out[i] if comm == "wave" else y[i])
+                wire[i].append((x_o[i], v_o[i]) if comm == "power" else (live[i], integral[i]) if timed
+                               else u_out[i] if comm == "wave" else y[i])
+                if mean:
+                    y[i] = 0.0
             for i in (0, 1):
                 held[i] = wire[1 - i].pop(0)
+                if timed and n >= n_t * m:
+                    heard[i] = (held[i][0] + s["coordination.credit_ticks"], held[i][1])
         for i in (0, 1):
             f_lc = k_lc * (x_h[i] - x_o[i]) + b_lc * (v_h[i] - v_o[i])
+            before_d, before_o, stands = x_d[i], x_o[i], False
             if comm == "power":
                 x_d[i], v_d[i] = held[i]
-            else:
+                before_d = x_d[i]
+            if midpoint:
+                u_in = held[i]
+                if timed:
+                    samples = 0 if heard[i] is None else heard[i][0] - emitted[i][0]
+                    stands = samples <= 0
+                    u_in = 0.0 if stands else (heard[i][1] - emitted[i][1]) / (samples * t_c)
+                equations = solve
+                if stands:
+                    wall = midway(s, True)
+                    wall[3] = [0, 1, 0, 0]
+                    equations = np.linalg.inv(wall)
+                last = v_d[i] if comm == "power" else root * u_in
+                right = [inertia * v_o[i], k_lc * (x_h[i] - x_o[i]) + b_lc * v_h[i], k_t * (before_d - x_o[i]), last]
+                v_mean, w, f_lc, f_t[i] = equations @ right
+                if comm != "power":
+                    v_d[i] = w
+                    x_d[i] += t_c * w
+            elif comm != "power":
                 if implicit:
                     v_d[i] = (root * held[i] - k_t * (x_d[i] - x_o[i]) + b_t * v_o[i]) / (b + b_t + k_t * t_c)
                     x_d[i] += t_c * v_d[i]
                 else:
                     x_d[i] += t_c * v_d[i]
                     v_d[i] = (root * held[i] - f_t[i]) / b
-            f_t[i] = k_t * (x_d[i] - x_o[i]) + b_t * (v_d[i] - v_o[i])
+            if not midpoint:
+                f_t[i] = k_t * (x_d[i] - x_o[i]) + b_t * (v_d[i] - v_o[i])
+                before_d = x_d[i]
             u_out[i] = (b * v_d[i] - f_t[i]) / root
-            y[i] = pole * y[i] + (1 - pole) * u_out[i]
+            y[i] = y[i] + u_out[i] / m if mean else pole * y[i] + (1 - pole) * u_out[i]
+            if timed and not stands:
+                emitted[i] = (emitted[i][0] + 1, emitted[i][1] + t_c * u_in)
+                live[i], integral[i] = live[i] + 1, integral[i] + t_c * u_out[i]
             keep["x_h"][n, i], keep["x_o"][n, i], keep["v_o"][n, i] = x_h[i], x_o[i], v_o[i]
-            keep["x_d"][n, i], keep["f_lc"][n, i], keep["f_t"][n, i] = x_d[i], f_lc, f_t[i]
+            keep["x_d"][n, i], keep["f_lc"][n, i], keep["f_t"][n, i] = before_d, f_lc, f_t[i]
             user, f_o = user_force(s, i + 1, n * t_c), f_lc + f_t[i]
             x_h[i], v_h[i] = (r[0] * x_h[i] + r[1] * v_h[i] + r[2] * (user - f_lc_old[i]) + r[3] * (user - f_lc) for r in dev)
-            x_o[i], v_o[i] = (r[0] * x_o[i] + r[1] * v_o[i] + r[2] * f_o_old[i] + r[3] * f_o for r in obj)
+            if midpoint:
+                x_o[i], v_o[i] = before_o + t_c * v_mean, 2 * v_mean - v_o[i]
+            else:
+                x_o[i], v_o[i] = (r[0] * x_o[i] + r[1] * v_o[i] + r[2] * f_o_old[i] + r[3] * f_o for r in obj)
             f_lc_old[i], f_o_old[i] = f_lc, f_o
 
     half = slice(ticks // 2, None)
@@ -157,46 +224,74 @@ def lifted(scene):
     s = complete(scene)
     t_c, comm, n_t = s["timing.control_period_s"], s["coordination.comm"], s["network.one_way_delay_packets"]
     parts = ("x", "v") if comm == "power" else ("u",)
-    local = ["x_h", "v_h", "x_o", "v_o", "x_d", "v_d", "f_lc", "f_o", "f_t", "u_out", "y"]
+    local = ["x_h", "v_h", "x_o", "v_o", "x_d", "v_d", "f_lc", "f_o", "f_t", "u_out", "y", "r"]
     local += [f"held_{p}" for p in parts] + [f"w{k}_{p}" for k in range(1, n_t + 1) for p in parts]
     names = [(i, name) for i in (0, 1) for name in local]
     at = {name: k for k, name in enumerate(names)}
     eye = np.eye(len(names))
     exchange, tick = eye.copy(), eye.copy()
 
-    source = {"power": {"x": "x_o", "v": "v_o"}, "wave": {"u": "u_out"}, "passive-wave": {"u": "y"}}[comm]
+    source = {"power": {"x": "x_o", "v": "v_o"}, "wave": {"u": "u_out"}, "passive-wave": {"u": "y"},
+              "passive-mean": {"u": "y"}, "self-timed": {"u": "y"}}[comm]
     for i in (0, 1):
         for p in parts:
             sent = [eye[at[i, source[p]]]] + [eye[at[i, f"w{k}_{p}"]] for k in range(1, n_t + 1)]
             for k in range(1, n_t + 1):
                 exchange[at[i, f"w{k}_{p}"]] = sent[k - 1]
             exchange[at[1 - i, f"held_{p}"]] = sent[n_t]
+        if comm in ("passive-mean", "self-timed"):
+            exchange[at[i, "y"]] = 0.0
 
     k_lc, b_lc = s["contact.stiffness_n_per_m"], s["contact.damping_n_s_per_m"]
     k_t, b_t = s["coordination.stiffness_n_per_m"], s["coordination.damping_n_s_per_m"]
     b = s["coordination.wave_impedance_n_s_per_m"]
     pole = math.exp(-2 * math.pi * s["coordination.cutoff_hz"] * t_c)
-    device, svo = (plant(s[f"{t}.mass_kg"], s[f"{t}.damping_n_s_per_m"], t_c, s[f"{t}.force_delay_ticks"], how)
+    midpoint, m, timed = s["object.integrator"] == "midpoint", s["timing.ticks_per_packet"], comm == "self-timed"
+    device, svo = (None if how == "midpoint" else
+                   plant(s[f"{t}.mass_kg"], s[f"{t}.damping_n_s_per_m"], t_c, s[f"{t}.force_delay_ticks"], how)
                    for t, how in (("device", "exact"), ("object", s["object.integrator"])))
+    solve = np.linalg.inv(midway(s, comm != "power")) if midpoint else None
+    samples = s["coordination.credit_ticks"] - n_t
+    if timed and (m != 1 or samples < 1):
+        raise ValueError("a self-timed line is one matrix only with a packet a tick and a credit above the delay")
     for i in (0, 1):
         row = {name: eye[at[i, name]] for name in local}
         f_lc = k_lc * (row["x_h"] - row["x_o"]) + b_lc * (row["v_h"] - row["v_o"])
+        r = 0 * row["r"]
         if comm == "power":
             x_d, v_d = row["held_x"], row["held_v"]
         else:
-            incoming = math.sqrt(2 * b) * row["held_u"]
+            u_in = row["held_u"]
+            if timed:
+                # What came with this tick's packet joins what was left; one of so many samples comes out.
+                outstanding = row["r"] + row["held_u"]
+                u_in, r = outstanding / (samples * t_c), outstanding * (1 - 1 / samples)
+            incoming = math.sqrt(2 * b) * u_in
+        if midpoint:
+            x_d = row["held_x"] if comm == "power" else row["x_d"]
+            v_mean, w, f_lc, f_t = solve @ np.vstack([
+                2 * s["object.mass_kg"] / t_c * row["v_o"],
+                k_lc * (row["x_h"] - row["x_o"]) + b_lc * row["v_h"],
+                k_t * (x_d - row["x_o"]),
+                row["held_v"] if comm == "power" else incoming])
+            if comm != "power":
+                x_d, v_d = row["x_d"] + t_c * w, w
+            x_o, v_o = row["x_o"] + t_c * v_mean, 2 * v_mean - row["v_o"]
+        elif comm != "power":
             if s["coordination.decode"] == "delayed":
                 v_d = (incoming - row["f_t"]) / b
                 x_d = row["x_d"] + t_c * row["v_d"]
             else:
                 v_d = (incoming - k_t * (row["x_d"] - row["x_o"]) + b_t * row["v_o"]) / (b + b_t + k_t * t_c)
                 x_d = row["x_d"] + t_c * v_d
-        f_t = k_t * (x_d - row["x_o"]) + b_t * (v_d - row["v_o"])
+        if not midpoint:
+            f_t = k_t * (x_d - row["x_o"]) + b_t * (v_d - row["v_o"])
+            x_o, v_o = svo @ np.vstack([row["x_o"], row["v_o"], row["f_o"], f_lc + f_t])
         u_out = (b * v_d - f_t) / math.sqrt(2 * b)
         x_h, v_h = device @ np.vstack([row["x_h"], row["v_h"], -row["f_lc"], -f_lc])
-        x_o, v_o = svo @ np.vstack([row["x_o"], row["v_o"], row["f_o"], f_lc + f_t])
+        y = {"passive-mean": row["y"] + u_out / m, "self-timed": row["y"] + t_c * u_out}.get(comm, pole * row["y"] + (1 - pole) * u_out)
         new = {"x_h": x_h, "v_h": v_h, "x_o": x_o, "v_o": v_o, "x_d": x_d, "v_d": v_d, "f_lc": f_lc, "f_o": f_lc + f_t, "f_t": f_t,
-               "u_out": u_out, "y": pole * row["y"] + (1 - pole) * u_out}
+               "u_out": u_out, "y": y, "r": r}
         for name, value in new.items():
             tick[at[i, name]] = value
     return names, exchange, tick

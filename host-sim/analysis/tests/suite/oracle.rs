@@ -20,5 +20,5 @@ fn every_row_of_the_oracle() {
         assert_eq!(ours.stable.to_string(), field("stable"), "row {rows}");
         rows += 1;
     }
-    assert_eq!(rows, 306);
+    assert_eq!(rows, 378);
 }
