@@ -75,8 +75,8 @@ const SELF_TIMED: &[&str] = &[
     "object.mass_kg=0.02",
     "coordination.wave_impedance_n_s_per_m=60",
     "coordination.stiffness_n_per_m=10000",
-    "safety.fade_s=2",
-    "safety.disengage_s=3",
+    "safety.fade_s=5",
+    "safety.disengage_s=8",
 ];
 
 /// These ways to hold the copies together, and every law that none of them names and that sends something.
