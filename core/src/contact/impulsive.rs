@@ -9,7 +9,7 @@
 //! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] says what it can be: F = ΔQ/T_c if force and slew allow
 //! that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and what is still owed goes
 //! into the ticks that follow. The force must come down again, too: no pulse is higher than what the slew limit leads back to
-//! zero without giving more than is owed ([`Impulsive::pulse`]). So momentum of object and device together stays, tick by
+//! zero without giving more than is owed (`Impulsive::pulse`). So momentum of object and device together stays, tick by
 //! tick, to rounding; a motor that acts a tick late makes both equal a tick later. Of the energy an impact takes nothing or
 //! what restitution takes; during the pulses it stands below the start, by what is still to come back. ΔQ is decided once,
 //! but pulses end when the two part as fast as restitution has it, whoever pulled them apart.

@@ -4,7 +4,7 @@
 //! Every tick of a line's end is **live** or **stands**. Live: it has a sample, emits it and sends one. Standing: it has
 //! none; x_d stays where it is and the copy hangs on the spring K_T there, as on a wall, which makes no energy and moves no
 //! position; nothing is emitted, sent or counted. What crosses the network are two counters, the live ticks and the integral of
-//! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. [`incoming`] says how
+//! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. `incoming` says how
 //! much of it a tick emits.
 //!
 //! x_d is not the sum of its velocities but of the waves, x_d = x_d0 + (∫u_in + ∫u_out)/√(2b), so that two ends that have
