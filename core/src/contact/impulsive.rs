@@ -19,10 +19,9 @@
 //!
 //! **Resting**: what approaches slower than a count of the encoder in a tick, or comes back within [`CHATTER`] ticks after
 //! settling, is no impact but rests: until they part, contact is the spring and the damper of the same table, one-sided, and a
-//! port where the object is moved by ports: a steady push F sinks in by F/K_LC. How far the device is past the surface by then
-//! presses the spring at once. After a plastic impact within the limits that is at most 2.5 ticks of the approach, v·2.5·T_c,
-//! and the spring gives back less than was lost while 6·K_LC·T_c² is less than the reduced mass, as it is where such a spring is
-//! stable at all; in pulses that stand at the limit, no more than the limit took on the way in. The spring is what
+//! port where the object is moved by ports. It begins where the device is, unloaded; what lies between there and the surface
+//! is made up for once it can be paid from energy that was lost before, at impacts and in the damper. From then on a steady push
+//! F sinks in by F/K_LC. Without restitution's losses and without damping it stays that much deeper. The spring is what
 //! [`super::continuous`] is, with what sampling makes of it; only it never pulls.
 //!
 //! **Mass**: energy is not made while `contact.device_mass_kg` is at most the mass that the hand moves; a peer cannot know
@@ -96,8 +95,8 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
 enum Act<S> {
     /// This force (N) is asked for; what of it the guard gives, the object has taken.
     Pulse(S),
-    /// The spring.
-    Spring,
+    /// The spring, with the device here.
+    Spring(Motion<S>),
 }
 
 impl<S: Scalar> Impulsive<S> {
@@ -129,7 +128,7 @@ impl<S: Scalar> Impulsive<S> {
             state.owed = state.owed.min(self.reduced * (approach + state.rebound));
         } else if past > S::ZERO && approach > S::ZERO && state.recent <= CHATTER && !state.resting {
             if state.recent > 0 || approach < self.slowest {
-                state.resting = true;
+                (state.resting, state.sunk) = (true, past);
             } else if let Some(Exchange { impulse: [impulse], lost_j, .. }) =
                 exchange([-approach], [S::ONE], [self.object_inverse, self.device_inverse], self.restitution)
             {
@@ -137,6 +136,7 @@ impl<S: Scalar> Impulsive<S> {
                 let gap = before.map_or(-past, |[device, object]| self.contact.past(object - device));
                 after = if gap >= S::ZERO { past.ratio(past + gap) } else { S::ZERO };
                 (state.owed, state.rebound) = (impulse, self.restitution * approach);
+                state.spare = state.spare + lost_j;
                 state.count = state.count.saturating_add(1);
                 state.wanted.add(impulse);
                 state.lost.add(lost_j);
@@ -144,7 +144,7 @@ impl<S: Scalar> Impulsive<S> {
         }
         if state.resting {
             state.recent = SETTLING + CHATTER;
-            return Act::Spring;
+            return Act::Spring(self.rest(state, device, past, approach));
         }
         state.owed = state.owed.max(S::ZERO);
         let asked = self.contact.past(self.pulse(state.owed));
@@ -164,6 +164,20 @@ impl<S: Scalar> Impulsive<S> {
         Act::Pulse(asked)
     }
 
+    /// The device as the spring sees it.
+    #[inline]
+    fn rest(&self, state: &mut Strikes<S>, device: Motion<S>, past: S, approach: S) -> Motion<S> {
+        // Down to the surface a spring that reaches up to here gains less than this.
+        state.sunk = state.sunk.min(past);
+        let price = self.contact.stiffness() * past * state.sunk;
+        if price <= state.spare {
+            state.spare = state.spare - price;
+            state.sunk = S::ZERO;
+        }
+        state.spare = state.spare + self.period * self.contact.damping() * approach * approach;
+        Motion { position: device.position - self.contact.past(state.sunk), ..device }
+    }
+
     /// A force toward the object, or none.
     #[inline]
     fn push(&self, force: S) -> S {
@@ -179,7 +193,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
     fn touch(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
         match self.act(state, device, object, commanded) {
             Act::Pulse(asked) => Touch { pushing: S::ZERO, felt: asked },
-            Act::Spring => {
+            Act::Spring(device) => {
                 let asked = self.push(self.contact.force(device, *object));
                 Touch { pushing: self.given(commanded, asked), felt: asked }
             }
@@ -189,7 +203,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
     fn press(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
         match self.act(state, device, object, commanded) {
             Act::Pulse(asked) => Press { pulse: asked, ..Press::default() },
-            Act::Spring => {
+            Act::Spring(device) => {
                 let press = self.contact.port(device, *object);
                 let asked = self.push(press.port.at(object.velocity));
                 let given = self.given(commanded, asked);

@@ -62,6 +62,10 @@ pub struct Strikes<S> {
     pub(super) rebound: S,
     /// Contact is a spring until they part.
     pub(super) resting: bool,
+    /// How deep under the surface the spring begins, m.
+    pub(super) sunk: S,
+    /// Energy that was lost, and has paid for nothing yet, J.
+    pub(super) spare: S,
     pub(super) count: u32,
     pub(super) wanted: Sum<S>,
     pub(super) delivered: Sum<S>,
