@@ -29,7 +29,7 @@ pub struct Press<S> {
 pub struct Impacts<S> {
     /// Impacts.
     pub count: u32,
-    /// Σ|ΔQ| that they ask for, N·s.
+    /// Σ|ΔQ| exchanged with the object, N·s.
     pub wanted_n_s: S,
     /// What of it both took so far, within the limits of force and slew, N·s. The rest is under way, or was not needed: somebody
     /// pulled them apart.
