@@ -78,16 +78,6 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// K_LC, N/m.
-    pub(super) fn stiffness(&self) -> S {
-        self.stiffness
-    }
-
-    /// B_LC, N·s/m.
-    pub(super) fn damping(&self) -> S {
-        self.damping
-    }
-
     /// How far the spring is pressed, m, if device and object touch.
     #[inline]
     fn depth(&self, distance: S) -> Option<S> {

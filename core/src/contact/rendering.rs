@@ -31,8 +31,7 @@ pub struct Impacts<S> {
     pub count: u32,
     /// Σ|ΔQ| exchanged with the object, N·s.
     pub wanted_n_s: S,
-    /// What of it both took so far, within the limits of force and slew, N·s. The rest is under way, or was not needed: somebody
-    /// pulled them apart.
+    /// What of it the limits of force and slew let through to the device, N·s.
     pub delivered_n_s: S,
     /// Energy that restitution below 1 took, J.
     pub lost_j: S,
@@ -49,23 +48,15 @@ pub trait Rendering<S: Scalar>: Model<S> {
     fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
 }
 
-/// What impulsive contact remembers, and the account.
+/// The step before, and the account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Strikes<S> {
     /// Where device and object were at the last tick, m; none before the first.
     pub(super) before: Option<[S; 2]>,
-    /// Ticks until nothing tells of the last pulse or push any more.
-    pub(super) recent: u32,
-    /// What the object is still to take of an impact, N·s.
-    pub(super) owed: S,
-    /// How fast they part after it, m/s.
-    pub(super) rebound: S,
-    /// Contact is a spring until they part.
-    pub(super) resting: bool,
-    /// How deep under the surface the spring begins, m.
-    pub(super) sunk: S,
-    /// Energy that was lost, and has paid for nothing yet, J.
-    pub(super) spare: S,
+    /// Ticks until velocities tell again.
+    pub(super) settling: u32,
+    /// The pulse of the last tick, N.
+    pub(super) pulse: S,
     pub(super) count: u32,
     pub(super) wanted: Sum<S>,
     pub(super) delivered: Sum<S>,

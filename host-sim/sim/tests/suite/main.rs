@@ -3,7 +3,6 @@
 mod calibrate;
 mod double_double;
 mod engine;
-mod impulsive;
 mod link;
 mod measure;
 mod midpoint;
