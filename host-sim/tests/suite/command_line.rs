@@ -62,7 +62,7 @@ fn the_matched_line() {
 fn files_of_scenes_with_dots_in_their_names() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("dotted");
     let out = folder.display().to_string();
-    for name in ["paper-5.1-wave-16ms", "impulsive"] {
+    for name in ["paper-5.1-passive-wave-16ms", "impulsive"] {
         let report = json(&["cooperate", "--json", "--seconds", "0.1", "--scene", name, "--out", &out]);
         assert_eq!((&report["scene"], &report["warnings"]), (&name.into(), &Value::Array(vec![])));
         for kind in ["csv", "parquet"] {
