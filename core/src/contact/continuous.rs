@@ -7,8 +7,9 @@
 
 use super::rendering::{Press, Rendering, Strikes, Touch};
 use crate::num::{Motion, Scalar};
+use crate::object::port::{Port, met_midway};
 use crate::settings::{Refused, Settings};
-use crate::{model::Model, names::Side, object::Port};
+use crate::{model::Model, names::Side};
 
 /// Where contact begins.
 #[derive(Clone, Copy, Debug)]
@@ -44,10 +45,9 @@ impl<S: Scalar> Contact<S> {
             Side::Left => S::ONE,
             Side::Right => -S::ONE,
         };
-        let half_period_s = 0.5 * settings.timing.control_period_s;
         Self {
-            impedance: S::from_f64(contact.stiffness_n_per_m * half_period_s + contact.damping_n_s_per_m),
-            half_period: S::from_f64(half_period_s),
+            impedance: S::from_f64(met_midway(contact.stiffness_n_per_m, contact.damping_n_s_per_m, settings)),
+            half_period: S::from_f64(0.5 * settings.timing.control_period_s),
             stiffness: S::from_f64(contact.stiffness_n_per_m),
             damping: S::from_f64(contact.damping_n_s_per_m),
             surface: match (contact.one_sided, contact.gap_m > 0.0) {

@@ -2,8 +2,9 @@
 //!
 //! Counted in packet periods without a packet: up to `safety.fade_s` the last packet stands; then the coordination
 //! fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both are times, rounded
-//! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the object is, from no force, and every packet takes one step back. What a packet
-//! is that has faded, the law says ([`super::Law::fade`]).
+//! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the
+//! object is, from no force, and every packet takes one step back. What a packet is that has faded, the law says
+//! ([`super::Law::fade`]).
 //!
 //! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
 //! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
@@ -44,11 +45,6 @@ impl<S: Scalar> Ladder<S> {
         let hold = timing.packet_periods(safety.fade_s);
         let steps = timing.packet_periods(safety.disengage_s).saturating_sub(hold).max(1);
         Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)) })
-    }
-
-    /// Packet periods from engaged to disengaged, the last packet standing through the first of them.
-    pub fn steps(&self) -> u32 {
-        self.steps
     }
 
     /// Fully engaged, nothing heard yet.

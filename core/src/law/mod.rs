@@ -1,10 +1,10 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
-//! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick), hands out one [`Packet`] each packet period
-//! ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own
-//! keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod` and one line in the list below make
-//! it known to simulator, analyser, campaign, board and reports; a crate outside hands it to them. [`free`] shows the least a
-//! law can be.
+//! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick),
+//! hands out one [`Packet`] each packet period ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A law is one
+//! file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
+//! and one line in the list below make it known to simulator, analyser, campaign, board and reports; a crate outside hands it to
+//! them. [`free`] shows the least a law can be.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
@@ -21,7 +21,7 @@ mod terminal;
 pub mod wave;
 
 use crate::num::{Motion, Scalar, StateVector, visit_f64};
-use crate::object::Port;
+use crate::object::port::{self, Port};
 use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::settings::{Kind, Sends};
@@ -235,12 +235,17 @@ impl<S: Scalar> Spring<S> {
     /// K_T and B_T of the scene.
     pub fn build(settings: &Settings) -> Self {
         let coordination = &settings.coordination;
-        let half_period_s = 0.5 * settings.timing.control_period_s;
         Self {
             stiffness: S::from_f64(coordination.stiffness_n_per_m),
             damping: S::from_f64(coordination.damping_n_s_per_m),
-            impedance: S::from_f64(coordination.stiffness_n_per_m * half_period_s + coordination.damping_n_s_per_m),
+            impedance: S::from_f64(Self::impedance(settings)),
         }
+    }
+
+    /// κ of the scene, N·s/m.
+    pub(crate) fn impedance(settings: &Settings) -> f64 {
+        let coordination = &settings.coordination;
+        port::met_midway(coordination.stiffness_n_per_m, coordination.damping_n_s_per_m, settings)
     }
 
     /// F_T, N.

@@ -41,9 +41,8 @@ pub(super) struct Ended<S> {
 
 impl<S: Scalar> Terminal<S> {
     pub(super) fn build(settings: &Settings) -> Self {
-        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
-        let impedance = coordination.wave_impedance_n_s_per_m;
-        let kappa = coordination.damping_n_s_per_m + 0.5 * coordination.stiffness_n_per_m * period;
+        let impedance = settings.coordination.wave_impedance_n_s_per_m;
+        let kappa = Spring::<S>::impedance(settings);
         let root = libm::sqrt(2.0 * impedance);
         Self {
             spring: Spring::build(settings),

@@ -11,7 +11,8 @@
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
 //! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where there
 //! is one, `host-sim/analysis/tests/suite/bounds.rs` says. Where the copy is moved by ports, spring and line in a row are one
-//! of them and the loop closes in the object's own solve (THEORY §7), which makes no energy at any K_T. Square roots are taken once, in `build()`.
+//! of them and the loop closes in the object's own solve (THEORY §7), which makes no energy at any K_T. Square roots are taken
+//! once, in `build()`.
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};

@@ -1,6 +1,7 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
-//! The staged ones take a force that was computed before; [`midpoint`] solves for everything that pushes at once. Staged forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
+//! The staged ones take a force that was computed before; [`midpoint`] solves for everything that pushes at once. Staged forces
+//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
 //! A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod euler;

@@ -10,6 +10,7 @@
 use core::ops::Add;
 
 use crate::num::Scalar;
+use crate::settings::Settings;
 
 /// Mean force on the copy through one tick, as a function of its mean velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,6 +19,11 @@ pub struct Port<S> {
     pub force: S,
     /// z: by how much less it is on one that moves, N·s/m; never negative.
     pub impedance: S,
+}
+
+/// z of a spring (N/m) and damper (N·s/m) to a point that does not follow the copy: K·T_c/2 + B, N·s/m.
+pub(crate) fn met_midway(stiffness: f64, damping: f64, settings: &Settings) -> f64 {
+    0.5 * settings.timing.control_period_s * stiffness + damping
 }
 
 impl<S: Scalar> Port<S> {

@@ -100,7 +100,7 @@ pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisErro
     // Each mode by itself: the worst of all has flat stretches of one that hide the humps of another.
     let points = sweep.points(effort.steps);
     let of_mode = |mode: &Hands| {
-        let radius = |analyser: &mut Analyser, value: f64| analyser.radius(&sweep.at(value)?, Some(*mode));
+        let radius = |analyser: &mut Analyser, value: f64| sweep.radius(analyser, value, Some(*mode));
         crossings(&points, sweep.is_whole(), effort.tolerance, Analyser::default, radius)
     };
     let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, AnalysisError>>()?;

@@ -99,3 +99,15 @@ fn the_way_is_that_of_the_scenes_own_network() {
     assert!(late.way().is_some_and(|way| way.mean > 0.3 && way.mean < 0.7), "{:?}", late.way());
     assert!(own.way_peak_n().is_some_and(|peak| peak > 0.1 && peak < 1.0), "{:?}", own.way_peak_n());
 }
+
+/// The last row is the recommended scene: its peers are told the same.
+#[test]
+fn the_self_timed_row_is_any_network() {
+    let laws = Laws::built_in();
+    let rows = scenes(laws, &COMMS.map(|(name, settings, _)| (name, settings))).expect("good scenes");
+    let (_, row) = rows.iter().find(|(name, _)| name == "self-timed").expect("a row");
+    let scene = scenes::load(laws, "any-network").expect("a built-in scene");
+    assert_eq!(row.peer, scene.peer);
+    let delay = |scene: &Scene| scene.world.network.one_way_delay_packets;
+    assert_eq!(delay(row), delay(&scene));
+}

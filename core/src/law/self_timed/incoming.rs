@@ -16,8 +16,8 @@
 //!
 //! **Running ahead** (`coordination.run_ahead_ticks`, none by default). Before it stands, the end emits the last sample again,
 //! on credit: k and R go below zero, and an account of E₀ plus all that was heard less all that was emitted must stay above
-//! it. What came out ahead is taken back when samples come, no faster than the account pays for and than [`SLEW`]. With a delay
-//! that is fixed this bridges single losses; with one that follows it costs more than it gives (docs/networks.md).
+//! it. What came out ahead is taken back when samples come, no faster than the account pays for and than [`SLEW`]. It gives
+//! mobility, and takes it from the account: what that costs stands in docs/theory.md, section 8.
 
 use crate::law::Packet;
 use crate::num::{Scalar, visit_f64};
@@ -45,10 +45,12 @@ pub(super) const AHEAD: Key = Key::whole(
     "Self-timed line: ticks for which the last sample comes again before the line stands.",
 );
 
-/// Samples that are added beside what was missing, and those that may always be left before the line is made shorter: single
-/// losses of 20 % in a row are bridged without standing.
+/// Samples that are added beside what was missing.
 const SPARE: i32 = 2;
+/// Samples that may always be left before the line is made shorter: 20 % of single losses are bridged without standing.
 const KEPT: i32 = 8;
+/// For how long they must have been left, s.
+const WINDOW_S: f64 = 1.0;
 /// The credit that following begins with, beside what a packet's ticks take, s.
 const FIRST_S: f64 = 0.016;
 /// What a tick that stands adds to impatience, and a live one takes from it: balanced at a tenth of the time.
@@ -58,8 +60,6 @@ const IMPATIENT: u32 = 100 * STANDING;
 /// Samples that may be added at once after a quiet time, and at most.
 const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
-/// For how long they must have been, s.
-const WINDOW_S: f64 = 1.0;
 /// The largest wave at which two samples may come out in one tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
 /// Most that the wave may change in a tick while something that came out ahead is taken back, √W.

@@ -1,6 +1,7 @@
 //! The self-timed line in runs (THEORY §8): what it keeps apart over bad networks, what it costs, and that it makes nothing.
 
 use haptic_sim::pair::Pair;
+use haptic_sim::rng::Rng;
 use haptic_sim::{Laws, Scene, scenes};
 
 const MATCHED: [&str; 3] =
@@ -153,47 +154,36 @@ fn no_network_makes_energy() {
     }
 }
 
-/// SplitMix64.
-struct Random(u64);
+/// Equal chances by ratio.
+fn spread(random: &mut Rng, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(random.unit())
+}
 
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Equal chances by ratio.
-    fn spread(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
-    }
-
-    /// One of these.
-    fn one<'a>(&mut self, of: &[&'a str]) -> &'a str {
-        of[(self.unit() * of.len() as f64) as usize]
-    }
+/// One of these.
+fn one<'a>(random: &mut Rng, of: &[&'a str]) -> &'a str {
+    of[random.below(of.len() as u64) as usize]
 }
 
 /// A thousand scenes over hostile networks, with hands that let go of the object again and again: copies and springs never hold
 /// more than the hands put in, and E₀.
 #[test]
 fn a_thousand_hostile_runs_make_nothing() {
-    let mut random = Random(1);
+    let mut random = Rng::new(1);
     let mut stood = 0;
     for number in 0..1000 {
         let settings = [
-            format!("coordination.stiffness_n_per_m={}", random.spread(10.0, 1e6)),
+            format!("coordination.stiffness_n_per_m={}", spread(&mut random, 10.0, 1e6)),
             format!("coordination.damping_n_s_per_m={}", 20.0 * random.unit()),
-            format!("coordination.wave_impedance_n_s_per_m={}", random.spread(1.0, 200.0)),
-            format!("object.mass_kg={}", random.spread(1e-3, 10.0)),
+            format!("coordination.wave_impedance_n_s_per_m={}", spread(&mut random, 1.0, 200.0)),
+            format!("object.mass_kg={}", spread(&mut random, 1e-3, 10.0)),
             format!("timing.ticks_per_packet={}", 1 + (8.0 * random.unit()) as u32),
-            random
-                .one(&["coordination.credit_ticks=0", "coordination.credit_ticks=10", "coordination.credit_ticks=60"])
-                .into(),
+            one(
+                &mut random,
+                &["coordination.credit_ticks=0", "coordination.credit_ticks=10", "coordination.credit_ticks=60"],
+            )
+            .into(),
             // Pushed only: what is on its own side of the surface is let go of.
-            random.one(&["contact.one_sided=true", "contact.one_sided=false", "contact.gap_m=0.002"]).into(),
+            one(&mut random, &["contact.one_sided=true", "contact.one_sided=false", "contact.gap_m=0.002"]).into(),
             format!("user.1.pulse_n={}", 3.0 * random.unit()),
             "user.1.pulse_every_s=0.3".into(),
             format!("user.2.sine_n={}", 2.0 * random.unit()),
@@ -202,9 +192,9 @@ fn a_thousand_hostile_runs_make_nothing() {
         let network = [
             format!("network.one_way_delay_packets={}", (12.0 * random.unit()) as u32),
             format!("network.loss={}", 0.6 * random.unit()),
-            format!("network.loss_burst_packets={}", random.spread(1.0, 100.0)),
-            random.one(&["network.jitter=gamma", "network.jitter=uniform", "network.jitter=pareto"]).into(),
-            format!("network.jitter_s={}", random.spread(1e-4, 0.02)),
+            format!("network.loss_burst_packets={}", spread(&mut random, 1.0, 100.0)),
+            one(&mut random, &["network.jitter=gamma", "network.jitter=uniform", "network.jitter=pareto"]).into(),
+            format!("network.jitter_s={}", spread(&mut random, 1e-4, 0.02)),
             format!("network.duplicate={}", 0.3 * random.unit()),
             format!("network.reorder={}", 0.3 * random.unit()),
             "network.reorder_depth_packets=8".into(),

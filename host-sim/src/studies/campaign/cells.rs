@@ -168,9 +168,14 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
     Ok(pair.fault().is_none().then_some(way))
 }
 
-/// Runs every cell (comm, network, its scene over that network, its scene on its own) in parallel; the order and every bit are the
-/// same on any number of threads.
-pub(super) fn run_all(cells: Vec<(String, &str, Scene, &Scene)>, periods: u32) -> Result<Vec<Cell>, Failure> {
+/// How far a common push gets on the scene's own network, m, if no peer stops.
+pub(super) fn free_way_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
+    Ok(way(scene)?.map(|way| way.way_m))
+}
+
+/// Runs every cell (comm, network, its scene over that network, [`free_way_m`] of its scene on its own) in parallel; the order and
+/// every bit are the same on any number of threads.
+pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Failure> {
     let seeds = |scene: &Scene| if networks::is_random(scene) { SEEDS } else { 1 };
     let jobs: Vec<(&Scene, u32)> =
         cells.iter().flat_map(|(_, _, scene, _)| (0..seeds(scene)).map(move |later| (scene, later))).collect();
@@ -183,10 +188,9 @@ pub(super) fn run_all(cells: Vec<(String, &str, Scene, &Scene)>, periods: u32) -
     let runs: Vec<(Outcome, Option<Way>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
     let mut runs = runs.into_iter();
     let mut done = Vec::new();
-    for (comm, network, scene, own) in &cells {
+    for &(ref comm, network, ref scene, free_way_m) in &cells {
         let (outcomes, ways) = runs.by_ref().take(seeds(scene) as usize).unzip();
-        let free_way_m = way(own)?.map(|way| way.way_m);
-        let (comm, network) = (comm.clone(), (*network).to_owned());
+        let (comm, network) = (comm.clone(), network.to_owned());
         done.push((scene, Cell { comm, network, outcomes, swing: None, ways, free_way_m }));
     }
     let swung = |(scene, mut cell): (&Scene, Cell)| {

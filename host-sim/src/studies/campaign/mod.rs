@@ -145,8 +145,9 @@ impl Cell {
 fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
     let mut cells = Vec::new();
     for (comm, scene) in scenes {
+        let free_way_m = cells::free_way_m(scene)?;
         for (network, settings) in networks {
-            cells.push((comm.clone(), *network, networks::over(scene, settings)?, scene));
+            cells.push((comm.clone(), *network, networks::over(scene, settings)?, free_way_m));
         }
     }
     cells::run_all(cells, periods)
