@@ -1,11 +1,15 @@
 //! The key that two peers share: 32 random bytes as 64 hexadecimal digits in a file that only its owner may read.
+//!
+//! **Reading** takes no more than [`LONGEST`] bytes, whatever the file is, and judges owner and mode of the file that was
+//! read, not of whatever its name means a moment later. **Writing** is all or nothing: the name is there once every byte is
+//! on the disk, an existing file is never touched, and what fails leaves nothing behind.
 
-use std::{fs::OpenOptions, io::Write, path::Path};
+use std::{fs::File, io::Read, io::Write, path::Path};
 
 use haptic_protocol::key::Key;
 
-#[cfg(unix)]
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+/// Longest key file, bytes: the digits, and some space around them.
+pub const LONGEST: usize = 2 * Key::LEN + 64;
 
 /// Randomness from the system.
 pub fn entropy() -> Result<[u8; Key::LEN], String> {
@@ -28,33 +32,62 @@ pub fn write(path: &Path, key: &Key) -> Result<(), String> {
 /// The same for a key in another form.
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
-    let mut options = OpenOptions::new();
-    options.write(true).create_new(true);
-    #[cfg(unix)]
-    options.mode(0o600);
-    options.open(path).map_err(failed)?.write_all(bytes).map_err(failed)
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Only its owner may read it from the first byte on; dropped under this name, it is gone.
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+    file.persist_noclobber(path).map_err(|refused| failed(refused.error))?;
+    // The name is on the disk as well, where a folder can be asked for that.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    Ok(())
 }
 
 /// Reads a key file.
 pub fn read(path: &Path) -> Result<Key, String> {
     let place = path.display();
-    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?;
+    let failed = |cause: std::io::Error| format!("cannot read the key file {place}: {cause}");
+    let file = File::open(path).map_err(failed)?;
+    let mut bytes = Vec::with_capacity(LONGEST + 1);
+    Read::take(&file, LONGEST as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let key = parse(&bytes).ok_or_else(|| {
+        format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them")
+    })?;
     #[cfg(unix)]
-    {
-        let mode =
-            std::fs::metadata(path).map_err(|cause| format!("cannot read the key file {place}: {cause}"))?.mode();
-        if mode & 0o077 != 0 {
-            return Err(format!("the key file {place} can be read by others: chmod 600 {place}"));
-        }
+    own(path, &file.metadata().map_err(failed)?)?;
+    Ok(key)
+}
+
+/// The key in a file of these bytes.
+fn parse(bytes: &[u8]) -> Option<Key> {
+    let digits = std::str::from_utf8(bytes).ok().filter(|_| bytes.len() <= LONGEST)?.trim();
+    if digits.len() != 2 * Key::LEN || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
     }
-    let digits = text.trim();
-    let bytes: Option<Vec<u8>> = (digits.len() == 2 * Key::LEN && digits.is_ascii())
-        .then(|| (0..Key::LEN).map(|at| u8::from_str_radix(&digits[2 * at..2 * at + 2], 16).ok()).collect())
-        .flatten();
-    match bytes.and_then(|bytes| <[u8; Key::LEN]>::try_from(bytes).ok()) {
-        Some(bytes) => Ok(Key::new(bytes)),
-        None => Err(format!(
-            "{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them"
-        )),
+    let mut key = [0; Key::LEN];
+    for (byte, at) in key.iter_mut().zip((0..).step_by(2)) {
+        *byte = u8::from_str_radix(digits.get(at..at + 2)?, 16).ok()?;
     }
+    Some(Key::new(key))
+}
+
+/// Nobody else can read the file, or put another key into it.
+#[cfg(unix)]
+fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), String> {
+    use std::os::unix::fs::MetadataExt;
+    let (place, mode, owner) = (path.display(), file.mode() & 0o7777, file.uid());
+    let user = rustix::process::geteuid();
+    // Whoever asks for root's rights to run this, for its priority, keeps his keys.
+    let asked = std::env::var("SUDO_UID").ok().and_then(|user| user.parse().ok()).filter(|_| user.is_root());
+    if owner != user.as_raw() && Some(owner) != asked {
+        let user = user.as_raw();
+        return Err(format!(
+            "the key file {place} belongs to user {owner} and not to user {user}, who runs this: chown {user} {place}"
+        ));
+    }
+    if mode & 0o077 != 0 {
+        return Err(format!(
+            "the key file {place} (mode {mode:03o}) is open to others than its owner: chmod 600 {place}"
+        ));
+    }
+    Ok(())
 }

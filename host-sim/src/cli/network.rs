@@ -36,6 +36,12 @@ pub(super) struct Relay {
     /// Where peer 2 sends to.
     #[arg(long, value_name = "ADDRESS:PORT")]
     listen_2: SocketAddr,
+    /// Where peer 1 listens; what comes to --listen-1 from elsewhere goes nowhere.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    peer_1: SocketAddr,
+    /// Where peer 2 listens; what comes to --listen-2 from elsewhere goes nowhere.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    peer_2: SocketAddr,
     /// Recorded network (as `--set network.trace=FILE`).
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
@@ -50,10 +56,10 @@ impl Relay {
             scene.network_trace = Some(NetworkTrace::read(trace)?.into());
         }
         let routes = [Direction::OneToTwo, Direction::TwoToOne].map(|direction| Route::of_scene(&scene, direction, 0));
-        let listen = [self.listen_1, self.listen_2];
-        let relayed = relay::run(routes, listen, self.time.seconds, &Stop::on_signals()?)?;
-        writeln!(ui, "Packets from peer 1 to 2, and from 2 to 1\n");
-        ui.report("", &relayed)
+        let ends = [(self.listen_1, self.peer_1), (self.listen_2, self.peer_2)];
+        let ends = ends.map(|(listen, peer)| relay::End { listen, peer });
+        let relayed = relay::run(routes, ends, self.time.seconds, &Stop::on_signals()?)?;
+        ui.report("relay, from peer 1 to 2 and back", &relayed)
     }
 }
 

@@ -113,8 +113,10 @@ impl Ticker {
         self.kept.ticks as f64 * self.period.as_secs_f64() >= self.seconds
     }
 
+    /// When the next tick is due: for as many of them as 64 bits of nanoseconds hold, which is centuries.
     fn deadline(&self) -> Instant {
-        self.start + self.period.saturating_mul(u32::try_from(self.kept.ticks).unwrap_or(u32::MAX))
+        let period_ns = u64::try_from(self.period.as_nanos()).unwrap_or(u64::MAX);
+        self.start + Duration::from_nanos(period_ns.saturating_mul(self.kept.ticks))
     }
 
     /// Sleeps until the next tick, if that is still to come.
@@ -268,3 +270,7 @@ impl Endpoint {
         ended.map(|()| ticker.kept)
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/inside/live_endpoint.rs"]
+mod tests;

@@ -1,22 +1,48 @@
 //! A bad network between two peers: takes their datagrams, and does with each what a rule says, of the scene's network table, of a
 //! trace, or any other. It has no key, so all it can do is what a network can.
+//!
+//! **Fixed ends**: it passes on what comes from one of the two stated addresses, to the other, and from nowhere else to nobody.
+//! What is on its way is at most [`MOST_BYTES`] each way; what comes on top is lost, as on any full line.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::network::link::{Counts, Link, Route};
+use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 
 /// How often the relay looks: what it adds to the delay at the most.
 const PERIOD: Duration = Duration::from_micros(200);
+/// Most that is on its way in one direction, bytes with what each datagram takes beside its own: two peers that send 72 bytes
+/// every 8 ms have that much on a line of a minute.
+const MOST_BYTES: usize = 1 << 20;
+
+/// One end of what is relayed.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Where the peer sends to.
+    pub listen: SocketAddr,
+    /// The peer, and nobody else.
+    pub peer: SocketAddr,
+}
+
+/// What was relayed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Packets from peer 1 to 2, and from 2 to 1.
+    pub ways: [Counts; 2],
+    /// Datagrams from anywhere else, which went nowhere.
+    pub strangers: u64,
+}
 
 /// The first peer talks to the endpoint that runs this, the second one to another.
 struct Relay {
     second: Endpoint,
-    peers: [Option<SocketAddr>; 2],
+    peers: [SocketAddr; 2],
     lines: [Link<[u8]>; 2],
+    strangers: u64,
     over_ns: f64,
     end: Option<Result<(), String>>,
 }
@@ -25,23 +51,28 @@ impl Actor<SocketAddr> for Relay {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
-        self.peers[0] = Some(from);
-        self.lines[0].send(now_ns, datagram);
+        if from == self.peers[0] {
+            self.lines[0].send(now_ns, datagram);
+        } else {
+            self.strangers += 1;
+        }
     }
 
     fn act(&mut self, now_ns: u64, first: &mut Out<'_, SocketAddr, [u8]>) {
-        let Self { second, peers, lines: [there, back], .. } = self;
+        let Self { second, peers: [one, two], lines: [there, back], strangers, .. } = self;
         let heard = second.drain(Instant::now() + PERIOD / 2, |from, datagram| {
-            peers[1] = Some(from);
-            back.send(now_ns, datagram);
+            if from == *two {
+                back.send(now_ns, datagram);
+            } else {
+                *strangers += 1;
+            }
         });
-        // Kept until the peer it is for has spoken; sent from the socket that this one talks to.
-        let [one, two] = *peers;
-        while let Some((to, (_, datagram))) = one.and_then(|to| Some((to, back.take(now_ns)?))) {
-            first(to, &datagram);
+        // Each is sent from the socket that its receiver talks to.
+        while let Some((_, datagram)) = back.take(now_ns) {
+            first(*one, &datagram);
         }
-        while let Some((to, (_, datagram))) = two.and_then(|to| Some((to, there.take(now_ns)?))) {
-            second.send(to, &datagram);
+        while let Some((_, datagram)) = there.take(now_ns) {
+            second.send(*two, &datagram);
         }
         self.end = (heard.is_err() || now_ns as f64 >= self.over_ns).then_some(heard);
     }
@@ -53,12 +84,12 @@ impl Live for Relay {
     }
 }
 
-/// Relays over `routes` between a peer that talks to `listen[0]` and one that talks to `listen[1]` for `duration_s`, or until it is
-/// stopped.
-pub fn run(routes: [Route; 2], listen: [SocketAddr; 2], duration_s: f64, stop: &Stop) -> Result<[Counts; 2], String> {
-    let (first, second) = (Endpoint::polled(listen[0])?, Endpoint::polled(listen[1])?);
-    let (lines, over_ns) = (routes.map(Link::new), 1e9 * duration_s);
-    let mut relay = Relay { second, peers: [None; 2], lines, over_ns, end: None };
+/// Relays over `routes` between two peers for `duration_s`, or until it is stopped.
+pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> Result<Report, String> {
+    let [first, second] = ends.map(|end| Endpoint::polled(end.listen));
+    let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
+    let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
+    let mut relay = Relay { second, peers, lines, strangers: 0, over_ns, end: None };
     first.run(Ticker::new(PERIOD), f64::MAX, stop, &mut relay)?;
-    Ok(relay.lines.map(|line| line.counts()))
+    Ok(Report { ways: relay.lines.map(|line| line.counts()), strangers: relay.strangers })
 }

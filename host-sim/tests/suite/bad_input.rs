@@ -143,7 +143,7 @@ fn live_peers_floods_and_restarts() {
         use std::os::unix::fs::PermissionsExt;
         let mode = |mode| std::fs::set_permissions(&key, std::fs::Permissions::from_mode(mode)).expect("chmod");
         mode(0o644);
-        refused(&[&peer[..], &[&key]].concat(), &["can be read by others", "chmod 600"]);
+        refused(&[&peer[..], &[&key]].concat(), &["mode 644", "open to others", "chmod 600"]);
         mode(0o600);
         refused(&[&peer[..], &[&key, "--patience-s", "0.05"]].concat(), &["nobody answered", "127.0.0.1:9"]);
         let visit = [
@@ -189,7 +189,7 @@ fn negative_numbers() {
     negative(&["shared squash --rtt-ms -1"], &["--rtt-ms -1", "2000 ms"]);
     negative(&["shared squash --seed -1"], &["--seed"]);
     negative(&["shared squash --rallies -1"], &["--rallies", "1..=32767"]);
-    let relay = "network relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0";
+    let relay = "network relay --listen-1 127.0.0.1:0 --listen-2 127.0.0.1:0 --peer-1 127.0.0.1:9 --peer-2 127.0.0.1:9";
     negative(&[relay, "--seconds -1"], &["--seconds -1"]);
     negative(&["network trace --seconds -1 /no/such/trace.csv"], &["--seconds -1"]);
     let peer = "--listen 127.0.0.1:0 --connect 127.0.0.1:9 --key-file /no/such.key";

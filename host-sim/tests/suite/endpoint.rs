@@ -112,9 +112,11 @@ fn a_planted_rule_decides_what_passes() {
     let stop = Stop::default();
     let (counts, came) = std::thread::scope(|scope| {
         let routes = [Route::new(0).with_rule(every_other), Route::new(0)];
-        let relay = scope.spawn(|| relay::run(routes, addresses, 20.0, &stop));
+        let ends = [(addresses[0], &one), (addresses[1], &two)];
+        let ends = ends.map(|(listen, peer)| relay::End { listen, peer: peer.address });
+        let stop = &stop;
+        let relay = scope.spawn(move || relay::run(routes, ends, 20.0, stop));
         let mut came = Vec::new();
-        // The second peer has to speak first: the relay knows it from that.
         for sent in 0..200_u8 {
             two.send(addresses[1], &[sent]);
             std::thread::sleep(Duration::from_millis(2));
@@ -128,7 +130,48 @@ fn a_planted_rule_decides_what_passes() {
         stop.ask();
         (relay.join().expect("the relay ends"), came)
     });
-    let [there, back] = counts.expect("two sockets on loopback");
+    let [there, back] = counts.expect("two sockets on loopback").ways;
     assert!(came.len() >= 50 && came.windows(2).all(|two| two[1] == two[0] + 2), "{came:?}");
     assert_eq!((there.lost, back.lost), (there.taken / 2, 0), "{there:?} {back:?}");
+}
+
+/// Only the two stated ends are served: what comes from elsewhere reaches nobody, and nobody is taken for an end by it.
+#[test]
+fn a_relay_has_fixed_ends() {
+    let open = || Endpoint::polled(([127, 0, 0, 1], 0).into()).expect("a socket on loopback");
+    let [one, two, stranger] = [open(), open(), open()];
+    let listen = [open().address, open().address];
+    let stop = Stop::default();
+    let (report, came) = std::thread::scope(|scope| {
+        let ends = [(listen[0], one.address), (listen[1], two.address)];
+        let ends = ends.map(|(listen, peer)| relay::End { listen, peer });
+        let stop = &stop;
+        let relay = scope.spawn(move || relay::run([Route::new(0), Route::new(0)], ends, 20.0, stop));
+        let mut came = [0; 3];
+        let end = Instant::now() + Duration::from_secs(10);
+        while came[..2].iter().any(|count| *count < 20) && Instant::now() < end {
+            one.send(listen[0], b"peer 1");
+            two.send(listen[1], b"peer 2");
+            // Last before the peers are answered: whoever follows the newest sender would answer here.
+            for listen in listen {
+                stranger.send(listen, b"junk");
+            }
+            std::thread::sleep(Duration::from_millis(2));
+            for ((socket, from), came) in
+                [(&one, b"peer 2"), (&two, b"peer 1"), (&stranger, b"nobody")].into_iter().zip(&mut came)
+            {
+                let until = Instant::now() + Duration::from_millis(1);
+                socket
+                    .drain(until, |_, datagram| {
+                        assert_eq!(datagram, from, "only what the other end sent");
+                        *came += 1;
+                    })
+                    .expect("a socket that works");
+            }
+        }
+        stop.ask();
+        (relay.join().expect("the relay ends").expect("two sockets on loopback"), came)
+    });
+    assert!(came[0] >= 20 && came[1] >= 20 && came[2] == 0, "{came:?}");
+    assert!(report.strangers >= 20, "{report:?}");
 }

@@ -164,7 +164,7 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     let [one, two, for_one, for_two] = addresses();
     let relay =
         host_sim(&["network", "relay", "--json", "--seconds", "6", "--listen-1", &for_one, "--listen-2", &for_two])
-            .args(["--trace", &trace])
+            .args(["--peer-1", &one, "--peer-2", &two, "--trace", &trace])
             .stdout(Stdio::piped())
             .spawn()
             .expect("host-sim runs");
@@ -182,7 +182,8 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
         assert!(live["round_trip_us"].as_f64().is_some_and(|us| us >= 16_000.0), "{live}");
         assert!(live["datagrams_missing"].as_f64().is_some_and(|missing| missing > 20.0), "{live}");
     }
-    for way in relayed.as_array().expect("two ways") {
+    assert_eq!(relayed["strangers"], 0, "{relayed}");
+    for way in relayed["ways"].as_array().expect("two ways") {
         let count = |key: &str| way[key].as_f64().unwrap_or(f64::NAN);
         assert!(count("taken") > 500.0 && count("lost") > 0.05 * count("taken"), "{relayed}");
         assert!(count("sent") + count("lost") <= count("taken") + count("corrupt"), "{relayed}");

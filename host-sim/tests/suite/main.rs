@@ -12,6 +12,7 @@ mod endpoint;
 mod examples;
 mod flood;
 mod hub;
+mod key_files;
 mod lifted;
 mod live;
 mod operator;

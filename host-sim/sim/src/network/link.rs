@@ -3,7 +3,8 @@
 //! Time is nanoseconds throughout, of the sender's or any other clock that all calls share. What is due by a time is
 //! delivered in the order in which it was due, and of things due at once in the order in which they were sent.
 
-use std::{borrow::BorrowMut, collections::VecDeque};
+use std::borrow::{Borrow as _, BorrowMut};
+use std::collections::VecDeque;
 
 use haptic_protocol::{playout::Playout, wire::Message};
 
@@ -153,27 +154,50 @@ impl<T> InFlight<T> {
 pub struct Link<P: Payload + ?Sized> {
     route: Route,
     in_flight: InFlight<P::Owned>,
+    /// Bytes that there is still room for.
+    room: usize,
+    /// Packets that there was no room for.
+    crowded: u64,
 }
 
 impl<P: Payload + ?Sized> Link<P> {
-    /// Over a route.
+    /// Over a route, however much is on it.
     pub fn new(route: Route) -> Self {
-        Self { route, in_flight: InFlight::default() }
+        Self { route, in_flight: InFlight::default(), room: usize::MAX, crowded: 0 }
+    }
+
+    /// The same with room for so many bytes, of the packets and of what holds them; a packet that finds none is lost.
+    pub fn holding(self, most_bytes: usize) -> Self {
+        Self { room: most_bytes, ..self }
+    }
+
+    fn size(packet: &P) -> usize {
+        size_of_val(packet) + size_of::<(u64, P::Owned)>()
     }
 
     /// Takes a packet that is sent at `now_ns`.
     pub fn send(&mut self, now_ns: u64, packet: &P) {
-        self.route.send(now_ns, packet, |due_ns, copy| self.in_flight.put(due_ns, copy));
+        let size = Self::size(packet);
+        self.route.send(now_ns, packet, |due_ns, copy| match self.room.checked_sub(size) {
+            Some(room) => {
+                self.room = room;
+                self.in_flight.put(due_ns, copy);
+            }
+            None => self.crowded += 1,
+        });
     }
 
     /// The next packet that has arrived by `now_ns`, and when it has.
     pub fn take(&mut self, now_ns: u64) -> Option<(u64, P::Owned)> {
-        self.in_flight.take(now_ns)
+        let taken = self.in_flight.take(now_ns)?;
+        self.room = self.room.saturating_add(Self::size(taken.1.borrow()));
+        Some(taken)
     }
 
-    /// What became of the packets so far.
+    /// What became of the packets so far; what there was no room for is lost.
     pub fn counts(&self) -> Counts {
-        self.route.counts()
+        let counts = self.route.counts();
+        Counts { sent: counts.sent - self.crowded, lost: counts.lost + self.crowded, ..counts }
     }
 }
 

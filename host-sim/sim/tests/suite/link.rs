@@ -184,3 +184,19 @@ fn what_is_lost_never_comes_and_what_is_broken_differs_in_one_bit() {
     assert_eq!((counts.taken, counts.sent, came.len() as u64), (10_000, 10_000 - counts.lost, counts.sent));
     assert!(counts.lost.abs_diff(3_000) < 200 && counts.corrupt.abs_diff(1_400) < 200, "{counts:?}");
 }
+
+/// A line with little room, on which everything stays for a second: what there is no room for is lost, and counted so.
+#[test]
+fn a_full_line_loses_what_there_is_no_room_for() {
+    let mut line = Link::<[u8]>::new(Route::new(1_000_000_000)).holding(10_000);
+    (0..1_000).for_each(|at| line.send(at, &[at as u8; 168]));
+    // 168 bytes, and 32 for when it is due and where it lies.
+    assert_eq!(line.counts(), Counts { taken: 1_000, sent: 50, lost: 950, corrupt: 0 });
+    for at in 0..50 {
+        assert_eq!(line.take(2_000_000_000), Some((1_000_000_000 + at, vec![at as u8; 168])));
+    }
+    assert_eq!(line.take(2_000_000_000), None);
+    // What has come out makes room again.
+    (0..1_000).for_each(|at| line.send(at, &[0; 168]));
+    assert_eq!(line.counts().sent, 100);
+}
