@@ -15,6 +15,7 @@ pub(crate) mod pace;
 pub(crate) mod random;
 pub(crate) mod reset;
 mod sections;
+mod uptime;
 
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
@@ -66,6 +67,7 @@ pub(crate) fn init() -> Board {
     // Nothing placed in ITCM has been called yet: main does this first.
     memory::load_itcm();
     let p = embassy_stm32::init(clocks::config());
+    uptime::put_right();
     bridges::init(
         p.TIM1,
         bridges::Pins { bridge_1: (p.PE9, p.PE8), bridge_2: (p.PE11, p.PE10), enable: p.PF3, stop: p.PE15 },

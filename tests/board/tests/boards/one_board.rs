@@ -33,6 +33,36 @@ fn it_starts_disarmed_and_answers() {
     }
 }
 
+/// Why: the time driver began half a round ahead, so that time went back by 65 ms wherever somebody looked at it between the start of a
+/// half round and the driver's interrupt. When a tick held that interrupt up and the supervisor looked next, its alarm was that
+/// much too late, and both boards were reset by their watchdogs, 7.4 s after they had been armed.
+#[test]
+fn time_never_goes_back() {
+    const HALF_ROUND_US: u64 = 1 << 15;
+    const COUNTER: u64 = 0x4000_0C24;
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    let driver = firmware.symbols.iter().find(|(name, _)| name.contains("time_driver") && name.contains("6DRIVER"));
+    let (_, (address, size)) = driver.expect("the image has a time driver");
+    let words = (*address..address + size).step_by(4);
+    // In the middle between two ends of a half round.
+    let counter = u64::from(bench.peek_now(1, [COUNTER])[0]);
+    bench.run_for_us(2 * HALF_ROUND_US + HALF_ROUND_US / 2 - counter % HALF_ROUND_US);
+    let looks: Vec<Vec<u32>> = (0..6)
+        .map(|_| {
+            bench.run_for_us(HALF_ROUND_US - 1);
+            bench.peek_now(1, words.clone().chain([COUNTER]))
+        })
+        .collect();
+    // The one word of it that counts.
+    let counts = |word: &usize| looks.windows(2).all(|pair| pair[1][*word] == pair[0][*word] + 1);
+    let [halves] = (0..words.count()).filter(counts).collect::<Vec<_>>()[..] else { panic!("{looks:?}") };
+    for look in looks {
+        let counter = look.last().expect("the counter is the last word");
+        assert_eq!(look[halves] % 2, counter >> 15, "{} half rounds, counter {counter:#x}", look[halves]);
+    }
+}
+
 /// Why: after a reset in mid-run the emulated encoder timers never counted again, and no test had looked.
 #[test]
 fn a_board_that_started_anew_still_counts() {
