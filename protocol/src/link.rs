@@ -147,11 +147,15 @@ pub struct Link {
     receiver: Receiver,
     /// Sequence number of the newest flow taken in this session.
     newest_flow: Option<u64>,
+    /// The challenge of the other peer that was refused last.
+    far: Challenge,
     /// A welcome to send, and the challenge that it echoes.
     answer: Option<Challenge>,
     /// A probe to answer: its time, and when it came.
     probed: Option<(u64, u64)>,
     ack_due: bool,
+    /// When the newest probe was sent that was answered in this session.
+    answered_us: Option<u64>,
     heard_us: u64,
     sent_us: u64,
     next_hello_us: u64,
@@ -191,9 +195,11 @@ impl Link {
             sender: Sender::default(),
             receiver: Receiver::default(),
             newest_flow: None,
+            far: Challenge::default(),
             answer: None,
             probed: None,
             ack_due: false,
+            answered_us: None,
             heard_us: 0,
             sent_us: 0,
             next_hello_us: 0,
@@ -227,7 +233,9 @@ impl Link {
         let confirmed = self.session.as_ref().is_some_and(Session::is_confirmed);
         if !confirmed && now >= self.next_hello_us {
             self.next_hello_us = self.after(now, HELLO_EVERY);
-            let echo = self.session.as_ref().map_or([0; 16], |session| session.remote.challenge);
+            // Who was refused is refused again, and so learns of it.
+            let refused = if self.refused.is_some() { self.far } else { Challenge::default() };
+            let echo = self.session.as_ref().map_or(refused, |session| session.remote.challenge);
             return self.handshake.greet(GreetingKind::Hello, echo, out).ok();
         }
         let message = self.due(now, confirmed)?;
@@ -301,6 +309,12 @@ impl Link {
     /// How far the coordination may act, 0 to 1, as of the last call.
     pub fn engagement(&self) -> f32 {
         self.engagement.level()
+    }
+
+    /// When the newest probe was sent that has been answered in this session, µs: whoever answers at an address has heard what was
+    /// sent there.
+    pub fn answered_us(&self) -> Option<u64> {
+        self.answered_us
     }
 
     /// The other peer's clock, the round trip and its jitter.

@@ -12,6 +12,8 @@
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does.
 
+use std::collections::VecDeque;
+
 use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
@@ -64,6 +66,9 @@ pub struct Node {
 /// Time from telemetry to telemetry, s.
 pub const TELEMETRY_S: f64 = 0.5;
 
+/// Notices of a line that are kept.
+pub const MOST_NOTICES: usize = 256;
+
 /// One end of the sealed line between the two peers of a scene, and what has come over it.
 #[derive(Debug)]
 pub struct Line {
@@ -73,8 +78,10 @@ pub struct Line {
     pub inbox: Inbox,
     /// What the other one last said about itself, every half second.
     pub heard: Option<Telemetry>,
-    /// What the link has reported so far, in order, with the time of each in µs.
-    pub notices: Vec<(u64, Notice)>,
+    /// What the link has reported, in order, with the time of each in µs: the newest [`MOST_NOTICES`].
+    pub notices: VecDeque<(u64, Notice)>,
+    /// Lives of the other one that there were.
+    pub lives: u64,
 }
 
 impl Line {
@@ -87,7 +94,7 @@ impl Line {
         let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
         let link = Link::new(config).map_err(|error| error.to_string())?;
         let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
-        Ok(Self { link, inbox, heard: None, notices: Vec::new() })
+        Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), lives: 0 })
     }
 
     /// Takes a datagram at a tick, opened in place; gives the flow, if it was that. `part` lets go of the other peer.
@@ -119,7 +126,11 @@ impl Line {
                 part();
                 self.inbox.clear();
             }
-            self.notices.push((now_us, notice));
+            self.lives += u64::from(matches!(notice, Notice::NewPeer(_)));
+            if self.notices.len() == MOST_NOTICES {
+                self.notices.pop_front();
+            }
+            self.notices.push_back((now_us, notice));
         }
     }
 }

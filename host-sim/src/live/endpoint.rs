@@ -203,6 +203,23 @@ impl Endpoint {
         Self { start, ..self }
     }
 
+    /// Whether datagrams can go from here to `to` at all: a socket is of one family, and nobody is his own partner.
+    pub fn reaches(&self, to: SocketAddr) -> Result<(), String> {
+        let (own, family) = (self.address, |address: SocketAddr| if address.is_ipv4() { "IPv4" } else { "IPv6" });
+        if own.is_ipv4() != to.is_ipv4() {
+            let [ours, theirs] = [own, to].map(family);
+            return Err(format!(
+                "{to} cannot be reached from {own}: one is {theirs} and the other {ours}; both must be the same"
+            ));
+        }
+        let (from, at) = (own.ip(), to.ip());
+        if own.port() == to.port() && (from == at || from.is_unspecified() && (at.is_loopback() || at.is_unspecified()))
+        {
+            return Err(format!("{to} is where this end listens itself: give it the address of the other"));
+        }
+        Ok(())
+    }
+
     /// Time since it was opened, ns.
     pub fn now_ns(&self) -> u64 {
         self.start.elapsed().as_nanos() as u64

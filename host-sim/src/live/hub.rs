@@ -3,14 +3,14 @@
 
 use std::{net::SocketAddr, time::Duration};
 
-use haptic_protocol::{key::Key, link::Notice};
+use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, scene::Scene};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use super::peer::{Other, differs, told};
-use crate::shared::cooperative::hub::{End, Hub, number_on};
+use super::peer::{Other, told};
+use crate::shared::cooperative::hub::{End, Hub, line_wrong, number_on};
 use crate::shared::cooperative::junction::{Energy, Port};
 
 /// What the hub saw of one line.
@@ -20,7 +20,9 @@ pub(crate) struct LineReport {
     pub(crate) number: u8,
     pub(crate) address: Option<String>,
     /// How many lives of the peer there were.
-    pub(crate) lives: usize,
+    pub(crate) lives: u64,
+    /// Who was refused on this line last, and why.
+    pub(crate) refused: Option<String>,
     #[serde(flatten)]
     pub(crate) energy: Energy,
     /// Where the peer last said that its copy is, mm.
@@ -29,18 +31,20 @@ pub(crate) struct LineReport {
     pub(crate) round_trip_us: Option<u32>,
     pub(crate) datagrams_taken: u32,
     pub(crate) datagrams_missing: u32,
-    /// What the link reported, in order, with the time in s since the start.
+    /// What the link reported last, in order, with the time in s since the start.
     pub(crate) notices: Vec<(f64, String)>,
 }
 
 impl LineReport {
     fn new((line, (end, port)): (u32, (&End<SocketAddr>, &Port))) -> Self {
-        let (End { line: end, address }, counts) = (end, end.line.link.counts());
+        let (address, refused) = (end.address(), end.refused.newest());
+        let (end, counts) = (&end.line, end.line.link.counts());
         Self {
             line,
             number: number_on(line),
             address: address.map(|address| address.to_string()),
-            lives: end.notices.iter().filter(|(_, notice)| matches!(notice, Notice::NewPeer(_))).count(),
+            lives: end.lives,
+            refused: refused.map(|(from, why)| line_wrong(line, from, &why)),
             energy: port.energy,
             copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
             said: end.heard.as_ref().map(Other::new),
@@ -65,6 +69,8 @@ pub(crate) struct Report {
     pub(crate) apart_mm: f64,
     /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
     pub(crate) datagrams_refused: u64,
+    /// Who sent the last of them that tells something, and why it was refused.
+    pub(crate) refused: Option<String>,
     pub(crate) lines: Vec<LineReport>,
     pub(crate) punctuality: Punctuality,
 }
@@ -86,35 +92,48 @@ impl Actor<SocketAddr> for Meeting {
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let waited = self.hub.packets.is_none();
+        if waited && 1e-9 * now_ns as f64 >= self.patience_s {
+            self.hub.begin_without_absent();
+        }
         self.hub.tick(now_ns / 1_000, out);
         if waited && self.hub.packets.is_some() {
-            eprintln!("all {} are there: arm the boards", self.hub.lines().count());
+            match self.absent() {
+                absent if absent.is_empty() => eprintln!("all {} are there: arm the boards", self.hub.lines().count()),
+                absent => eprintln!("begins without line {}: arm the boards", absent.join(", ")),
+            }
         }
+        self.hub.news(now_ns / 1_000).iter().for_each(|news| eprintln!("{news}"));
+    }
+}
+
+impl Meeting {
+    /// The lines that nobody is on, and whether somebody was refused there.
+    fn absent(&self) -> Vec<String> {
+        let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
+        let name = |(line, (end, _)): (u32, (&End<SocketAddr>, &Port))| {
+            let refused = end.refused.newest().map(|(from, why)| format!(": {}", line_wrong(line, from, &why)));
+            format!("{line} (peer number {}{})", number_on(line), refused.unwrap_or_default())
+        };
+        absent.map(name).collect()
     }
 }
 
 impl Live for Meeting {
     fn end(&self) -> Option<Result<(), String>> {
-        match self.hub.packets {
-            Some(packets) => (packets >= self.packets).then_some(Ok(())),
-            None => (1..)
-                .zip(self.hub.lines())
-                .find_map(|(line, (end, _))| differs(&end.line.link, &format!("the peer on line {line}")).map(Err)),
-        }
+        self.hub.packets.filter(|packets| *packets >= self.packets).map(|_| Ok(()))
     }
 
     fn missing(&self) -> Option<String> {
         if self.hub.packets.is_some() {
             return None;
         }
-        let absent = (1..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
-        let absent: Vec<String> =
-            absent.map(|(line, _): (u32, _)| format!("{line} (peer number {})", number_on(line))).collect();
-        let (Self { listen, patience_s, .. }, users) = (self, self.hub.lines().count());
+        let (Self { listen, patience_s, .. }, users, absent) = (self, self.hub.lines().count(), self.absent());
+        let stranger = self.hub.stranger().map(|stranger| format!("; on no line: {stranger}"));
         Some(format!(
-            "only {} of {users} peers came within {patience_s} s; nobody on line {} at {listen}, or nobody who holds its key",
+            "only {} of {users} peers came within {patience_s} s; nobody on line {} at {listen}, or nobody who holds its key{}",
             users - absent.len(),
             absent.join(", "),
+            stranger.unwrap_or_default(),
         ))
     }
 
@@ -147,6 +166,7 @@ pub(crate) fn run(
         object_mm: 1e3 * hub.junction.motion.position,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
         datagrams_refused: hub.refused,
+        refused: hub.stranger(),
         lines,
         punctuality,
     })

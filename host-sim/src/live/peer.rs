@@ -4,13 +4,14 @@
 use std::{net::SocketAddr, time::Duration};
 
 use haptic_core::safety::Mode;
-use haptic_protocol::link::{Error, Link, Notice};
+use haptic_protocol::link::{Error, Notice};
 use haptic_protocol::{key::Key, wire::Telemetry};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, measure::LastHalf, node::Node, scene::Scene};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use crate::shared::refused::{is_telling, wrong};
 
 /// What one peer saw.
 #[derive(Clone, Debug, Serialize)]
@@ -70,14 +71,12 @@ impl Other {
 }
 
 /// Notices and when they were given, µs, as a report has them.
-pub(super) fn told(notices: &[(u64, Notice)]) -> Vec<(f64, String)> {
-    notices.iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
+pub(super) fn told<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
+    notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
 }
 
-/// What is wrong with another peer that was told something else.
-pub(super) fn differs(link: &Link, who: &str) -> Option<String> {
-    link.refused().map(|table| format!("{who} was told other parameters: table [{table}] of the scene differs"))
-}
+/// How long a peer that refuses the other one goes on calling, so that that one is told as well, µs.
+const LINGER_US: u64 = 500_000;
 
 struct Peer {
     node: Node,
@@ -86,23 +85,38 @@ struct Peer {
     /// Ticks of the experiment.
     ticks: u64,
     halves: LastHalf<2>,
-    /// Why the last datagram that was refused was.
-    refusal: Option<Error>,
+    /// Who sent the newest datagram that was refused and tells something, and why it was.
+    refusal: Option<(SocketAddr, Error)>,
+    /// The other peer was told other parameters: which table differs, and when that was found, µs.
+    differs: Option<(&'static str, u64)>,
+    /// For so long now, µs.
+    now_us: u64,
+}
+
+impl Peer {
+    fn differs_in(&self, table: &str) -> String {
+        format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
+    }
 }
 
 impl Actor<SocketAddr> for Peer {
     type Packet = [u8];
 
-    fn hear(&mut self, now_ns: u64, _: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
         // What is refused is counted by the link, too.
-        if let Err(why) = self.node.receive(now_ns / 1_000, datagram) {
-            self.refusal = Some(why);
+        if let Err(why) = self.node.receive(now_ns / 1_000, datagram)
+            && is_telling(&why)
+        {
+            self.refusal = Some((from, why));
         }
     }
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         let node = &mut self.node;
         node.tick(now_ns / 1_000, |bytes| out(self.connect, bytes));
+        self.now_us = now_ns / 1_000;
+        let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
+        self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
             let seen = node.peer.observed();
             let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
@@ -114,19 +128,25 @@ impl Actor<SocketAddr> for Peer {
 impl Live for Peer {
     fn end(&self) -> Option<Result<(), String>> {
         let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
-        differs(&self.node.line.link, "the other peer").map(Err).or(over)
+        let told = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
+        told.map(|(table, _)| Err(self.differs_in(table))).or(over)
     }
 
     fn missing(&self) -> Option<String> {
         let Self { connect, patience_s, .. } = self;
+        if let Some((table, _)) = self.differs {
+            return Some(self.differs_in(table));
+        }
         (self.node.peer.mode() == Mode::Disarmed).then(|| match self.node.line.link.is_up() {
             true => format!(
                 "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
-            false => {
-                let refused = self.refusal.map_or(String::new(), |why| format!("; what came was refused: {why}"));
-                format!("nobody answered from {connect} within {patience_s} s{refused}")
-            }
+            false => match &self.refusal {
+                Some((from, why)) => wrong(from, why),
+                None => {
+                    format!("nobody answered from {connect} within {patience_s} s: is it there, and does it send here?")
+                }
+            },
         })
     }
 
@@ -148,8 +168,18 @@ pub(crate) fn run(
     let node = Node::new(scene, number, key, entropy()?)?;
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
-    let mut peer = Peer { node, connect, patience_s, ticks, halves: LastHalf::new(ticks), refusal: None };
+    let mut peer = Peer {
+        node,
+        connect,
+        patience_s,
+        ticks,
+        halves: LastHalf::new(ticks),
+        refusal: None,
+        differs: None,
+        now_us: 0,
+    };
     let endpoint = Endpoint::polled(listen)?;
+    endpoint.reaches(connect)?;
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
     let Peer { node, halves, .. } = peer;

@@ -88,6 +88,7 @@ impl Live for Relay {
 pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> Result<Report, String> {
     let [first, second] = ends.map(|end| Endpoint::polled(end.listen));
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
+    first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;
     let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
     let mut relay = Relay { second, peers, lines, strangers: 0, over_ns, end: None };
     first.run(Ticker::new(PERIOD), f64::MAX, stop, &mut relay)?;

@@ -29,6 +29,8 @@ pub(crate) struct Report {
     /// Most clients with a session at once.
     pub(crate) clients: usize,
     pub(crate) counts: Counts,
+    /// Who sent the last of those refused that tells something, and why it was refused.
+    pub(crate) refused: Option<String>,
     /// From a datagram taken to its last answer sent.
     pub(crate) answer: Quantiles,
     /// From a datagram in the socket's queue, at the earliest it can have come, to its last answer sent.
@@ -107,6 +109,9 @@ impl<F: Fn(u32) -> Option<u64>> Actor<SocketAddr> for Serving<'_, F> {
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         self.host.tick(now_ns / 1_000, out);
+        if let Some(news) = self.host.news(now_ns / 1_000) {
+            eprintln!("refused: {news}");
+        }
         self.clients = self.clients.max(self.host.clients());
         let now_s = 1e-9 * now_ns as f64;
         if self.computed.is_none() && now_s >= self.options.warm_up_s {
@@ -139,6 +144,7 @@ pub(crate) fn run(
         world: format!("{:016x}", serving.host.server.world()),
         clients: serving.clients,
         counts: serving.host.counts,
+        refused: serving.host.refused(),
         answer: serving.answer.quantiles(),
         turnaround: serving.turnaround.quantiles(),
         unsent: endpoint.unsent.load(Ordering::Relaxed),

@@ -12,6 +12,7 @@ use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use crate::shared::refused::wrong;
 use crate::shared::world::visitor::{Party, Setup, Visitor};
 use crate::shared::world::{CONTROL_PERIOD_S, OBJECTS, TICKS_PER_PACKET, open_link};
 
@@ -142,7 +143,13 @@ impl Live for Visit<'_> {
             || self.visitor.others().next().is_some();
         let servers = self.options.parties.iter().filter(|(party, _)| matches!(party, Party::Server(_)));
         let addresses = || servers.map(|(_, address)| address.to_string()).collect::<Vec<_>>();
-        (!met).then(|| format!("nobody answered from {}, or nobody who holds the key", addresses().join(", ")))
+        (!met).then(|| match self.visitor.refused {
+            Some((party, why)) => match self.options.address(party) {
+                Some(address) => wrong(address, &why),
+                None => wrong("a server", &why),
+            },
+            None => format!("nobody answered from {}, or nobody who holds the key", addresses().join(", ")),
+        })
     }
 
     fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -163,7 +170,9 @@ pub(crate) fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
     }
     let mut visit = Visit { visitor, options, last: None, seen: Report { line, ..Report::default() } };
     let ticker = Ticker::realtime(Duration::from_secs_f64(CONTROL_PERIOD_S)).lasting(options.duration_s);
-    let punctuality = Endpoint::polled(options.listen)?.run(ticker, f64::MAX, stop, &mut visit)?;
+    let endpoint = Endpoint::polled(options.listen)?;
+    options.parties.iter().try_for_each(|(_, address)| endpoint.reaches(*address))?;
+    let punctuality = endpoint.run(ticker, f64::MAX, stop, &mut visit)?;
     let objects_taken = visit.downloads().map(Download::objects_taken).sum();
     let visitor = &visit.visitor;
     let download = visitor.download(visitor.home());

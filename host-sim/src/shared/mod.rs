@@ -6,6 +6,8 @@ use haptic_sim::engine::Out;
 
 pub mod collaborative;
 pub mod cooperative;
+pub(crate) mod path;
+pub(crate) mod refused;
 pub mod squash;
 pub mod world;
 

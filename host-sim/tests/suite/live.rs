@@ -147,8 +147,13 @@ fn an_end_of_another_version_is_named() {
     }
     let said = waiting.wait_with_output().expect("it has ended");
     let said = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert!(said.contains("nobody answered from"), "{said}");
-    assert!(said.contains("what came was refused: version 1 is spoken here, this end speaks 2"), "{said}");
+    assert!(
+        said.contains(&format!(
+            "{} is not understood: version 1 is spoken here, this end speaks 2",
+            old.local_addr().expect("its address")
+        )),
+        "{said}"
+    );
 }
 
 #[test]
@@ -187,5 +192,60 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
         let count = |key: &str| way[key].as_f64().unwrap_or(f64::NAN);
         assert!(count("taken") > 500.0 && count("lost") > 0.05 * count("taken"), "{relayed}");
         assert!(count("sent") + count("lost") <= count("taken") + count("corrupt"), "{relayed}");
+    }
+}
+
+/// Told other parameters, whoever begins: both say so, and which table.
+#[test]
+fn a_mismatch_of_settings_is_told_at_both_ends() {
+    let folder = folder("mismatch");
+    for wait_ms in [0, 400] {
+        let [one, two] = addresses();
+        let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
+            host_sim(&["peer", "--number", number, "--listen", listen, "--connect", connect, "--patience-s", "10"])
+                .arg("--key-file")
+                .arg(folder.join("key"))
+                .args(more)
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .expect("host-sim runs")
+        };
+        let first = peer("1", &one, &two, &[]);
+        std::thread::sleep(std::time::Duration::from_millis(wait_ms));
+        let second = peer("2", &two, &one, &["--set", "object.mass_kg=0.5"]);
+        for (peer, other) in [(first, &two), (second, &one)] {
+            let output = peer.wait_with_output().expect("it ends");
+            let error = String::from_utf8_lossy(&output.stderr);
+            let wanted = format!("{other} was told other parameters: table [object] of the scene differs");
+            assert!(output.status.code() == Some(2) && error.contains(&wanted), "{error}");
+        }
+    }
+}
+
+/// Two that both take themselves for peer 1, and two with a key each: neither says that nobody answered.
+#[test]
+fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
+    let (folder, other) = (folder("one-number"), folder("another-key"));
+    for (numbers, keys, wanted) in [
+        (["1", "1"], [&folder, &folder], "has the number of this end, or is this end"),
+        (["1", "2"], [&folder, &other], "holds another key: give both ends of a line the same one"),
+    ] {
+        let [one, two] = addresses();
+        let peer = |at: usize, listen: &str, connect: &str| {
+            host_sim(&["peer", "--number", numbers[at], "--listen", listen, "--connect", connect, "--patience-s", "2"])
+                .arg("--key-file")
+                .arg(keys[at].join("key"))
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .expect("host-sim runs")
+        };
+        for (peer, other) in [(peer(0, &one, &two), &two), (peer(1, &two, &one), &one)] {
+            let output = peer.wait_with_output().expect("it ends");
+            let error = String::from_utf8_lossy(&output.stderr);
+            let said = error.contains(&format!("{other} {wanted}")) && error.trim_end().lines().count() == 1;
+            assert!(output.status.code() == Some(2) && said, "{error}");
+        }
     }
 }

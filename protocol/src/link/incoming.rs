@@ -42,6 +42,7 @@ impl Link {
         if let Err(Error::Parameters(table)) = accepted {
             // The other peer has started anew, and differs: the session with what it was is over.
             self.refused = Some(table);
+            self.far = greeting.challenge;
             self.end();
             self.handshake.renew();
         }
@@ -101,6 +102,7 @@ impl Link {
             Message::Goodbye(_) => self.end(),
             Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now)),
             Message::Reply(reply) => {
+                self.answered_us = self.answered_us.max(Some(reply.probe_sent_us));
                 // A reply with impossible times says nothing; the sender's clock may have been set.
                 let _ = self.clock.sample(reply.probe_sent_us, reply.probe_received_us, reply.sent_us, now);
             }
@@ -182,6 +184,7 @@ impl Link {
         self.engagement.part();
         self.newest_flow = None;
         self.probed = None;
+        self.answered_us = None;
         self.ack_due = false;
         self.settle();
     }

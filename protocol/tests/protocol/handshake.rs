@@ -67,8 +67,8 @@ fn a_peer_that_comes_back_with_other_parameters_is_refused() {
     world.links[1] = Link::new(Config { parameters: parameters(9e3), ..config(2, 1, [5; 32]) }).unwrap();
     world.run(300_000);
     assert_eq!(world.stages(), [Stage::Refused; 2]);
-    // Peer 0 has nothing to say to a stranger while its session lasts; it learns of the refusal when it calls again.
-    let notices = [Notice::Fading, Notice::Disengaged, Notice::Lost, Notice::Refused("coordination")];
+    // Peer 0 has nothing to say to a stranger while its session lasts; peer 1 tells it of the refusal.
+    let notices = [Notice::Disengaged, Notice::Lost, Notice::Refused("coordination")];
     assert_eq!(world.notices[0], notices);
 }
 

@@ -7,38 +7,75 @@
 //! **Lines.** Line n has its own key, made from the hub's (`host-sim key generate --line n --of`): a peer that is opened gives up
 //! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
 //! of lines: a greeting is for the line under whose key it is authentic, a sealed datagram for the one whose session it
-//! names. Addresses prove nothing; a peer is answered where it last proved itself from.
+//! names. Addresses prove nothing; where a peer is answered is its line's [`Path`].
 //!
 //! **Who begins.** Wave lines know no positions, so all copies must begin at once from where they meet: until every line has
 //! a session the hub sends no flow; host-sim's peers then do not arm, and boards are to be armed when the hub says that all
-//! are there. Then it goes on whoever falls silent; one that comes back finds the object where its own device is.
+//! are there. A line whose peer was refused is not waited for, nor anybody once [`Hub::begin_without_absent`] was said, as
+//! long as two are there. Then it goes on whoever falls silent; one that comes back, or late, finds the object where its own
+//! device is.
 //!
-//! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most.
+//! **One line is no matter of the others.** A peer that was told other parameters, has another key or number, or sends what
+//! cannot be, is refused on its line, told so at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
+//! line's key is answered once a second at the most, with no more bytes, by a greeting from which its link gathers why.
+//!
+//! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for [`GREETINGS`] in a control period;
+//! what comes on top of those is dropped unread, so that a flood of greetings takes no time from the lines that are up.
 
+use std::fmt::Display;
+
+use haptic_protocol::link::{Config, Error, Link};
+use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packet_of};
-use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, Telemetry};
-use haptic_protocol::{key::Key, link::Stage};
+use haptic_protocol::wire::{Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::{Line, Says as _, TELEMETRY_S};
 use haptic_sim::scene::Scene;
 
 use super::MOST_USERS;
 use super::junction::{Junction, Port};
+use crate::shared::path::Path;
+use crate::shared::refused::{Refused, is_telling, wrong};
+
+/// Greetings that are looked at in a control period.
+const GREETINGS: u32 = 8;
+/// Between two answers to those who are on no line, µs.
+const ANSWER_EVERY_US: u64 = 1_000_000;
 
 /// The hub's end of one line.
 #[derive(Debug)]
 pub struct End<A> {
     /// The sealed line.
     pub line: Line,
-    /// Where its peer last proved itself from.
-    pub(crate) address: Option<A>,
+    /// Where its peer is answered.
+    path: Path<A>,
+    /// Who was refused on it, and why.
+    pub(crate) refused: Refused<A>,
+    /// The link that a peer of the other number under this line's key would talk to. It only reads.
+    crossed: Link,
 }
 
-impl<A: Copy> End<A> {
-    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: &mut impl FnMut(A, &[u8])) {
-        if let Some(address) = self.address {
-            self.line.link.say(now_us, message, |bytes| send(address, bytes));
-        }
+impl<A: Copy + PartialEq> End<A> {
+    /// Where its peer is answered.
+    pub(crate) fn address(&self) -> Option<A> {
+        self.path.address()
     }
+
+    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: &mut impl FnMut(A, &[u8])) {
+        let Self { line, path, .. } = self;
+        line.link.say(now_us, message, |bytes| {
+            if let Some(address) = path.to(bytes.len()) {
+                send(address, bytes);
+            }
+        });
+    }
+}
+
+/// A link from peer `local` of two to the other, under a key; told nothing that must be equal.
+fn bare(key: Key, local: u8, entropy: [u8; Key::LEN]) -> Result<Link, String> {
+    let ends = Ends { local: PeerId(local), remote: PeerId(3 - local) };
+    let config = Config { key, ends, packet_period_us: 100_000, parameters: Parameters::new(), entropy };
+    Link::new(config).map_err(|error| error.to_string())
 }
 
 /// Which number of the scene the peer on a line has, lines counted from 1.
@@ -60,9 +97,17 @@ pub struct Hub<A> {
     pub packets: Option<u64>,
     /// Datagrams that no line took.
     pub(crate) refused: u64,
+    /// Who is on no line, and why.
+    strangers: Refused<A>,
+    /// What they are answered by, from peer 1 and from peer 2; the hub's own key is nobody's on a line.
+    heralds: [Link; 2],
+    next_answer_us: u64,
+    /// Greetings that may be looked at yet in this control period.
+    greetings: u32,
+    waits: bool,
 }
 
-impl<A: Copy> Hub<A> {
+impl<A: Copy + PartialEq + Display> Hub<A> {
     /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
     pub fn new(
         scene: &Scene,
@@ -82,7 +127,13 @@ impl<A: Copy> Hub<A> {
                     .to_owned(),
             );
         }
-        let end = |at| Ok(End { line: Line::open(scene, 3 - number_on(at), key.line(at), entropy()?)?, address: None });
+        let heralds = [bare(key.clone(), 1, entropy()?)?, bare(key.clone(), 2, entropy()?)?];
+        let end = |at| {
+            let (key, number) = (key.line(at), number_on(at));
+            let crossed = bare(key.clone(), number, entropy()?)?;
+            let line = Line::open(scene, 3 - number, key, entropy()?)?;
+            Ok(End { line, path: Path::default(), refused: Refused::default(), crossed })
+        };
         let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, String>>()?;
         (0..users).for_each(|line| junction.part(line));
         let timing = &scene.peer.timing;
@@ -94,6 +145,11 @@ impl<A: Copy> Hub<A> {
             ticks: 0,
             packets: None,
             refused: 0,
+            strangers: Refused::default(),
+            heralds,
+            next_answer_us: 0,
+            greetings: GREETINGS,
+            waits: true,
         })
     }
 
@@ -104,43 +160,121 @@ impl<A: Copy> Hub<A> {
 
     /// Takes a datagram that came from `from`, opened in place, and sends what the link answers at once.
     pub fn receive(&mut self, now_us: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) {
-        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-        let session = Header::parse(datagram).ok().map(|(header, ..)| header.session);
-        for (End { line, address }, at) in self.ends.iter_mut().zip(0..) {
-            if !greeting && (session.is_none() || line.link.session_number() != session) {
+        let (bytes, greeting) = (datagram.len(), datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)));
+        if greeting {
+            let Some(left) = self.greetings.checked_sub(1) else { return self.refused += 1 };
+            self.greetings = left;
+        }
+        let session = Header::parse(datagram).map(|(header, ..)| header.session);
+        let mut why = session.err().filter(|_| !greeting).map(Error::Wire);
+        for (End { line, path, refused, .. }, at) in self.ends.iter_mut().zip(0..) {
+            if !greeting && (session.is_err() || line.link.session_number() != session.ok()) {
                 continue;
             }
-            if line.receive(now_us, self.ticks, datagram, || self.junction.part(at)).is_err() {
-                continue;
+            match line.receive(now_us, self.ticks, datagram, || self.junction.part(at)) {
+                Ok(_) => path.heard(now_us, from, bytes, greeting, &line.link),
+                // What this line's peer itself has sent is for nobody else.
+                Err(refusal) if !greeting || matches!(refusal, Error::Parameters(_)) => {
+                    self.refused += 1;
+                    if is_telling(&refusal) {
+                        refused.note(from, refusal);
+                    }
+                    return;
+                }
+                Err(refusal) => {
+                    // Of several lines, the one with the right numbers has read furthest.
+                    let numbers = matches!(refusal, Error::OwnNumber | Error::Stranger | Error::NotForUs);
+                    why = why.filter(|_| numbers).or(Some(refusal));
+                    continue;
+                }
             }
-            if !greeting {
-                *address = Some(from);
-            }
-            let address = address.unwrap_or(from);
-            line.link.say_due(now_us, |out| {
+            line.link.say_due(now_us, |out| match out.get(1) {
                 // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
-                let answers = !greeting || out.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-                send(if answers { from } else { address }, out);
+                Some(kind) if *kind == GreetingKind::Welcome as u8 => send(from, out),
+                // A hub waits; its peers call.
+                Some(kind) if *kind == GreetingKind::Hello as u8 => {}
+                _ => _ = path.to(out.len()).map(|address| send(address, out)),
             });
             return;
         }
         self.refused += 1;
+        if let Some(why) = why.filter(is_telling) {
+            self.puzzle(now_us, from, datagram, why, send);
+        }
+    }
+
+    /// Finds out for a person, and lets whoever called find out, why a datagram is of no line.
+    fn puzzle(&mut self, now_us: u64, from: A, datagram: &mut [u8], why: Error, mut send: impl FnMut(A, &[u8])) {
+        if now_us < self.next_answer_us {
+            return self.strangers.note(from, why);
+        }
+        self.next_answer_us = now_us + ANSWER_EVERY_US;
+        let number = Greeting::parse(datagram).map_or(1, |(greeting, ..)| greeting.from.0.clamp(1, 2));
+        // Bare links were told nothing, so that a fresh greeting would differ, but nobody has a challenge of theirs.
+        let mut crossed = self.ends.iter_mut().filter_map(|end| {
+            let End { crossed, refused, .. } = end;
+            crossed.receive(now_us, datagram).is_ok().then_some(refused)
+        });
+        // To someone who has the number of this end, from that; else from where it wants to.
+        let herald = match crossed.next() {
+            Some(refused) => {
+                refused.note(from, Error::OwnNumber);
+                number
+            }
+            None => {
+                self.strangers.note(from, why);
+                3 - number
+            }
+        };
+        let mut out = [0; MAX_DATAGRAM];
+        if let Some(len) = self.heralds[usize::from(herald) - 1].poll(now_us, &mut out)
+            && len <= datagram.len()
+        {
+            send(from, &out[..len]);
+        }
+    }
+
+    /// What there is to tell a person about those who are refused; nothing most of the time, and never much.
+    pub fn news(&mut self, now_us: u64) -> Vec<String> {
+        let lines = (1_u32..).zip(&mut self.ends).filter_map(|(line, end)| {
+            let (from, why) = end.refused.take(now_us)?;
+            Some(format!("line {line}: {}", line_wrong(line, from, &why)))
+        });
+        let strangers = self.strangers.take(now_us).map(|(from, why)| format!("on no line: {}", wrong(from, &why)));
+        lines.chain(strangers).collect()
+    }
+
+    /// Why the newest datagram that is of no line was refused.
+    pub(crate) fn stranger(&self) -> Option<String> {
+        self.strangers.newest().map(|(from, why)| wrong(from, &why))
+    }
+
+    /// Waits no more for those who are not there, if two are.
+    pub fn begin_without_absent(&mut self) {
+        self.waits = false;
+    }
+
+    /// Whether everybody is there who is waited for.
+    fn is_complete(&self) -> bool {
+        let links = || self.ends.iter().map(|end| &end.line.link);
+        let up = links().filter(|link| link.is_up()).count();
+        up >= 2 && (!self.waits || links().all(|link| link.is_up() || link.refused().is_some()))
     }
 
     /// One control period: exchanges if that is due, says what is to be said.
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
-        let mut out = [0; MAX_DATAGRAM];
-        for (End { line, address }, at) in self.ends.iter_mut().zip(0..) {
-            while let Some(len) = line.link.poll(now_us, &mut out) {
-                // A line that nobody has proved to be on is not called: its peer calls.
-                if let Some(address) = address.filter(|_| line.link.stage() != Stage::Calling) {
-                    send(address, &out[..len]);
+        self.greetings = GREETINGS;
+        for (End { line, path, .. }, at) in self.ends.iter_mut().zip(0..) {
+            line.link.say_due(now_us, |out| {
+                // A hub waits; its peers call.
+                if !out.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) {
+                    _ = path.to(out.len()).map(|address| send(address, out));
                 }
-            }
+            });
             line.heed(now_us, || self.junction.part(at));
         }
         if self.ticks.is_multiple_of(self.ticks_per_packet) {
-            if self.packets.is_none() && self.ends.iter().all(|end| end.line.link.is_up()) {
+            if self.packets.is_none() && self.is_complete() {
                 self.packets = Some(0);
             }
             if self.packets.is_some() {
@@ -195,5 +329,15 @@ impl<A: Copy> Hub<A> {
             end.line.link.describe(now_us, &mut telemetry);
             end.say(now_us, telemetry, send);
         }
+    }
+}
+
+/// What is wrong with whoever was refused on a line.
+pub(crate) fn line_wrong(line: u32, from: impl Display, why: &Error) -> String {
+    match why {
+        Error::OwnNumber => {
+            format!("{from} is peer {}: on this line it must be {}", 3 - number_on(line), number_on(line))
+        }
+        why => wrong(from, why),
     }
 }

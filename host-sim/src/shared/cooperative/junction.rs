@@ -6,7 +6,8 @@
 //! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
 //! into the line ([`haptic_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
 //! can do the same: then the junction is passive on any network. Without, waves are held as they are, and only a constant
-//! delay without loss is passive.
+//! delay without loss is passive. A counter is only what a peer says: of it the junction books what it would ever give out,
+//! no more than [`CAP_J`] in hand at a time, so that whatever one peer claims, the figures of all are off by that at the most.
 //!
 //! **Silence.** A port goes down and up core's ladder ([`haptic_core::law::ladder`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
@@ -17,7 +18,7 @@
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
-use haptic_core::law::credit::{Account, Credit};
+use haptic_core::law::credit::{Account, CAP_J, Credit};
 use haptic_core::law::ladder::{Engagement, Ladder};
 use haptic_core::law::{Packet, Sends};
 use haptic_core::{law::node::Node, num::Motion};
@@ -29,7 +30,8 @@ use super::{MOST_USERS, world::WorldError};
 /// Wave energy at one port, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
-    /// Put into the line by its peer, by the counters in its packets.
+    /// Put into the line by its peer, by the counters in its packets, as far as there was room for it: what was in hand
+    /// stays within [`CAP_J`] where waves are paid for.
     pub put_in_j: f64,
     /// Taken out of the line into the node.
     pub taken_j: f64,
@@ -48,6 +50,8 @@ pub struct Port {
     account: Account<f64>,
     /// The peer's energy counter in the newest packet, J.
     counted_j: Option<f64>,
+    /// What of that is booked and not taken out, J.
+    in_hand_j: f64,
     /// What came out of the line last, √W.
     wave: f64,
     /// What goes back, with this end's own counters.
@@ -74,12 +78,18 @@ impl Port {
         let came = came.filter(|_| !self.leaving);
         if ladder.step(&mut self.engagement, came.is_some()) {
             (self.account, self.counted_j) = (Account::default(), None);
+            self.energy.put_in_j -= std::mem::take(&mut self.in_hand_j);
         }
         if let Some(packet) = came {
             // The first packet of a life pays for itself and brings no past.
             let own_j = 0.5 * packet_s * packet.wave * packet.wave;
             let before_j = self.counted_j.unwrap_or((packet.energy_j - own_j).max(0.0));
-            self.energy.put_in_j += (packet.energy_j - before_j).max(0.0);
+            let mut new_j = (packet.energy_j - before_j).max(0.0);
+            if credit.is_some() {
+                new_j = new_j.min(CAP_J - self.in_hand_j).max(0.0);
+                self.in_hand_j += new_j;
+            }
+            self.energy.put_in_j += new_j;
             self.counted_j = Some(packet.energy_j.max(before_j));
             self.standing = packet;
         }
@@ -90,7 +100,9 @@ impl Port {
         if came.is_some() || self.engagement.is_fading() {
             credit.receive(&mut self.account, &self.standing);
         }
-        credit.spend(&mut self.account, self.standing.wave)
+        let wave = credit.spend(&mut self.account, self.standing.wave);
+        self.in_hand_j = (self.in_hand_j - 0.5 * packet_s * wave * wave).max(0.0);
+        wave
     }
 
     /// Sends a wave back, √W.
@@ -137,6 +149,7 @@ impl Junction {
             standing: Packet::default(),
             account: Account::default(),
             counted_j: None,
+            in_hand_j: 0.0,
             wave: 0.0,
             back: Packet::default(),
             energy: Energy::default(),

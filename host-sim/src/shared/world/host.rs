@@ -1,32 +1,39 @@
 //! Host: a server of a static world, without a socket. A datagram comes in, the answers go out before it returns.
 //!
 //! Every client has a line with its own key (`haptic_protocol::key::Key::line`). A greeting names its line, a sealed datagram
-//! its session; addresses prove nothing, so a client is answered where it last proved itself from. A link is made when a line
-//! is first called, so memory grows with the clients that there are, up to the lines that were allowed.
+//! its session; addresses prove nothing, and where a client is answered is its line's [`Path`]. A link is kept when a line
+//! is first called under its key, so memory grows with the clients that there are, up to the lines that were allowed; for
+//! whoever holds no key nothing is allocated. Whoever greets so is answered once a second at the most, with no more bytes, by
+//! a greeting from which its link gathers why.
 //!
 //! **Cost** of a datagram: one lookup, one opening, and one sealing for each answer; it does not grow with the number of
 //! clients. Once a packet period all links are looked at, for what time alone makes due.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Link, Stage};
+use haptic_protocol::link::{Error, Link};
 use haptic_protocol::roles::static_scene::{Board, Server};
-use haptic_protocol::wire::{Goodbye, Header, MAX_DATAGRAM, Message};
+use haptic_protocol::wire::{Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message};
 use haptic_sim::node::Says as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
+use crate::shared::path::Path;
+use crate::shared::refused::{Refused, is_telling, wrong};
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;
 /// A client that is silent for this long is not told to others, µs.
 const PRESENT_US: u64 = 1_000_000;
+/// Between two answers to those who hold no line's key, µs.
+const ANSWER_EVERY_US: u64 = 1_000_000;
 
 /// One client's end.
 struct Line<A> {
     link: Link,
-    /// Where it last proved itself from.
-    address: Option<A>,
+    /// Where it is answered.
+    path: Path<A>,
     session: Option<u32>,
     seat: Option<usize>,
 }
@@ -55,9 +62,11 @@ pub struct Host<A> {
     board: Box<Board<{ MOST_LINES as usize }>>,
     /// What it has done.
     pub counts: Counts,
+    refused: Refused<A>,
+    next_answer_us: u64,
 }
 
-impl<A: Copy> Host<A> {
+impl<A: Copy + PartialEq> Host<A> {
     /// Server `number` of `world`, the whole or one region of it, for clients on lines 1 to `lines`.
     pub fn new(
         key: Key,
@@ -79,6 +88,8 @@ impl<A: Copy> Host<A> {
             server: Box::new(Server::new(world, region).map_err(|error| error.to_string())?),
             board: Box::new(Board::new(PRESENT_US)),
             counts: Counts::default(),
+            refused: Refused::default(),
+            next_answer_us: 0,
         })
     }
 
@@ -92,37 +103,55 @@ impl<A: Copy> Host<A> {
         self.sessions.len()
     }
 
-    /// The link of a line; made when it is first called.
-    fn open(&mut self, line: u32) -> Option<()> {
-        let place = self.lines.get_mut((line as usize).checked_sub(1)?)?;
-        if place.is_none() {
-            let link = open_link(self.key.line(line), [self.number, CLIENT], (self.entropy)()).ok()?.on_line(line);
-            *place = Some(Box::new(Line { link, address: None, session: None, seat: None }));
+    /// Memory that lines take, in links.
+    pub fn lines_called(&self) -> usize {
+        self.lines.iter().flatten().count()
+    }
+
+    fn link(&mut self, key: Key, line: u32) -> Option<Link> {
+        Some(open_link(key, [self.number, CLIENT], (self.entropy)()).ok()?.on_line(line))
+    }
+
+    /// A line's link takes a datagram; the link of a line that is called for the first time is kept if it does.
+    fn take(&mut self, now: u64, number: u32, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
+        let at = (number as usize).checked_sub(1).filter(|at| *at < self.lines.len()).ok_or(Error::OtherLine)?;
+        if let Some(line) = &mut self.lines[at] {
+            return line.link.receive(now, datagram);
         }
-        Some(())
+        let mut link = self.link(self.key.line(number), number).ok_or(Error::NoSession)?;
+        let taken = link.receive(now, datagram)?;
+        self.lines[at] = Some(Box::new(Line { link, path: Path::default(), session: None, seat: None }));
+        Ok(taken)
     }
 
     /// Takes a datagram that came from `from`, opened in place, and sends every answer. Gives the line it was about.
     pub fn receive(&mut self, now: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) -> Option<u32> {
         self.counts.received += 1;
-        let sealed = datagram.get(1) == Some(&Header::KIND);
+        let (bytes, greeting) = (datagram.len(), datagram.get(1) != Some(&Header::KIND));
         let number = line_of(datagram, |session| self.sessions.get(&session).copied());
-        let Some(number) = number.filter(|number| self.open(*number).is_some()) else {
-            self.counts.refused += 1;
-            return None;
+        let taken = number.and_then(|number| Ok((number, self.take(now, number, datagram)?)));
+        let (number, incoming) = match taken {
+            Ok(taken) => taken,
+            Err(why) => {
+                self.refuse(now, from, datagram, why, send);
+                return None;
+            }
         };
         let line = self.lines[number as usize - 1].as_deref_mut()?;
-        let Ok(incoming) = line.link.receive(now, datagram) else {
-            self.counts.refused += 1;
-            return None;
-        };
-        if sealed {
-            line.address = Some(from);
-        }
-        let sent = &mut self.counts.sent;
+        line.path.heard(now, from, bytes, greeting, &line.link);
+        let (sent, path) = (&mut self.counts.sent, &mut line.path);
         let mut answer = |bytes: &[u8]| {
-            *sent += 1;
-            send(from, bytes);
+            let to = match bytes.get(1) {
+                // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
+                Some(kind) if *kind == GreetingKind::Welcome as u8 => Some(from),
+                // A server waits; its clients call.
+                Some(kind) if *kind == GreetingKind::Hello as u8 => None,
+                _ => path.to(bytes.len()),
+            };
+            if let Some(to) = to {
+                *sent += 1;
+                send(to, bytes);
+            }
         };
         match incoming {
             Some(Message::Ask(ask)) => {
@@ -145,6 +174,28 @@ impl<A: Copy> Host<A> {
         Some(number)
     }
 
+    /// What came is of nobody who holds a line's key: for a person to know, and for whoever called.
+    fn refuse(&mut self, now: u64, from: A, datagram: &[u8], why: Error, mut send: impl FnMut(A, &[u8])) {
+        self.counts.refused += 1;
+        if !is_telling(&why) {
+            return;
+        }
+        self.refused.note(from, why);
+        if now < self.next_answer_us {
+            return;
+        }
+        self.next_answer_us = now + ANSWER_EVERY_US;
+        let line = Greeting::parse(datagram).map_or(1, |(greeting, ..)| greeting.line);
+        let mut out = [0; MAX_DATAGRAM];
+        // Under the server's own key, which is no line's.
+        if let Some(len) = self.link(self.key.clone(), line).and_then(|mut link| link.poll(now, &mut out))
+            && len <= datagram.len()
+        {
+            self.counts.sent += 1;
+            send(from, &out[..len]);
+        }
+    }
+
     /// Keeps the list of sessions in step with a link.
     fn settle(sessions: &mut HashMap<u32, u32>, line: &mut Line<A>, number: u32) {
         let session = line.link.session_number();
@@ -163,30 +214,38 @@ impl<A: Copy> Host<A> {
 
     /// Tells all clients that this is the end.
     pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
-        for line in self.lines.iter_mut().flatten() {
-            if let Some(address) = line.address {
-                line.link.say(now, Goodbye {}, |bytes| send(address, bytes));
-            }
+        for Line { link, path, .. } in self.lines.iter_mut().flatten().map(Box::as_mut) {
+            link.say(now, Goodbye {}, |bytes| _ = path.to(bytes.len()).map(|to| send(to, bytes)));
         }
     }
 
     /// What time alone makes due; to be called once a packet period.
     pub fn tick(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
-        let mut out = [0; MAX_DATAGRAM];
         for (line, number) in self.lines.iter_mut().zip(1..) {
             let Some(line) = line else { continue };
-            // A line that nobody proved to be on is not called: a server waits.
-            let Some(address) = line.address else { continue };
-            while let Some(len) = line.link.poll(now, &mut out) {
-                if line.link.stage() == Stage::Calling {
-                    line.address = None;
-                    break;
+            let (link, path, sent) = (&mut line.link, &mut line.path, &mut self.counts.sent);
+            link.say_due(now, |bytes| {
+                // A server waits; its clients call.
+                let greeting = bytes.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
+                if let Some(to) = (!greeting).then(|| path.to(bytes.len())).flatten() {
+                    *sent += 1;
+                    send(to, bytes);
                 }
-                self.counts.sent += 1;
-                send(address, &out[..len]);
-            }
+            });
             Self::settle(&mut self.sessions, line, number);
         }
+    }
+}
+
+impl<A: Copy + PartialEq + Display> Host<A> {
+    /// What there is to tell a person about those who are refused; nothing most of the time, and never much.
+    pub fn news(&mut self, now: u64) -> Option<String> {
+        self.refused.take(now).map(|(from, why)| wrong(from, &why))
+    }
+
+    /// Who was refused last, and why, of what tells something.
+    pub(crate) fn refused(&self) -> Option<String> {
+        self.refused.newest().map(|(from, why)| wrong(from, &why))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What every world has: how much it holds, its periods, the links that it is told over.
 
-use haptic_protocol::link::{Config, Link};
+use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Greeting, Header, PeerId};
 use haptic_protocol::{ends::Ends, key::Key, roles::static_scene::Download, world::Scope};
@@ -31,11 +31,11 @@ pub(crate) fn open_link(key: Key, [local, remote]: [u8; 2], entropy: [u8; Key::L
 }
 
 /// The line that a greeting names, or that a sealed datagram's session is of.
-pub(crate) fn line_of(datagram: &mut [u8], of_session: impl FnOnce(u32) -> Option<u32>) -> Option<u32> {
+pub(crate) fn line_of(datagram: &mut [u8], of_session: impl FnOnce(u32) -> Option<u32>) -> Result<u32, Error> {
     if datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) {
-        return Some(Greeting::parse(datagram).ok()?.0.line);
+        return Ok(Greeting::parse(datagram)?.0.line);
     }
-    of_session(Header::parse(datagram).ok()?.0.session)
+    of_session(Header::parse(datagram)?.0.session).ok_or(Error::NoSession)
 }
 
 /// Asks for what is within `radius` around here, anew when a quarter of that has been crossed, m.

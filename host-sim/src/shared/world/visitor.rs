@@ -6,14 +6,16 @@
 use std::collections::BTreeMap;
 
 use haptic_core::num::Motion;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Error, Link};
 use haptic_protocol::roles::static_scene::{Download, Roam, Taken};
 use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
 use haptic_protocol::world::{Manifest, Object, Region};
-use haptic_protocol::{key::Key, link::Link};
 use haptic_sim::node::Says as _;
 
 use super::render::Renderer;
 use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};
+use crate::shared::refused::is_telling;
 
 /// An answer is taken to be lost after this many packet periods on top of the round trip.
 const PATIENCE_PACKETS: u64 = 3;
@@ -65,6 +67,8 @@ pub struct Visitor {
     news: bool,
     /// Parts that were not what their checksum said.
     pub(crate) corrupt: u32,
+    /// Who sent the newest datagram that was refused and tells something, and why it was.
+    pub(crate) refused: Option<(Party, Error)>,
 }
 
 impl Visitor {
@@ -83,6 +87,7 @@ impl Visitor {
             tick: 0,
             news: false,
             corrupt: 0,
+            refused: None,
         }
     }
 
@@ -197,7 +202,8 @@ impl Visitor {
                     self.others.insert(who, (now, Sighting { who, ..*other }));
                 }
             }
-            // Whatever else comes is the link's own business, and what is refused brings nothing here.
+            (Err(why), _) if is_telling(&why) => self.refused = Some((from, why)),
+            // Whatever else comes is the link's own business.
             _ => {}
         }
         link.say_due(now, |bytes| send(from, bytes));

@@ -3,7 +3,7 @@
 use haptic_core::law::Packet;
 use haptic_core::law::node::Node;
 use haptic_sim::{Scene, scenes};
-use host_sim::shared::cooperative::junction::Junction;
+use host_sim::shared::cooperative::junction::{Energy, Junction};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -157,4 +157,42 @@ fn laws_without_waves_are_refused() {
         let said = Junction::new(&scene, 2).expect_err("no waves").to_string();
         assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");
     }
+}
+
+/// A peer that claims whatever its numbers can say: what the others get stays finite, what it puts in is what the junction would
+/// give out, and the figures of all are off by the credit that is kept, 0.1 J, at the most.
+#[test]
+fn claims_of_one_line_forge_no_figure_of_another() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    let mut any = |of: &[f64]| of[random.next_u64() as usize % of.len()];
+    let mut junction = Junction::new(&scene(true), 3).expect("waves");
+    (0..3).for_each(|line| junction.part(line));
+    let (mut honest, mut truly_in_j) = ([Packet::<f64>::default(); 2], [0.0; 2]);
+    for period in 0..5_000 {
+        for (line, (packet, truly_in_j)) in honest.iter_mut().zip(&mut truly_in_j).enumerate() {
+            let wave = 0.2 * (0.02 * f64::from(period) + line as f64).sin();
+            let energy_j = 0.5 * PACKET_S * wave * wave;
+            *truly_in_j += energy_j;
+            (packet.wave, packet.energy_j) = (wave, packet.energy_j + energy_j);
+            packet.wave_integral += PACKET_S * wave;
+        }
+        // Ever more, from the first packet to the largest number there is; and less than nothing in between.
+        let most = 10.0_f64.powf(-300.0 + f64::from(period) / 8.2);
+        let claims = [most, most, -most, f64::MIN, 0.0];
+        let waves = [0.0, 1.0, -1.0, 1e30, -3.4e38, 3.4e38];
+        let forged =
+            Packet { wave: any(&waves), energy_j: any(&claims), wave_integral: any(&claims), ..Packet::default() };
+        junction.exchange([Some(honest[0]), Some(honest[1]), Some(forged)]);
+        for port in &junction.ports {
+            let back = port.back;
+            assert!([back.wave, back.energy_j, back.wave_integral].iter().all(|number| number.is_finite()), "{port:?}");
+        }
+    }
+    for (port, truly_in_j) in junction.ports.iter().zip(truly_in_j) {
+        assert!((port.energy.put_in_j / truly_in_j - 1.0).abs() < 1e-9, "{port:?}, {truly_in_j} J in truth");
+    }
+    let Energy { put_in_j, taken_j, .. } = junction.ports[2].energy;
+    assert!(put_in_j <= taken_j + 0.1 + 1e-9, "{put_in_j} J claimed, {taken_j} J taken");
+    let Energy { put_in_j, sent_j, .. } = junction.energy();
+    assert!(sent_j <= put_in_j && sent_j > 0.1 * put_in_j, "{sent_j} J out, {put_in_j} J in");
 }

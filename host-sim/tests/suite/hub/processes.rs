@@ -104,3 +104,81 @@ fn what_is_wrong_is_said_in_one_line() {
     let error = String::from_utf8_lossy(&other.stderr);
     assert!(other.status.code() == Some(2) && error.contains("table [object]"), "{error}");
 }
+
+/// What a program that ended said on standard error.
+fn ended(child: Child) -> (Option<i32>, String) {
+    let output = child.wait_with_output().expect("it ends");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// The third of three was told another mass: it is refused and told which table, the hub says so as well, and the other two
+/// hold their object as if it were not there.
+#[test]
+fn one_client_cannot_stop_a_hub() {
+    let keys = Keys::new("stop", 3);
+    let address = free();
+    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+        .arg(keys.file(0))
+        .args(["--patience-s", "20"])
+        .spawn()
+        .expect("host-sim runs");
+    let third = peer(&keys, 3, &address, &["object.mass_kg=0.5"], "1");
+    let (status, error) = ended(third);
+    assert!(status == Some(2) && error.contains("told other parameters: table [object]"), "{error}");
+    let first = peer(&keys, 1, &address, &["user.1.push_n=1"], "2");
+    let second = peer(&keys, 2, &address, &["user.2.push_n=1"], "2");
+    // In the middle of it, once more, and junk from a socket of nobody's.
+    std::thread::sleep(Duration::from_millis(700));
+    let third = peer(&keys, 3, &address, &["object.mass_kg=0.5"], "1");
+    let junk = std::net::UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");
+    for count in 0..2_000_usize {
+        let _ = junk.send_to(&[count as u8; 200][..count % 200], &address);
+    }
+    assert_eq!(ended(third).0, Some(2));
+    for held in [first, second].map(report) {
+        assert!(held["fault"] == Value::Null && number(&held, "decoded_discrepancy_mm") < 1.0, "{held}");
+        assert!((number(&held, "coordination_force_n").abs() - 1.0).abs() < 0.25, "{held}");
+    }
+    let output = hub.wait_with_output().expect("it ends");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{error}");
+    let hub: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
+    let said = |text: &str| error.lines().filter(|line| line.contains(text)).count();
+    assert!(said("line 3: ") >= 1 && said("told other parameters: table [object] differs") >= 1, "{error}");
+    assert!(said("begins without line 3 (peer number 1: ") == 1, "{error}");
+    assert!(hub["lines"][2]["refused"].as_str().is_some_and(|why| why.contains("[object]")), "{hub}");
+    assert!(number(&hub, "datagrams_refused") > 100.0 && error.lines().count() < 12, "{error}{hub}");
+}
+
+/// Another key, another number, the wrong family of addresses, and itself: said at both ends, each in one line.
+#[test]
+fn who_is_wrong_is_said_at_both_ends() {
+    let (keys, others) = (Keys::new("told", 2), Keys::new("told-others", 1));
+    let address = free();
+    let hub = host_sim(&["hub", "--users", "2", "--listen", &address, "--key-file", &keys.file(0)])
+        .args(["--patience-s", "12"])
+        .spawn()
+        .expect("host-sim runs");
+    let call = |number: &str, key: &str, to: &str| {
+        let peer = host_sim(&["peer", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
+            .args(["--connect", to, "--key-file", key, "--patience-s", "2"])
+            .spawn();
+        let (status, error) = ended(peer.expect("host-sim runs"));
+        assert!(status == Some(2) && error.trim_end().lines().count() == 1, "{error}");
+        error
+    };
+    let error = call("1", &others.file(1), &address);
+    assert!(error.contains(&format!("{address} holds another key")), "{error}");
+    let error = call("2", &keys.file(1), &address);
+    assert!(error.contains(&format!("{address} has the number of this end")), "{error}");
+    let error = call("1", &keys.file(1), "[::1]:7700");
+    assert!(error.contains("[::1]:7700 cannot be reached from 127.0.0.1:") && error.contains("IPv6"), "{error}");
+    let own = host_sim(&["peer", "--scene", "hub", "--number", "1", "--listen", "0.0.0.0:7765"])
+        .args(["--connect", "127.0.0.1:7765", "--key-file", &keys.file(1), "--patience-s", "2"])
+        .spawn();
+    let (status, error) = ended(own.expect("host-sim runs"));
+    assert!(status == Some(2) && error.contains("127.0.0.1:7765 is where this end listens itself"), "{error}");
+    let (_, error) = ended(hub);
+    assert!(error.contains("on no line: ") && error.contains("holds another key: give both ends"), "{error}");
+    assert!(error.contains("line 1: ") && error.contains("is peer 2: on this line it must be 1"), "{error}");
+}

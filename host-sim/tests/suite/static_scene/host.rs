@@ -22,9 +22,9 @@ struct Pair {
 
 impl Pair {
     fn new() -> Self {
-        let mut drawn = 0;
+        let mut drawn = 0_u8;
         let entropy = move || {
-            drawn += 1;
+            drawn = drawn.wrapping_add(1).max(1);
             [drawn; Key::LEN]
         };
         let (world, key) = (*load(TWO_ROOMS.as_ref()).expect("a good world"), Key::new([7; 32]));
@@ -89,7 +89,8 @@ fn anything_at_all_from_anybody() {
     for _ in 0..20 {
         pair.period();
     }
-    let mut random = 1_u64;
+    let before = pair.host.counts.refused;
+    let (mut random, mut answers) = (1_u64, 0);
     let mut next = move || {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (random >> 33) as u8
@@ -105,9 +106,15 @@ fn anything_at_all_from_anybody() {
             let bit = usize::from(next()) * 8 % (8 * bytes.len());
             bytes[bit / 8] ^= 1 << (next() % 8);
         }
-        pair.host.receive(pair.now, STRANGER, &mut bytes, |_, _| panic!("an answer to a stranger"));
+        let came = bytes.len();
+        pair.host.receive(pair.now, STRANGER, &mut bytes, |to, said| {
+            assert!((to, said[1]) == (STRANGER, 1) && said.len() <= came);
+            answers += 1;
+        });
     }
-    assert_eq!(pair.host.counts.refused, 20_000);
+    // One hello a second at the most tells a stranger what is wrong.
+    assert!(answers <= 1);
+    assert_eq!(pair.host.counts.refused - before, 20_000);
     assert_eq!((pair.host.clients(), pair.period()), (1, vec![]));
 }
 
@@ -118,4 +125,108 @@ fn a_server_has_as_many_lines_as_it_was_told() {
         let error = Host::<u32>::new(Key::new([7; 32]), 1, lines, world.clone(), None, || [1; 32]).err();
         assert_eq!(error, Some(format!("lines = {lines} is not allowed: it must be from 1 to 4096")));
     }
+}
+
+impl Pair {
+    /// One packet period in which `copies` of each datagram of the client come first, from somebody else; to whom the server
+    /// said how many bytes, and how many came from that somebody.
+    fn raced(&mut self, copies: usize) -> (Vec<(u32, usize)>, usize) {
+        self.now += 8_000;
+        self.visitor.step([Motion::at(0.0); 2]);
+        let (mut said, mut told, mut copied) = (vec![], vec![], 0);
+        self.visitor.exchange(self.now, |_, bytes| said.push(bytes.to_vec()));
+        while let Some(bytes) = said.pop() {
+            let mut answers = vec![];
+            for from in [STRANGER].repeat(copies).into_iter().chain([CLIENT]) {
+                copied += if from == STRANGER { bytes.len() } else { 0 };
+                self.host.receive(self.now, from, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
+            }
+            told.extend(answers.iter().map(|(to, answer)| (*to, answer.len())));
+            for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == CLIENT) {
+                let server = host_sim::shared::world::visitor::Party::Server(1);
+                self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
+            }
+        }
+        self.host.tick(self.now, |to, bytes| told.push((to, bytes.len())));
+        (told, copied)
+    }
+}
+
+/// What a client sends, injected from elsewhere before it comes from the client: its line stays where it has proved to be.
+#[test]
+fn a_copy_that_comes_first_moves_no_line() {
+    let mut pair = Pair::new();
+    for _ in 0..100 {
+        pair.period();
+    }
+    let mut to_client = 0;
+    for _ in 0..500 {
+        let (told, copied) = pair.raced(1);
+        assert!(copied > 0 && told.iter().all(|(to, _)| *to == CLIENT), "{told:?}");
+        to_client += told.len();
+    }
+    assert!(to_client > 500 && pair.host.clients() == 1 && pair.visitor.is_complete());
+}
+
+/// Whoever wins every race from the first datagram on keeps a client out; the moment he stops, it is served.
+#[test]
+fn a_client_is_served_when_a_race_is_over() {
+    let mut pair = Pair::new();
+    for _ in 0..500 {
+        pair.raced(1);
+    }
+    assert!(!pair.visitor.is_complete());
+    for _ in 0..300 {
+        pair.raced(0);
+    }
+    assert!(pair.visitor.is_complete());
+}
+
+/// A client that has moved begins anew from there, and is served there.
+#[test]
+fn a_client_that_moves_is_answered_where_it_is_now() {
+    const MOVED: u32 = 7;
+    let mut pair = Pair::new();
+    for _ in 0..100 {
+        pair.period();
+    }
+    let mut to_moved = 0;
+    for _ in 0..200 {
+        pair.now += 8_000;
+        pair.visitor.step([Motion::at(0.0); 2]);
+        let mut said = vec![];
+        pair.visitor.exchange(pair.now, |_, bytes| said.push(bytes.to_vec()));
+        while let Some(mut bytes) = said.pop() {
+            let mut answers = vec![];
+            pair.host.receive(pair.now, MOVED, &mut bytes, |to, bytes| answers.push((to, bytes.to_vec())));
+            // What goes to where it was is lost.
+            for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == MOVED) {
+                to_moved += 1;
+                let server = host_sim::shared::world::visitor::Party::Server(1);
+                pair.visitor.receive(pair.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
+            }
+        }
+        pair.host.tick(pair.now, |_, _| {});
+    }
+    assert!(to_moved > 100 && pair.host.clients() == 1, "{to_moved} datagrams");
+}
+
+/// Greetings on every line, by someone who holds no key of theirs: nothing is kept, and at most one a second is answered.
+#[test]
+fn greetings_without_a_key_take_no_memory() {
+    let mut pair = Pair::new();
+    let mut answers = vec![];
+    for count in 0..4_000_u32 {
+        let mut hello = [0x5a; 200];
+        hello[..8].copy_from_slice(&[VERSION, 1, 0, 1, (count % 8 + 1) as u8, 0, 0, 0]);
+        hello[48..56].fill(0);
+        hello[48] = 1;
+        hello[64..184].fill(0);
+        let now = u64::from(count) * 1_000;
+        pair.host.receive(now, STRANGER, &mut hello, |to, bytes| answers.push((to, bytes.len())));
+    }
+    assert_eq!((pair.host.lines_called(), pair.host.clients(), pair.host.counts.refused), (0, 0, 4_000));
+    assert_eq!(answers, [(STRANGER, 200); 4]);
+    let news: Vec<String> = (0..4_000_000).step_by(8_000).filter_map(|now| pair.host.news(now)).collect();
+    assert!(news.len() == 1 && news[0].starts_with("666 holds another key"), "{news:?}");
 }
