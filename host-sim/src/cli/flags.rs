@@ -15,6 +15,8 @@ use crate::shared::world::{self, World};
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
 const LONGEST_S: f64 = 86_400.0;
+/// Longest time of what runs by the clock, s: 100 years, which is no limit but for slips of the pen.
+const LONGEST_LIVE_S: f64 = 3.2e9;
 
 /// Which scene, and what to change in it.
 #[derive(Clone, Debug, Args)]
@@ -131,14 +133,22 @@ pub(super) struct End {
     #[command(flatten)]
     pub(super) key: KeyFile,
     #[command(flatten)]
-    pub(super) time: Time,
+    pub(super) time: LiveTime,
+}
+
+/// How long, by the clock.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct LiveTime {
+    /// How long, s.
+    #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = live_seconds)]
+    pub(super) seconds: f64,
 }
 
 /// How long a live command calls before it gives up.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Patience {
     /// How long to call the others before giving up, s.
-    #[arg(long, default_value = "30", value_name = "S", value_parser = seconds)]
+    #[arg(long, default_value = "30", value_name = "S", value_parser = live_seconds)]
     pub(super) patience_s: f64,
 }
 
@@ -158,8 +168,17 @@ impl KeyFile {
 
 /// A time on the command line.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST_S);
-    seconds.ok_or_else(|| format!("it must be above 0 and up to {LONGEST_S} s"))
+    up_to(LONGEST_S, text)
+}
+
+/// A time by the clock on the command line.
+fn live_seconds(text: &str) -> Result<f64, String> {
+    up_to(LONGEST_LIVE_S, text)
+}
+
+fn up_to(longest_s: f64, text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= longest_s);
+    seconds.ok_or_else(|| format!("it must be above 0 and up to {longest_s} s"))
 }
 
 /// A number on the command line, both ends included.

@@ -5,7 +5,7 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::flags::{Time, number};
+use super::flags::{LiveTime, Time, number};
 use super::{Failure, SceneArgs, Ui};
 use crate::trials::{flood, restarts};
 use crate::{live::endpoint::Stop, live::relay};
@@ -46,7 +46,7 @@ pub(super) struct Relay {
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
     #[command(flatten)]
-    time: Time,
+    time: LiveTime,
 }
 
 impl Relay {

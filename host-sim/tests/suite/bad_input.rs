@@ -298,3 +298,17 @@ fn misspelt_words() {
     refused(&["shared", "collaborate", "--mistake", "amnesa"], &["amnesa", "did you mean amnesia?"]);
     refused(&["paper", "--keys"], &["--keys"]);
 }
+
+/// What runs by the clock may run for longer than the day that a simulation is limited to.
+#[test]
+fn live_runs_may_last_for_weeks() {
+    let key = file("long.key", &"5a".repeat(32));
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::set_permissions(&key, std::fs::Permissions::from_mode(0o600)).expect("chmod");
+    }
+    let peer = ["peer", "--number=1", "--listen=127.0.0.1:0", "--connect=127.0.0.1:9", "--key-file", &key];
+    refused(&[&peer[..], &["--seconds=2592000", "--patience-s=0.05"]].concat(), &["nobody answered"]);
+    refused(&["cooperate", "--seconds=2592000"], &["--seconds 2592000", "86400 s"]);
+}

@@ -27,16 +27,16 @@ layout! {
 layout! {
     /// How the sender is doing; for people, logs and live views, never for control.
     pub message Telemetry("telemetry", 92 bytes, kind 2) {
-        1 => mode: u8, "0 disarmed, 1 armed, 2 faulted.";
+        1 => mode: u8 where |mode| *mode <= 2, "0 disarmed, 1 armed, 2 faulted.";
         2 => fault: u8, "The fault's number, 0 none.";
-        3 => stage: u8, "Stage of the sender's link to this end, as a number.";
+        3 => stage: u8 where |stage| *stage <= 5, "Stage of the sender's link to this end, as a number.";
         4 => tick: u32, "The sender's newest tick, control periods since it started.";
         8 => device_position: f32, "Device position x_h, m.";
         12 => object_position: f32, "Position of the local copy x_o, m.";
         16 => desired_position: f32, "Position of the decoded remote copy x_d, m.";
         20 => contact_force: f32, "Contact force F_LC on the object, N.";
         24 => coordination_force: f32, "Coordination force F_T on the object, N.";
-        28 => engagement: f32, "How far the coordination acts, 0 to 1.";
+        28 => engagement: f32 where |level| (0.0..=1.0).contains(level), "How far the coordination acts, 0 to 1.";
         32 => energy_received: f64, "Energy taken from the network, J.";
         40 => energy_sent: f64, "Energy given to the network, J.";
         48 => round_trip_us: u32, "Round trip, µs; 0 unknown.";

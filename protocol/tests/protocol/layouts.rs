@@ -99,6 +99,13 @@ fn telemetry() {
         0x12, 0, 0, 0, 0x13, 0, 0, 0, 0x14, 0, 0, 0, 0x15, 0, 0, 0, 0x16, 0, 0, 0, 0x17, 0, 0, 0,
     ];
     is(telemetry, &bytes);
+    let meaningless = |field| Error::OutOfRange { message: "telemetry", field };
+    refused(&bytes, 1, &[184], meaningless("mode"));
+    refused(&bytes, 1, &[3], meaningless("mode"));
+    refused(&bytes, 3, &[6], meaningless("stage"));
+    for engagement in [-0.1_f32, 1.1] {
+        refused(&bytes, 28, &engagement.to_le_bytes(), meaningless("engagement"));
+    }
 }
 
 #[test]

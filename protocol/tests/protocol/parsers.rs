@@ -37,16 +37,16 @@ fn messages() -> impl Strategy<Value = Message> {
     let telemetry = (any::<([u8; 3], [u32; 8], i64)>(), prop::array::uniform7(f32s()), f64s(), f64s()).prop_map(
         |((bytes, words, clock_offset_us), numbers, energy_received, energy_sent)| {
             Message::Telemetry(Telemetry {
-                mode: bytes[0],
+                mode: bytes[0] % 3,
                 fault: bytes[1],
-                stage: bytes[2],
+                stage: bytes[2] % 6,
                 tick: words[0],
                 device_position: numbers[0],
                 object_position: numbers[1],
                 desired_position: numbers[2],
                 contact_force: numbers[3],
                 coordination_force: numbers[4],
-                engagement: numbers[5],
+                engagement: 1.0 / (1.0 + numbers[5].abs()),
                 energy_received,
                 energy_sent,
                 round_trip_us: words[1],
