@@ -1,34 +1,58 @@
-//! Impulsive contact of one device and the object: each impact is a pulse of one tick, ΔQ/T_c (architectures paper §2.1).
+//! Impulsive contact of one device and the object: each impact is a train of pulses, ΔQ in all (architectures paper §2.1).
 //!
 //! The object has no spring: until the device reaches it, it moves freely. At tick n both ends of the step from n − 1 to n
 //! are known, of the device as it was sensed; if device and object have changed places on the way, they met where the two
 //! straight lines cross (in closed form; both Euler integrators move the object along exactly that line, the exact one
-//! strays from it by at most F·T_c²/(8·m_O)). There they exchange momentum by their velocities now, the device with the mass
-//! that the scene gives it; the object goes on from the place of the impact, and the device feels −ΔQ/T_c for one control
-//! period. No crossing is missed at any speed that the guard lets pass.
+//! strays from it by at most F·T_c²/(8·m_O)). There they exchange ΔQ by their velocities now, the device with the mass that
+//! the scene gives it. No crossing is missed at any speed that the guard lets pass.
+//!
+//! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] says what it can be: F = ΔQ/T_c if force and slew allow
+//! that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and what is still owed goes
+//! into the ticks that follow. The force must come down again, too: no pulse is higher than what the slew limit leads back to
+//! zero without giving more than is owed (`Impulsive::pulse`). So momentum of object and device together stays, tick by
+//! tick, to rounding; a motor that acts a tick late makes both equal a tick later. Of the energy an impact takes nothing or
+//! what restitution takes; during the pulses it stands below the start, by what is still to come back. ΔQ is decided once,
+//! but pulses end when the two part as fast as restitution has it, whoever pulled them apart.
 //!
 //! **Settling**: a motor force may act up to a tick late and the pulse lasts a tick, so velocities say nothing about an
-//! impact before [`SETTLING`] ticks; until then the object moves freely. If the device is then past the surface and still
-//! approaches (a heavy object, or a pulse that the limits cut), that is the next impact.
+//! impact before [`SETTLING`] ticks after the last pulse; until then the object moves freely.
 //!
-//! **Saturation**: [`crate::safety`] stands above the pulse as above any force. What it let through is read back from the
-//! command and booked beside what was wanted ([`super::Impacts`]): the object always takes the whole of ΔQ, and the hand
-//! feels the rest of it never, or as the next impact. One-sided contacts only; units N, N·s, m.
+//! **Resting**: what approaches slower than a count of the encoder in a tick, or comes back within [`CHATTER`] ticks after
+//! settling, is no impact but rests: until they part, contact is the spring and the damper of the same table, one-sided, and a
+//! port where the object is moved by ports: a steady push F sinks in by F/K_LC. How far the device is past the surface by then
+//! presses the spring at once. After a plastic impact within the limits that is at most 2.5 ticks of the approach, v·2.5·T_c,
+//! and the spring gives back less than was lost while 6·K_LC·T_c² is less than the reduced mass, as it is where such a spring is
+//! stable at all; in pulses that stand at the limit, no more than the limit took on the way in. The spring is what
+//! [`super::continuous`] is, with what sampling makes of it; only it never pulls.
+//!
+//! **Mass**: energy is not made while `contact.device_mass_kg` is at most the mass that the hand moves; a peer cannot know
+//! that mass, whoever does refuses others. Limits: one-sided contacts only; the motor's own duty limit is not known here
+//! (`motor.max_duty` below `safety.max_force_n` would take from the device alone). Units N, N·s, m, J.
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
 use super::rendering::{Press, Rendering, Strikes, Touch};
+use crate::device::kinematics::Joints;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
+use crate::object::Port;
+use crate::safety::Guard;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// Ticks after an impact until the device's velocity tells of its pulse: one of delay, one of pulse.
+/// Ticks after a pulse until the device's velocity tells of it: one of delay, one of pulse.
 pub const SETTLING: u32 = 2;
+
+/// Ticks after [`SETTLING`] within which another impact is chatter: of a hop that short, more is settled than flown.
+pub const CHATTER: u32 = 2 * SETTLING;
 
 /// Impacts between device and object.
 #[derive(Clone, Copy, Debug)]
 pub struct Impulsive<S> {
     contact: Contact<S>,
+    guard: Guard<S>,
+    /// Change of force that a tick is planned with, N, and the root of its double.
+    step: S,
+    root: S,
     period: S,
     /// 1/T_c.
     rate: S,
@@ -36,7 +60,11 @@ pub struct Impulsive<S> {
     object_inverse: S,
     /// 1/m of the device.
     device_inverse: S,
+    /// 1/(1/m_O + 1/m), kg.
+    reduced: S,
     restitution: S,
+    /// Slowest approach that is an impact, m/s.
+    slowest: S,
 }
 
 impl<S: Scalar> Model<S> for Impulsive<S> {
@@ -48,14 +76,102 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
             return Err(settings.refuses("contact.rendering", allowed));
         }
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
+        let (guard, Joints { counts_per_unit, most_per_m }) = (Guard::<S>::build(settings), Joints::of(settings));
+        let [object_inverse, device_inverse] = [1.0 / object.mass_kg, 1.0 / contact.device_mass_kg];
+        let step = guard.max_step.min(guard.max_force);
         Ok(Self {
             contact: Contact::build(settings),
+            step,
+            root: (step + step).sqrt(),
+            guard,
             period: S::from_f64(period),
             rate: S::from_f64(1.0 / period),
-            object_inverse: S::from_f64(1.0 / object.mass_kg),
-            device_inverse: S::from_f64(1.0 / contact.device_mass_kg),
+            object_inverse: S::from_f64(object_inverse),
+            device_inverse: S::from_f64(device_inverse),
+            reduced: S::from_f64(1.0 / (object_inverse + device_inverse)),
             restitution: S::from_f64(contact.restitution),
+            slowest: S::from_f64(1.0 / (counts_per_unit * most_per_m * period)),
         })
+    }
+}
+
+/// What contact does in this tick.
+enum Act<S> {
+    /// This force (N) is asked for; what of it the guard gives, the object has taken.
+    Pulse(S),
+    /// The spring.
+    Spring,
+}
+
+impl<S: Scalar> Impulsive<S> {
+    /// The force on the object (N) for which the guard lets the device's be `-asked`, after the one that was commanded. What is no
+    /// number goes to the object as it is: the peer stops.
+    #[inline]
+    fn given(&self, commanded: S, asked: S) -> S {
+        if asked.is_finite() { -self.guard.limit(commanded, -asked) } else { asked }
+    }
+
+    /// The highest pulse (N) that leads back to zero in steps of s without giving more than is owed (N·s).
+    ///
+    /// A force F = (k + f)·s on its way down gives T·(F + (F − s) + …) = T·(F²/2s + F/2 + s·f(1 − f)/2), which is at most
+    /// T·(F + s/2)²/2s; up to s it is T·F.
+    #[inline]
+    fn pulse(&self, owed: S) -> S {
+        let (force, step) = (self.rate * owed, self.step);
+        if force > step { (self.root * force.sqrt() - S::from_f64(0.5) * step).max(step) } else { force }
+    }
+
+    #[inline]
+    fn act(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Act<S> {
+        let past = self.contact.past(device.position - object.position);
+        let approach = self.contact.past(device.velocity - object.velocity);
+        let before = state.before.replace([device.position, object.position]);
+        state.recent = state.recent.saturating_sub(1);
+        state.resting &= past > S::ZERO;
+        let mut after = S::ZERO;
+        if state.owed > S::ZERO {
+            state.owed = state.owed.min(self.reduced * (approach + state.rebound));
+        } else if past > S::ZERO && approach > S::ZERO && state.recent <= CHATTER && !state.resting {
+            if state.recent > 0 || approach < self.slowest {
+                state.resting = true;
+            } else if let Some(Exchange { impulse: [impulse], lost_j, .. }) =
+                exchange([-approach], [S::ONE], [self.object_inverse, self.device_inverse], self.restitution)
+            {
+                // How much of the step was left after the crossing; nothing if they overlapped before it.
+                let gap = before.map_or(-past, |[device, object]| self.contact.past(object - device));
+                after = if gap >= S::ZERO { past.ratio(past + gap) } else { S::ZERO };
+                (state.owed, state.rebound) = (impulse, self.restitution * approach);
+                state.count = state.count.saturating_add(1);
+                state.wanted.add(impulse);
+                state.lost.add(lost_j);
+            }
+        }
+        if state.resting {
+            state.recent = SETTLING + CHATTER;
+            return Act::Spring;
+        }
+        state.owed = state.owed.max(S::ZERO);
+        let asked = self.contact.past(self.pulse(state.owed));
+        let given = self.given(commanded, asked);
+        if given != S::ZERO {
+            state.recent = SETTLING + CHATTER;
+            let impulse = self.period * given;
+            let change = self.object_inverse * impulse;
+            object.velocity = object.velocity + change;
+            object.position = object.position + after * self.period * change;
+            if state.owed > S::ZERO {
+                let impulse = self.contact.past(impulse);
+                state.owed = state.owed - impulse;
+                state.delivered.add(impulse);
+            }
+        }
+        Act::Pulse(asked)
+    }
+
+    /// A force toward the object, or none.
+    #[inline]
+    fn push(&self, force: S) -> S {
+        self.contact.past(self.contact.past(force).max(S::ZERO))
     }
 }
 
@@ -65,39 +181,28 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
     }
 
     fn touch(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
-        if state.pulse != S::ZERO {
-            // The device feels the reaction; of a force the other way nothing was delivered.
-            let toward = if state.pulse < S::ZERO { -commanded } else { commanded };
-            state.delivered.add(self.period * (-toward).max(S::ZERO));
-        }
-        state.pulse = S::ZERO;
-        let past = self.contact.past(device.position - object.position);
-        state.settling = state.settling.saturating_sub(1);
-        if past > S::ZERO && state.settling == 0 {
-            let against = self.contact.past(object.velocity - device.velocity);
-            let masses = [self.object_inverse, self.device_inverse];
-            if let Some(Exchange { impulse: [impulse], changes: [[change], _], lost_j }) =
-                exchange([against], [S::ONE], masses, self.restitution)
-            {
-                // How much of the step was left after the crossing; nothing if they overlapped before it.
-                let gap = state.before.map_or(S::ZERO, |[device, object]| self.contact.past(object - device));
-                let after = if gap > S::ZERO { past.ratio(past + gap) } else { S::ZERO };
-                let change = self.contact.past(change);
-                object.velocity = object.velocity + change;
-                object.position = object.position + after * self.period * change;
-                state.pulse = self.contact.past(self.rate * impulse);
-                state.settling = SETTLING;
-                state.count = state.count.saturating_add(1);
-                state.wanted.add(impulse);
-                state.lost.add(lost_j);
+        match self.act(state, device, object, commanded) {
+            Act::Pulse(asked) => Touch { pushing: S::ZERO, felt: asked },
+            Act::Spring => {
+                let asked = self.push(self.contact.force(device, *object));
+                Touch { pushing: self.given(commanded, asked), felt: asked }
             }
         }
-        state.before = Some([device.position, object.position]);
-        Touch { pushing: S::ZERO, felt: state.pulse }
     }
 
     fn press(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
-        let Touch { felt: pulse, .. } = self.touch(state, device, object, commanded);
-        Press { pulse, ..Press::default() }
+        match self.act(state, device, object, commanded) {
+            Act::Pulse(asked) => Press { pulse: asked, ..Press::default() },
+            Act::Spring => {
+                let press = self.contact.port(device, *object);
+                let asked = self.push(press.port.at(object.velocity));
+                let given = self.given(commanded, asked);
+                if given == asked {
+                    return press;
+                }
+                // The limits hold it, however the object moves.
+                Press { port: Port::of_force(given), toward: S::ZERO, pulse: asked - given }
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`continuous`] | continuous rendering: a spring and a damper |
-//! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of one tick |
+//! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of a tick each, and rest |
 //! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
 //! | [`bounder`] | stiffness and damping that follow the measured round trip |
 //! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |

@@ -29,9 +29,10 @@ pub struct Press<S> {
 pub struct Impacts<S> {
     /// Impacts.
     pub count: u32,
-    /// Σ|ΔQ| exchanged with the object, N·s.
+    /// Σ|ΔQ| that they ask for, N·s.
     pub wanted_n_s: S,
-    /// What of it the limits of force and slew let through to the device, N·s.
+    /// What of it both took so far, within the limits of force and slew, N·s. The rest is under way, or was not needed: somebody
+    /// pulled them apart.
     pub delivered_n_s: S,
     /// Energy that restitution below 1 took, J.
     pub lost_j: S,
@@ -48,15 +49,19 @@ pub trait Rendering<S: Scalar>: Model<S> {
     fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
 }
 
-/// The step before, and the account.
+/// What impulsive contact remembers, and the account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Strikes<S> {
     /// Where device and object were at the last tick, m; none before the first.
     pub(super) before: Option<[S; 2]>,
-    /// Ticks until velocities tell again.
-    pub(super) settling: u32,
-    /// The pulse of the last tick, N.
-    pub(super) pulse: S,
+    /// Ticks until nothing tells of the last pulse or push any more.
+    pub(super) recent: u32,
+    /// What the object is still to take of an impact, N·s.
+    pub(super) owed: S,
+    /// How fast they part after it, m/s.
+    pub(super) rebound: S,
+    /// Contact is a spring until they part.
+    pub(super) resting: bool,
     pub(super) count: u32,
     pub(super) wanted: Sum<S>,
     pub(super) delivered: Sum<S>,

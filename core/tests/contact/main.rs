@@ -1,5 +1,6 @@
 //! What the hand feels, against closed forms: impacts, impacts of a peer, shapes.
 
+mod felt;
 mod gas;
 mod impact;
 mod peer;

@@ -55,7 +55,7 @@ impl<S: Scalar> Rig<S> {
 }
 
 /// At every speed that the guard lets pass, from both sides: one impact, the velocity of the closed form, on the path that
-/// starts where device and surface met.
+/// starts where device and surface met. Light enough for one pulse at 99 m/s.
 fn every_speed<S: Scalar>(within: f64) {
     for side in [Side::Left, Side::Right] {
         let sign = if side == Side::Left { 1.0 } else { -1.0 };
@@ -63,24 +63,26 @@ fn every_speed<S: Scalar>(within: f64) {
             let speed = 0.1 * f64::from(tenth);
             let mut settings = settings();
             settings.contact.side = side;
+            (settings.object.mass_kg, settings.contact.device_mass_kg) = (3e-3, 1e-3);
+            (settings.safety.max_force_n, settings.safety.max_slew_n_per_s) = (200.0, 1e6);
             let mut rig = Rig::<S>::new(&settings, sign * speed);
             // The motor is off: the device flies on, the object flies ahead of it.
             rig.mass_kg = 1e12;
-            let ticks = (0.03 / speed / 1e-3).ceil() as u32 + 2;
+            let ticks = (0.01 / speed / 1e-3).ceil() as u32 + 2;
             for _ in 0..ticks {
                 rig.tick();
             }
-            let impacts = rig.peer.impacts();
-            assert!(impacts.count >= 1, "missed at {speed} m/s in {}", S::NAME);
-            if impacts.count > 1 {
-                continue;
-            }
-            // m 0.1 kg on 0.3 kg at rest: half the speed. It was hit at 10 mm.
+            assert_eq!(rig.peer.impacts().count, 1, "at {speed} m/s in {}", S::NAME);
+            // m 1 g on 3 g at rest: half the speed. It was hit at 10 mm.
             let object = rig.object();
             assert!((object.velocity - sign * 0.5 * speed).abs() < within * speed, "{object:?} at {speed}");
             let since_s = f64::from(ticks - 1) * 1e-3 - 0.01 / speed;
             let expected = sign * (0.01 + 0.5 * speed * since_s);
-            assert!((object.position - expected).abs() < within * speed, "{object:?}, not {expected}, at {speed}");
+            assert!(
+                (object.position - expected).abs() < within * speed,
+                "{object:?}, not {expected}, at {speed} in {}",
+                S::NAME
+            );
         }
     }
 }
@@ -103,13 +105,10 @@ fn a_pulse_within_the_limits_gives_the_device_its_impulse() {
         while rig.peer.impacts().count == 0 {
             rig.tick();
         }
-        for _ in 0..4 {
-            rig.tick();
-        }
+        rig.tick();
         let impacts = rig.peer.impacts();
         let exchanged = (1.0 + restitution) * 0.1 * 0.3 / 0.4 * speed;
-        // Plastic, they stay together: what is left of their approach is rounding, and may be one more impact.
-        assert!(impacts.count == 1 || restitution == 0.0);
+        assert_eq!(impacts.count, 1);
         assert!((impacts.wanted_n_s - exchanged).abs() < 1e-12);
         assert!((impacts.delivered_n_s - exchanged).abs() < 1e-12);
         assert!((impacts.lost_j - 0.5 * 0.075 * (1.0 - restitution * restitution) * speed * speed).abs() < 1e-12);
@@ -119,41 +118,43 @@ fn a_pulse_within_the_limits_gives_the_device_its_impulse() {
     }
 }
 
-/// Above the limits the force stands at them, and the account says what the hand did not get.
+/// Above the limits the force stands at them, and the object takes no more than that: the rest comes in the next ticks.
 #[test]
-fn saturation_is_accounted() {
+fn what_the_limits_cut_is_carried_over() {
     let mut settings = settings();
     settings.safety.max_force_n = 5.0;
     let mut rig = Rig::<f64>::new(&settings, 1.0);
     while rig.peer.impacts().count == 0 {
         rig.tick();
     }
-    rig.tick();
-    let impacts = rig.peer.impacts();
-    assert!((impacts.wanted_n_s - 0.15).abs() < 1e-12, "{impacts:?}");
-    assert!((impacts.delivered_n_s - 5e-3).abs() < 1e-12, "{impacts:?}");
+    for ticks in 1..=29 {
+        let impacts = rig.peer.impacts();
+        assert!((impacts.wanted_n_s - 0.15).abs() < 1e-12, "{impacts:?}");
+        assert!((impacts.delivered_n_s - 5e-3 * f64::from(ticks)).abs() < 1e-12, "{impacts:?}");
+        assert!((rig.object().velocity - impacts.delivered_n_s / 0.3).abs() < 1e-12, "{impacts:?}");
+        rig.tick();
+    }
     assert!(rig.peak_n <= 5.0);
 }
 
-/// A wall of an object, too heavy to move: within the limits one pulse turns the device back; where they cut it, pulse by
-/// pulse takes its momentum.
+/// A wall of an object, too heavy to move: one impact turns the device back, in as many pulses as the limits need.
 #[test]
-fn a_heavy_object_stops_the_device() {
-    for (max_force_n, max_slew_n_per_s, impacts, end) in [(200.0, 1e6, 1..=1, -0.9), (40.0, 2e4, 5..=9, 0.0)] {
+fn a_heavy_object_turns_the_device_back() {
+    for (max_force_n, max_slew_n_per_s) in [(200.0, 1e6), (40.0, 2e4), (40.0, 2e3)] {
         let mut settings = settings();
         settings.object.mass_kg = 1000.0;
         settings.safety.max_force_n = max_force_n;
         settings.safety.max_slew_n_per_s = max_slew_n_per_s;
         let mut rig = Rig::<f64>::new(&settings, 0.9);
         let mut deepest = 0.0_f64;
-        for _ in 0..200 {
+        for _ in 0..50 {
             rig.tick();
             deepest = deepest.max(rig.device.position - rig.object().position);
         }
         let account = rig.peer.impacts();
-        assert!(impacts.contains(&account.count), "{account:?}");
+        assert_eq!(account.count, 1);
         assert!((account.delivered_n_s - 0.1 * (0.9 - rig.device.velocity)).abs() < 1e-9, "{account:?}");
-        assert!(rig.device.velocity <= end + 1e-3 && deepest < 0.01, "{:?} {deepest}", rig.device);
+        assert!((rig.device.velocity + 0.9).abs() < 1e-3 && deepest < 0.01, "{:?} {deepest}", rig.device);
     }
 }
 

@@ -5,7 +5,7 @@
 //! ([`Scene::linear`]) with contact at two, one or no peers ([`Scene::hands_off`]), judged at every constant delay that the
 //! network table can produce ([`super::delays`]). The worst radius decides.
 //!
-//! Rendered by impacts there is no contact that lasts: such a scene has only the mode "none".
+//! Rendered by impacts, a contact that lasts is the spring and the damper of the same table: they are judged, the impacts are not.
 //!
 //! **Cost**: both and none fall apart into sum and difference where delays and arms are the same; one never does.
 
@@ -81,19 +81,15 @@ fn worst(modes: &[Mode]) -> Verdict {
     modes.iter().map(|mode| mode.verdict).fold(Verdict::LEAST, Verdict::or_worse)
 }
 
-/// The modes that a scene can enter, or the one that is asked for.
-pub(crate) fn entered(scene: &Scene, only: Option<Hands>) -> Vec<Hands> {
-    match only {
-        Some(mode) => vec![mode],
-        None if scene.peer.contact.rendering == RenderingName::Impulsive => vec![Hands::None],
-        None => Hands::ALL.to_vec(),
-    }
+/// Every mode, or the one that is asked for.
+pub(crate) fn entered(only: Option<Hands>) -> Vec<Hands> {
+    only.map_or_else(|| Hands::ALL.to_vec(), |mode| vec![mode])
 }
 
 impl Analyser {
     /// The verdict on each mode that the scene can enter, or on the one that is asked for.
     pub(crate) fn modes(&mut self, scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, AnalysisError> {
-        let modes = entered(scene, only);
+        let modes = entered(only);
         let linear = scene.linear();
         self.measure(&linear, [modes != [Hands::None], modes != [Hands::Both]])?;
         let (own, (delays, _)) = (delays_packets(&linear), delays(scene, &linear));

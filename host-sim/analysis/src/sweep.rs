@@ -88,7 +88,7 @@ impl Sweep {
 
     /// The modes that are looked at: the one that is asked for, or all that the scene can enter.
     pub(crate) fn modes(&self, only: Option<Hands>) -> Vec<Hands> {
-        entered(&self.scene, only)
+        entered(only)
     }
 
     /// Values to look at first, ascending, both ends included: half of them equally spaced, half by equal ratios (down to

@@ -310,7 +310,26 @@ impl Scene {
                  one of \"difference\", \"filtered\", \"adaptive\"",
             ));
         }
-        Ok(())
+        self.check_mass().map_err(|said| SceneError::at(place, said))
+    }
+
+    /// An impact of a device that is thought heavier than what moves with it makes energy: a share
+    /// (1 + e)·μ̂/μ·(2 − (1 + e)·μ̂/μ) of that of the approach is lost, μ and μ̂ the true and the assumed reduced mass, and with e = 1
+    /// that is negative for any μ̂ > μ. One that is thought lighter keeps some of its approach; below half, most of it.
+    fn check_mass(&self) -> Result<(), String> {
+        let (contact, device) = (&self.peer.contact, &self.world.device);
+        let arm = self.users.iter().map(|user| user.settings.user.arm_mass_kg).fold(f64::INFINITY, f64::min);
+        let (least, most) = (0.5 * device.mass_kg, device.mass_kg + arm);
+        // A rounding of the sum contradicts nothing.
+        let agrees = (least..=most * (1.0 + 1e-12)).contains(&contact.device_mass_kg);
+        if contact.rendering != RenderingName::Impulsive || agrees {
+            return Ok(());
+        }
+        Err(format!(
+            "contact.device_mass_kg = {} is not allowed with device.mass_kg = {} and contact.rendering = \"impulsive\": it must be \
+             {least}…{most} kg, from half the device's mass to all that moves with it; more makes energy at every impact",
+            contact.device_mass_kg, device.mass_kg
+        ))
     }
 
     /// The value of a key, a user's included.

@@ -167,9 +167,9 @@ fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall
             .value(format!("impacts.{at}.count"), |()| impacts.count)
             .head(&format!("impacts at peer {peer}"))
             .number(format!("impacts.{at}.wanted_n_s"), 4, |()| impacts.wanted_n_s)
-            .head(&format!("impulse exchanged with the object, peer {peer}"))
+            .head(&format!("impulse that the impacts ask for, peer {peer}"))
             .number(format!("impacts.{at}.delivered_n_s"), 4, |()| impacts.delivered_n_s)
-            .head(&format!("impulse delivered to the device, peer {peer}"))
+            .head(&format!("impulse that object and device took, peer {peer}"))
             .number(format!("impacts.{at}.lost_j"), 5, |()| impacts.lost_j)
             .head(&format!("energy that restitution took, peer {peer}"));
     }

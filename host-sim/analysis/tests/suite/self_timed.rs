@@ -1,7 +1,6 @@
 //! The self-timed line (THEORY §8) at constant delay: a second construction, random scenes that are let go of, and what it needs.
 
-use haptic_analysis::{Hands, agreement, judge};
-use haptic_core::contact::RenderingName;
+use haptic_analysis::{Hands, agreement, judge, verdict};
 use haptic_sim::scene::Scene;
 
 use crate::midpoint::midpoint;
@@ -46,10 +45,7 @@ fn no_scene_that_is_let_go_of_is_unstable() {
         scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
         scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
         scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
-        scene.peer.contact.rendering = RenderingName::Impulsive;
-        scene.peer.contact.one_sided = true;
-        let judged = judge(&scene).expect("a good scene");
-        let radius = judged.worst.spectral_radius;
+        let radius = verdict(&scene.hands_off()).expect("a good scene").spectral_radius;
         assert!(radius <= 1.0 + 1e-6, "scene {number}, credit {credit}: {radius} of {:?}", scene.peer);
     }
 }

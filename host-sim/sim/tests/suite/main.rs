@@ -3,6 +3,7 @@
 mod calibrate;
 mod double_double;
 mod engine;
+mod impulsive;
 mod link;
 mod measure;
 mod midpoint;
