@@ -1,12 +1,13 @@
-//! One haptic peer at run time: [`Peer::tick`] every control period, [`Peer::exchange`] every packet period, nothing else.
+//! One haptic peer at run time: [`Peer::tick`] every control period, [`Peer::exchange`] every packet period, and
+//! [`Peer::hear`] whenever a packet has come; nothing else.
 //!
 //! **Deadline**: the board calls [`Peer::tick`] from its highest interrupt once every T_c (1 ms); a tick that is late is
 //! reported to the next one ([`Sensors::overrun`]), which turns the motors off.
 //! **Total**: no panic, no allocation, no lock, no clock. Whatever comes in, the forces that come out are finite and
 //! within the scene's limits.
 //!
-//! Order of tick n (THEORY §2), so that independent implementations agree: (a) if [`Peer::packet_due`],
-//! [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the
+//! Order of tick n (THEORY §2), so that independent implementations agree: (a) [`Peer::hear`], if a packet has come since
+//! the tick before, and if [`Peer::packet_due`], [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the
 //! object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
@@ -303,28 +304,42 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         }
     }
 
-    /// One packet period: takes in what the network brought (nothing: what came before still stands) and gives what to send.
+    /// Takes in a packet of the other peer: it acts at the next tick, and stands until another one comes.
+    ///
+    /// Before any tick, whether or not [`Peer::exchange`] is due; where both are, first this. Which of several that have come
+    /// is the newest, the caller knows.
+    pub fn hear(&mut self, packet: Packet<S>) {
+        if !packet.is_finite() {
+            return self.trip(Fault::NonFiniteInput);
+        }
+        if self.mode != Mode::Armed {
+            return;
+        }
+        if self.ladder.hear(&mut self.engagement) {
+            self.law.restart(&mut self.coordination, self.object);
+        }
+        self.standing = packet;
+        self.age_ticks = 0;
+        self.receive();
+    }
+
+    /// Gives the law the packet that stands, as far as it still counts.
+    fn receive(&mut self) {
+        let share = self.ladder.share(&self.engagement);
+        let whole = share == S::ONE;
+        let packet = if whole { self.standing } else { self.law.fade(share, self.standing, self.object) };
+        self.law.receive(&mut self.coordination, packet);
+    }
+
+    /// One packet period: gives what to send, and counts the silence if nothing has been heard in it.
     ///
     /// Due before every M-th tick, when [`Peer::packet_due`].
-    pub fn exchange(&mut self, incoming: Option<Packet<S>>) -> Packet<S> {
+    pub fn exchange(&mut self) -> Packet<S> {
         let packet = self.outgoing();
-        if incoming.is_some_and(|incoming| !incoming.is_finite()) {
-            self.trip(Fault::NonFiniteInput);
-            return packet;
-        }
         if self.mode == Mode::Armed {
-            if self.ladder.step(&mut self.engagement, incoming.is_some()) {
-                self.law.restart(&mut self.coordination, self.object);
-            }
-            if let Some(incoming) = incoming {
-                self.standing = incoming;
-                self.age_ticks = 0;
-            }
-            if incoming.is_some() || self.engagement.is_fading() {
-                let share = self.ladder.share(&self.engagement);
-                let whole = share == S::ONE;
-                let packet = if whole { self.standing } else { self.law.fade(share, self.standing, self.object) };
-                self.law.receive(&mut self.coordination, packet);
+            self.ladder.pass(&mut self.engagement);
+            if self.engagement.is_fading() {
+                self.receive();
             }
             if self.engagement.silent() >= self.guard.silent_packets {
                 self.trip(Fault::PeerLost);

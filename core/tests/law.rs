@@ -62,7 +62,8 @@ fn settings(changes: &[(&str, Value<'static>)]) -> Settings {
 fn desired<S: Scalar>(settings: &Settings) -> Motion<f64> {
     let mut peer = Peer::<S, Predict<S>>::new(settings, [Motion::REST; AXES]).expect("good settings");
     peer.command(Command::Arm);
-    peer.exchange(Some(Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() }));
+    peer.hear(Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() });
+    peer.exchange();
     peer.tick(&Sensors { reading: Reading::Exact([Motion::REST; AXES]), overrun: false });
     let seen = peer.observed().desired;
     Motion { position: seen.position.to_f64(), velocity: seen.velocity.to_f64() }

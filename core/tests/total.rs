@@ -111,7 +111,7 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
                 peer.probe(probe);
             }
         }
-        if peer.packet_due() {
+        if now.packet {
             let [.., energy_j, wave_integral] = now.numbers;
             let packet = Packet {
                 motion: Motion { position: e, velocity: f },
@@ -120,7 +120,10 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
                 wave_integral,
                 live_ticks: now.live_ticks,
             };
-            let sent = peer.exchange(now.packet.then_some(packet));
+            peer.hear(packet);
+        }
+        if peer.packet_due() {
+            let sent = peer.exchange();
             prop_assert!(sent.is_finite(), "sent {sent:?}");
         }
         let reading = if now.read_counts {

@@ -8,7 +8,7 @@
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
 //! Order, as in host-sim's harness: encoders; operator's orders, probes and a new scene at packet boundaries, stopping at once;
-//! exchange; tick; bridges; record.
+//! what has come; exchange; tick; bridges; record.
 
 use core::mem::MaybeUninit;
 
@@ -132,19 +132,25 @@ impl Loop {
             self.stop();
             self.side.signals.disarm.release(false);
         }
-        let mut incoming = None;
-        if self.peer.packet_due() {
+        let due = self.peer.packet_due();
+        if due {
             self.boundary();
-            let life = self.side.signals.life.acquire();
-            if life != self.life {
-                self.life = life;
-                self.peer.part();
-                flags |= record::PARTED;
-            }
-            incoming =
-                self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
-            flags |= record::SENT | if incoming.is_some() { record::RECEIVED } else { 0 };
-            let packet = self.peer.exchange(incoming);
+        }
+        let life = self.side.signals.life.acquire();
+        if life != self.life {
+            self.life = life;
+            self.peer.part();
+            flags |= record::PARTED;
+        }
+        let incoming =
+            self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
+        if let Some(packet) = incoming {
+            flags |= record::RECEIVED;
+            self.peer.hear(packet);
+        }
+        if due {
+            flags |= record::SENT;
+            let packet = self.peer.exchange();
             let armed = self.peer.mode() == Mode::Armed;
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }

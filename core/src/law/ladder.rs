@@ -1,9 +1,9 @@
 //! What silence does: hold, fade, disengage; and what the end of silence does: the same steps back.
 //!
-//! Counted in packet periods without a packet: up to `safety.fade_s` the last packet stands; then the coordination
+//! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the coordination
 //! fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both are times, rounded
 //! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the
-//! object is, from no force, and every packet takes one step back. What a packet is that has faded, the law says
+//! object is, from no force, and every packet period with a packet takes one step back. What a packet is that has faded, the law says
 //! ([`super::Law::fade`]).
 //!
 //! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
@@ -33,6 +33,8 @@ pub struct Engagement {
     silent: u32,
     /// A packet has come since the peer was armed: before that there is no silence.
     heard: bool,
+    /// A packet has come in this packet period.
+    came: bool,
 }
 
 impl<S: Scalar> Ladder<S> {
@@ -49,23 +51,26 @@ impl<S: Scalar> Ladder<S> {
 
     /// Fully engaged, nothing heard yet.
     pub fn engaged(&self) -> Engagement {
-        Engagement { level: self.steps, silent: 0, heard: false }
+        Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
 
-    /// One packet period with or without a packet; true if the law has to start anew.
-    pub fn step(&self, at: &mut Engagement, arrived: bool) -> bool {
-        if arrived {
-            let anew = at.level == 0;
-            *at = Engagement { level: at.level.saturating_add(1).min(self.steps), silent: 0, heard: true };
-            return anew;
-        }
-        if at.heard {
+    /// A packet has come: the first of a packet period takes one step back. True if the law has to start anew.
+    pub fn hear(&self, at: &mut Engagement) -> bool {
+        let anew = at.level == 0;
+        let step = u32::from(!at.came);
+        *at = Engagement { level: at.level.saturating_add(step).min(self.steps), silent: 0, heard: true, came: true };
+        anew
+    }
+
+    /// A packet period is over; if no packet came in it, that is silence.
+    pub fn pass(&self, at: &mut Engagement) {
+        let came = core::mem::take(&mut at.came);
+        if at.heard && !came {
             at.silent = at.silent.saturating_add(1);
             if at.silent > self.hold {
                 at.level = at.level.saturating_sub(1);
             }
         }
-        false
     }
 
     /// How far the coordination may act, from 0, disengaged, to exactly 1, engaged.
@@ -78,6 +83,7 @@ impl Engagement {
     /// Disengages at once. Silence goes on being counted.
     pub fn part(&mut self) {
         self.level = 0;
+        self.came = false;
     }
 
     /// The coordination acts at all.

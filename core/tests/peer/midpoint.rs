@@ -45,7 +45,8 @@ fn open_energy(settings: &Settings) -> f64 {
     let mut booked = [0.0; 2];
     for tick in 0..2000 {
         let (wave, hand) = inputs(tick);
-        bench.peer.exchange(Some(Packet { wave, ..Packet::default() }));
+        bench.peer.hear(Packet { wave, ..Packet::default() });
+        bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
         let seen = *bench.peer.observed();
         let ledger = bench.peer.ledger();
@@ -98,7 +99,8 @@ fn what_can_only_push_never_pulls() {
     for tick in 0..5000 {
         let (wave, hand) = inputs(tick);
         // The line draws the copy to the hand.
-        bench.peer.exchange(Some(Packet { wave: wave - 0.6, ..Packet::default() }));
+        bench.peer.hear(Packet { wave: wave - 0.6, ..Packet::default() });
+        bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
         let seen = bench.peer.observed();
         assert!(seen.contact_force >= 0.0, "tick {tick}: {} N", seen.contact_force);

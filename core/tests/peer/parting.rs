@@ -11,7 +11,8 @@ type Bench = crate::Bench<f64>;
 impl Bench {
     /// A packet period with or without a packet; the coordination force of its first tick.
     fn period(&mut self, incoming: Option<Packet<f64>>) -> f64 {
-        self.peer.exchange(incoming);
+        incoming.into_iter().for_each(|packet| self.peer.hear(packet));
+        self.peer.exchange();
         self.at(0.0, 0.0);
         let force = self.peer.observed().coordination_force;
         for _ in 1..self.peer.ticks_per_packet() {
@@ -100,4 +101,29 @@ fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
     assert!(held <= price * (1.0 + 1e-9), "{held} J without parting");
     // Nine steps of the ladder, then everything.
     assert!(parted > 41.0 * price && parted <= 50.0 * price, "{parted} J after parting, {} J sent", 50.0 * price);
+}
+
+/// A packet waits for no packet period: it acts at the tick after it came, and of several in one period only the first is a
+/// step back.
+#[test]
+fn what_comes_between_two_exchanges_acts_at_the_next_tick() {
+    let mut bench = Bench::armed(&power());
+    let pulled = |bench: &mut Bench, stretch: f64| {
+        let here = bench.peer.outgoing().motion.position;
+        bench.peer.hear(at(here + stretch).expect("a packet"));
+        bench.at(0.0, 0.0);
+        bench.peer.observed().coordination_force
+    };
+    bench.period(at(0.0));
+    bench.peer.exchange();
+    bench.at(0.0, 0.0);
+    assert!((pulled(&mut bench, 0.01) - 3.1).abs() < 1e-9);
+    assert!((pulled(&mut bench, -0.02) + 6.2).abs() < 1e-9);
+    bench.peer.part();
+    for step in [1.0, 1.0, 1.0] {
+        let force = pulled(&mut bench, 0.01);
+        assert!((force - step / 9.0 * 3.1).abs() < 1e-9, "{force} N");
+    }
+    bench.peer.exchange();
+    assert!((pulled(&mut bench, 0.01) - 2.0 / 9.0 * 3.1).abs() < 1e-9);
 }

@@ -73,7 +73,8 @@ fn a_reading_whose_velocity_is_no_number() {
 fn a_packet_that_is_no_number() {
     let mut bench = Bench::armed(&Settings::default());
     let packet = Packet { wave: f32::NAN, ..Packet::default() };
-    bench.peer.exchange(Some(packet));
+    bench.peer.hear(packet);
+    bench.peer.exchange();
     let last = bench.at(0.001, 0.0);
     bench.assert_stopped(last, Fault::NonFiniteInput);
 }
@@ -123,16 +124,17 @@ fn a_peer_that_falls_silent() {
     let mut bench = Bench::armed(&settings);
     // Silence before the first packet is no loss: the other peer may start later.
     for _ in 0..1000 {
-        bench.peer.exchange(None);
+        bench.peer.exchange();
     }
     assert_eq!(bench.peer.mode(), Mode::Armed);
-    bench.peer.exchange(Some(Packet::default()));
+    bench.peer.hear(Packet::default());
+    bench.peer.exchange();
     // safety.peer_lost_s is 10 s of packets of 8 ms.
     for _ in 1..1250 {
-        bench.peer.exchange(None);
+        bench.peer.exchange();
     }
     assert_eq!(bench.peer.mode(), Mode::Armed);
-    bench.peer.exchange(None);
+    bench.peer.exchange();
     let last = bench.at(0.001, 0.0);
     bench.assert_stopped(last, Fault::PeerLost);
 }
@@ -152,7 +154,8 @@ fn an_object_that_leaves_the_numbers() {
     settings.object.force_delay_ticks = 0.0;
     let mut bench = Bench::armed(&settings);
     let far = Packet { motion: Motion { position: 3e38, velocity: 0.0 }, ..Packet::default() };
-    bench.peer.exchange(Some(far));
+    bench.peer.hear(far);
+    bench.peer.exchange();
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
 }
@@ -164,7 +167,8 @@ fn a_power_that_leaves_the_numbers() {
     settings.coordination.comm = "power";
     let mut bench = Bench::armed(&settings);
     let fast = Packet { motion: Motion { position: 0.0, velocity: 1e20 }, ..Packet::default() };
-    bench.peer.exchange(Some(fast));
+    bench.peer.hear(fast);
+    bench.peer.exchange();
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
     assert_eq!(bench.peer.ledger().received_j(), 0.0);
@@ -202,7 +206,8 @@ fn an_encoder_that_is_stuck() {
         for tick in 0..400_u16 {
             if bench.peer.packet_due() {
                 let pulled = Packet { motion: Motion::at(0.0004 * f32::from(tick)), ..Packet::default() };
-                bench.peer.exchange(Some(pulled));
+                bench.peer.hear(pulled);
+                bench.peer.exchange();
             }
             let actuators = bench.read(Reading::Counts([Counts(counts(tick)), Counts(0)]));
             largest = largest.max(actuators.forces[0].abs());

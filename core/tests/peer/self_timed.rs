@@ -109,7 +109,8 @@ impl<S: Scalar> Couple<S> {
         for at in 0..2 {
             let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
             let bench = &mut self.benches[at];
-            bench.peer.exchange(incoming);
+            incoming.into_iter().for_each(|packet| bench.peer.hear(packet));
+            bench.peer.exchange();
             bench.at(S::from_f64(hands[at].position), S::from_f64(hands[at].velocity));
             assert_eq!(bench.peer.mode(), Mode::Armed);
         }
@@ -205,7 +206,7 @@ fn silence_is_a_wall() {
     let mut bench = Bench::<f64>::armed(&settings(10.0));
     for tick in 0..500 {
         let [hand, _] = hands(tick);
-        bench.peer.exchange(None);
+        bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
         let seen = bench.peer.observed();
         assert_eq!((seen.desired.position, seen.desired.velocity), (0.0, 0.0), "tick {tick}");

@@ -71,8 +71,11 @@ impl Actor<usize> for Seat {
     }
 
     fn act(&mut self, _: u64, _: &mut Out<'_, usize, Self::Packet>) {
+        if let Some(packet) = self.heard.take() {
+            self.peer.hear(packet);
+        }
         if self.peer.packet_due() {
-            self.peer.exchange(self.heard.take());
+            self.peer.exchange();
         }
         let Motion { position, velocity } = self.handle.motion;
         let reading = Reading::Exact([Motion { position: position as f32, velocity: velocity as f32 }, Motion::REST]);

@@ -1,16 +1,18 @@
-//! Every constant delay that a network table can produce: as it is, after its step, and each whole number of packets within
-//! uniform jitter.
+//! Every constant delay that a network table can produce: as it is, after its step, and each whole number of control periods
+//! within uniform jitter.
 //!
-//! Two peers hear each other around one loop: where packets are on their way in it changes no eigenvalue but 0, only the **round
-//! trip** does (let peer 2's clock be read some packet periods later, and as many move from the way back to the way there). So
-//! one pair of delays is judged for each round trip, as even as the table allows: equal delays fall apart into halves.
+//! Two peers hear each other around one loop: whole packet periods may be on either way of it without a change of any eigenvalue
+//! but 0, only the **round trip** counts (let peer 2's clock be read some packet periods later, and as many move from the way
+//! back to the way there). So one pair of delays is judged for each round trip, as even as the table allows: equal delays fall
+//! apart into halves.
 //!
-//! Units: packet periods. Not covered: a delay that changes from packet to packet, gamma jitter (it has no largest delay),
+//! Units: control periods. Not covered: how what is left of a round trip beside whole packet periods falls to the two ways (other
+//! than evenly), a delay that changes from packet to packet, gamma jitter (it has no largest delay),
 //! packets that are overtaken, a line's queue, a recording.
 
 use std::ops::RangeInclusive;
 
-use super::lifted::delay::{delays_packets, whole_packets};
+use super::lifted::delay::{delays_ticks, whole_ticks};
 use haptic_sim::scene::{Jitter, Scene};
 
 /// Round trips judged at the most, spread evenly with both ends.
@@ -19,14 +21,16 @@ pub(crate) const MOST: usize = 17;
 /// Delays to peer 1 and to peer 2 for every round trip that the table of `scene` can produce, shortest first, and whether that
 /// is all of them. The delay of `linear`, the linear scene behind it, stands as it is.
 pub(crate) fn delays(scene: &Scene, linear: &Scene) -> (Vec<[usize; 2]>, bool) {
-    let (network, base) = (&scene.world.network, delays_packets(linear));
-    let packet_s = scene.peer.timing.packet_period_s();
+    let (network, base) = (&scene.world.network, delays_ticks(linear));
+    let timing = &scene.peer.timing;
+    let whole_packets = |packets: u32| packets as usize * timing.ticks_per_packet as usize;
     let jitter_s = if network.jitter == Jitter::Uniform { network.jitter_s } else { 0.0 };
     let within = |added_s: f64| -> RangeInclusive<usize> {
-        let packets = |added_s: f64| network.one_way_delay_packets as usize + whole_packets(added_s, packet_s);
-        let (least, most) = (packets(added_s), packets(added_s + jitter_s));
+        let ticks =
+            |added_s: f64| whole_packets(network.one_way_delay_packets) + whole_ticks(added_s, timing.control_period_s);
+        let (least, most) = (ticks(added_s), ticks(added_s + jitter_s));
         // Play-out makes everything as late as the fastest and its own depth, unless it is later than that.
-        let played = least + network.playout_packets as usize;
+        let played = least + whole_packets(network.playout_packets);
         least.max(played)..=most.max(played)
     };
     // A step at time 0 leaves nothing of what was before it.

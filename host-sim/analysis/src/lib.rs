@@ -41,7 +41,7 @@ pub use advice::{Change, MARGIN, advice, change};
 pub use agreement::{Agreement, agreement};
 pub use error::AnalysisError;
 pub use lifted::constructed::hold::exponential;
-pub use lifted::delay::delays_packets;
+pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;
 pub use lifted::pair::{is_symmetric, pair_matrix};
 pub use lifted::{Lifted, Matrix, apply};

@@ -17,7 +17,7 @@ use haptic_core::names::Choice;
 use serde::Serialize;
 
 use super::delays::delays;
-use super::lifted::delay::delays_packets;
+use super::lifted::delay::delays_ticks;
 use super::verdict::{Analyser, Verdict};
 use crate::error::AnalysisError;
 use haptic_sim::scene::{Jitter, Scene};
@@ -47,8 +47,8 @@ pub struct Mode {
     /// The worst of every delay, and of either peer let go where that matters.
     #[serde(flatten)]
     pub verdict: Verdict,
-    /// Delays to peer 1 and to peer 2 that gave it, packets; absent where it is the scene's own.
-    pub at_delay_packets: Option<[usize; 2]>,
+    /// Delays to peer 1 and to peer 2 that gave it, ticks; absent where it is the scene's own.
+    pub at_delay_ticks: Option<[usize; 2]>,
 }
 
 /// The verdict on every mode of a scene.
@@ -91,8 +91,8 @@ impl Analyser {
     pub(crate) fn modes(&mut self, scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, AnalysisError> {
         let modes = entered(only);
         let linear = scene.linear();
-        self.measure(&linear, [modes != [Hands::None], modes != [Hands::Both]])?;
-        let (own, (delays, _)) = (delays_packets(&linear), delays(scene, &linear));
+        let (own, (delays, _)) = (delays_ticks(&linear), delays(scene, &linear));
+        self.measure(&linear, [modes != [Hands::None], modes != [Hands::Both]], &delays)?;
         modes.iter().map(|mode| self.mode(*mode, own, &delays)).collect()
     }
 
@@ -104,12 +104,12 @@ impl Analyser {
             Hands::One => &[[false, true]],
             Hands::None => &[[true; 2]],
         };
-        let mut worst = Mode { mode, verdict: Verdict::LEAST, at_delay_packets: None };
+        let mut worst = Mode { mode, verdict: Verdict::LEAST, at_delay_ticks: None };
         for delays in delays {
             for released in let_go {
                 let verdict = self.joined(*released, *delays)?;
                 if verdict.spectral_radius > worst.verdict.spectral_radius {
-                    worst = Mode { mode, verdict, at_delay_packets: (*delays != own).then_some(*delays) };
+                    worst = Mode { mode, verdict, at_delay_ticks: (*delays != own).then_some(*delays) };
                 }
             }
         }

@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::error::AnalysisError;
-use super::lifted::delay::delays_packets;
+use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
 use super::lifted::pair::{Joined, is_apart, same_arms, seat};
 use super::lifted::{Lifted, prune, rest};
@@ -76,19 +76,46 @@ pub struct Analyser {
 /// What the peers of a scene answer to a packet period, measured once for every mode and delay.
 #[derive(Debug, Default)]
 struct Answers {
-    held: [Response; 2],
-    released: Response,
+    held: [Heard; 2],
+    released: Heard,
+    /// M.
+    ticks_per_packet: usize,
     /// Both users' arms are the same, so that one answer is enough.
     alike: bool,
     /// Nobody can hold anything, so that every mode is that of no hands.
     apart: bool,
 }
 
+/// A peer's answers, one for each tick of a packet period at which it is to hear a packet.
+#[derive(Debug, Default)]
+struct Heard {
+    at_ticks: Vec<usize>,
+    answers: Vec<Response>,
+}
+
+impl Heard {
+    fn measure(&mut self, linear: &Scene, index: usize, at_ticks: &[usize]) -> Result<(), AnalysisError> {
+        self.at_ticks.clear();
+        self.at_ticks.extend_from_slice(at_ticks);
+        self.answers.resize_with(at_ticks.len(), Response::default);
+        for (answer, at_tick) in self.answers.iter_mut().zip(at_ticks) {
+            answer.measure(linear, index, *at_tick)?;
+        }
+        Ok(())
+    }
+
+    fn at(&self, at_tick: usize) -> &Response {
+        let measured = self.at_ticks.iter().position(|known| *known == at_tick);
+        &self.answers[measured.expect("what is joined was measured")]
+    }
+}
+
 impl Analyser {
     /// The verdict on a scene that is linear already, both hands on.
     pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
-        self.measure(linear, [true, false])?;
-        self.joined([false; 2], delays_packets(linear))
+        let delays = delays_ticks(linear);
+        self.measure(linear, [true, false], &[delays])?;
+        self.joined([false; 2], delays)
     }
 
     /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `anchors` are states known to matter.
@@ -107,19 +134,29 @@ impl Analyser {
         Ok(Verdict::new(radius, states, rest_modes, false))
     }
 
-    /// Measures what the peers of a linear scene answer: with a hand on, let go, or both.
-    pub(crate) fn measure(&mut self, linear: &Scene, [held, released]: [bool; 2]) -> Result<(), AnalysisError> {
+    /// Measures what the peers of a linear scene answer with a hand on, let go, or both, where packets are on their way to peer 1
+    /// and to peer 2 for one of these numbers of ticks.
+    pub(crate) fn measure(
+        &mut self,
+        linear: &Scene,
+        [held, released]: [bool; 2],
+        delays: &[[usize; 2]],
+    ) -> Result<(), AnalysisError> {
         let answers = &mut self.answers;
+        answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
+        let mut at_ticks: Vec<usize> = delays.iter().flatten().map(|ticks| ticks % answers.ticks_per_packet).collect();
+        at_ticks.sort_unstable();
+        at_ticks.dedup();
         answers.apart = is_apart(linear);
         answers.alike = answers.apart || same_arms(linear);
         if held && !answers.apart {
-            answers.held[0].measure(linear, 0)?;
+            answers.held[0].measure(linear, 0, &at_ticks)?;
             if !answers.alike {
-                answers.held[1].measure(linear, 1)?;
+                answers.held[1].measure(linear, 1, &at_ticks)?;
             }
         }
         if released || answers.apart {
-            answers.released.measure(&seat(linear, true), 0)?;
+            answers.released.measure(&seat(linear, true), 0, &at_ticks)?;
         }
         Ok(())
     }
@@ -129,12 +166,15 @@ impl Analyser {
         !self.answers.alike
     }
 
-    /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, packets.
+    /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks.
     pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, AnalysisError> {
-        let Answers { held, released: let_go, alike, apart } = &self.answers;
+        let Answers { held, released: let_go, alike, apart, ticks_per_packet } = &self.answers;
         let released = released.map(|released| released || *apart);
-        let answer = |at: usize| if released[at] { let_go } else { &held[if *alike { 0 } else { at }] };
-        let joined = Joined::new([answer(0), answer(1)], delays);
+        let answer = |at: usize| {
+            let heard = if released[at] { let_go } else { &held[if *alike { 0 } else { at }] };
+            heard.at(delays[at] % ticks_per_packet)
+        };
+        let joined = Joined::new([answer(0), answer(1)], delays.map(|ticks| ticks / ticks_per_packet));
         let hands = released.iter().filter(|released| !**released).count();
         let solver = &mut self.solvers[hands];
         let objects = joined.objects();

@@ -90,7 +90,6 @@ pub fn run(
             let [a, b, c, d, ..] = take(4)?;
             Reading::Counts([Counts(u16::from_le_bytes([a, b])), Counts(u16::from_le_bytes([c, d]))])
         };
-        let mut incoming = None;
         if flags & PACKET != 0 {
             let [position, velocity, wave, _] = floats(&take(12)?);
             let wide = take(16)?;
@@ -100,10 +99,10 @@ pub fn run(
             let [a, b, c, d, ..] = take(4)?;
             let live_ticks = u32::from_le_bytes([a, b, c, d]);
             let motion = Motion { position, velocity };
-            incoming = Some(Packet { motion, wave, energy_j, wave_integral, live_ticks });
+            peer.hear(Packet { motion, wave, energy_j, wave_integral, live_ticks });
         }
         if flags & EXCHANGE != 0 {
-            peer.exchange(incoming);
+            peer.exchange();
         }
         let actuators = peer.tick(&Sensors { reading, overrun: false });
         fold(&mut hash, &mut peer, &actuators);

@@ -127,7 +127,7 @@ impl<S: Scalar, L: Law<S>> Recording<S, L> {
                 if due {
                     on_the_way[1 - index] = Some(peer.outgoing());
                 }
-                let input = Input { sensors: sensors(settings, tick, index), packet: arrived[index] };
+                let input = Input { sensors: sensors(settings, tick, index), packet: arrived[index].filter(|_| due) };
                 step(peer, &input);
                 if index == 0 && tick >= TICKS {
                     inputs.push(input);
@@ -151,12 +151,15 @@ impl<S: Scalar, L: Law<S>> Recording<S, L> {
     }
 }
 
-/// One tick of a peer, and the exchange before it when one is due: what a board does in its interrupt, so that an eighth of
+/// One tick of a peer, and what is heard and exchanged before it when that is due: what a board does in its interrupt, so that an eighth of
 /// an exchange is in the mean.
 #[inline(always)]
 pub fn step<S: Scalar, L: Law<S>>(peer: &mut Peer<S, L>, input: &Input<S>) -> Actuators<S> {
+    if let Some(packet) = input.packet {
+        peer.hear(packet);
+    }
     if peer.packet_due() {
-        black_box(peer.exchange(input.packet));
+        black_box(peer.exchange());
     }
     peer.tick(&input.sensors)
 }

@@ -163,20 +163,20 @@ impl Node {
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us, || self.peer.part());
-        let due = self.peer.packet_due();
-        if due {
-            self.line.inbox.play(self.ticks);
-        }
+        self.line.inbox.play(self.ticks);
         if self.peer.mode() == Mode::Disarmed && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
         }
-        if due {
-            let (flow, anew) = self.line.inbox.take();
-            if anew {
-                self.peer.part();
-            }
-            let packet = self.peer.exchange(flow.as_ref().map(packet_of));
+        let (flow, anew) = self.line.inbox.take();
+        if anew {
+            self.peer.part();
+        }
+        if let Some(flow) = &flow {
+            self.peer.hear(packet_of(flow));
+        }
+        if self.peer.packet_due() {
+            let packet = self.peer.exchange();
             let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);
         }

@@ -26,7 +26,8 @@ pub struct Side<S: Scalar> {
     pub sent: u64,
     period_s: f64,
     period_ns: u64,
-    exchanged: Option<Option<Packet<S>>>,
+    heard: Option<Packet<S>>,
+    exchanged: bool,
     sensors: Sensors<S>,
     actuators: Actuators<S>,
 }
@@ -40,12 +41,13 @@ impl<S: Number> Side<S> {
             sensors: plant.sensors(),
             peer,
             plant,
-            inbox: Inbox::new(scene),
+            inbox: Inbox::new(scene, 1),
             to,
             sent: 0,
             period_s: scene.peer.timing.control_period_s,
             period_ns: scene.peer.timing.control_period_ns(),
-            exchanged: None,
+            heard: None,
+            exchanged: false,
             actuators: Actuators::default(),
         })
     }
@@ -70,11 +72,14 @@ impl<S: Scalar> Actor<usize> for Side<S> {
 
     #[inline]
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
-        self.exchanged = self.peer.packet_due().then(|| {
-            let incoming = self.inbox.take(now_ns);
-            self.peer.exchange(incoming);
-            incoming
-        });
+        self.heard = self.inbox.take(now_ns);
+        if let Some(packet) = self.heard {
+            self.peer.hear(packet);
+        }
+        self.exchanged = self.peer.packet_due();
+        if self.exchanged {
+            self.peer.exchange();
+        }
         self.sensors = self.plant.sensors();
         self.actuators = self.peer.tick(&self.sensors);
         self.plant.step((now_ns / self.period_ns) as f64 * self.period_s, &self.actuators);
@@ -86,8 +91,10 @@ impl<S: Scalar> Actor<usize> for Side<S> {
 pub struct Seen<'a, S: Scalar> {
     /// Which peer, 1 or 2.
     pub number: usize,
-    /// The exchange before the tick, if one was due, with what it took in.
-    pub exchanged: Option<Option<Packet<S>>>,
+    /// What it heard before the tick.
+    pub heard: Option<Packet<S>>,
+    /// An exchange was due before the tick.
+    pub exchanged: bool,
     /// What the tick read.
     pub sensors: &'a Sensors<S>,
     /// What it commanded.
@@ -145,9 +152,10 @@ impl<S: Number> Pair<S> {
     #[inline]
     pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S>)) {
         self.engine.step(&mut |turn| {
-            let Side { exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
+            let Side { heard, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
             if turn.turn == Turn::Acted {
-                each(Seen { number: turn.seat + 1, exchanged: *exchanged, sensors, actuators, peer: &mut **peer });
+                let (heard, exchanged) = (*heard, *exchanged);
+                each(Seen { number: turn.seat + 1, heard, exchanged, sensors, actuators, peer: &mut **peer });
             }
         });
     }

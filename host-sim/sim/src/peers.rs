@@ -56,8 +56,10 @@ macro_rules! dyn_peer {
 dyn_peer! {
     /// One control period: sensors in, forces out.
     fn tick(self: &mut Self, sensors: &Sensors<S>) -> Actuators<S>;
-    /// One packet period: takes in what the network brought and gives what to send.
-    fn exchange(self: &mut Self, incoming: Option<Packet<S>>) -> Packet<S>;
+    /// Takes in a packet of the other peer: it acts at the next tick.
+    fn hear(self: &mut Self, packet: Packet<S>);
+    /// One packet period: gives what to send.
+    fn exchange(self: &mut Self) -> Packet<S>;
     /// What it would send now.
     fn outgoing(self: &Self) -> Packet<S>;
     /// Whether [`DynPeer::exchange`] is due before the next tick.

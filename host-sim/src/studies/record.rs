@@ -52,9 +52,8 @@ pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, Str
 }
 
 fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
-    let incoming = seen.exchanged.flatten();
-    let exchange = if seen.exchanged.is_some() { EXCHANGE } else { 0 };
-    let flags = exchange | if incoming.is_some() { PACKET } else { 0 };
+    let exchange = if seen.exchanged { EXCHANGE } else { 0 };
+    let flags = exchange | if seen.heard.is_some() { PACKET } else { 0 };
     match seen.sensors.reading {
         Reading::Exact(axes) => {
             bytes.push(flags | EXACT);
@@ -65,7 +64,7 @@ fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
             bytes.extend(counts.iter().flat_map(|counts| counts.0.to_le_bytes()));
         }
     }
-    if let Some(packet) = incoming {
+    if let Some(packet) = seen.heard {
         bytes
             .extend([packet.motion.position, packet.motion.velocity, packet.wave].iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([packet.energy_j, packet.wave_integral].iter().flat_map(|x| x.to_le_bytes()));

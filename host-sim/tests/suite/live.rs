@@ -78,7 +78,8 @@ fn compare(live: &Value, memory: &Value) {
     assert!((real / wanted - 1.0).abs() < 0.05, "{real} mm, {wanted} mm in memory");
     // F_T balances the push of 1 N.
     assert!((number(live, "coordination_force_n").abs() - 1.0).abs() < 0.05, "{live}");
-    assert!(number(live, "round_trip_us") > 0.0 && number(live, "jitter_us") > 0.0, "{live}");
+    // A reply waits for a beat at either end. Beats that are never late make every round trip the same; a busy machine does not.
+    assert!(number(live, "round_trip_us") > 0.0 && number(live, "jitter_us") < 1e5, "{live}");
     // Both read the same machine's clock, from when each began: within the seconds that this takes.
     assert!(number(live, "clock_offset_us").abs() < 60e6 && number(live, "clock_drift_ppm").is_finite(), "{live}");
     // The other one armed, and feels the same force the other way round.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
+use haptic_core::law::Sends;
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::run::{Account, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
@@ -15,7 +16,7 @@ use crate::bench::{Bench, PERIOD_NS, for_boards};
 use crate::cost;
 use crate::image::Firmware;
 use crate::node::Report;
-use crate::twin::{self, Equal};
+use crate::twin::{self, Armed, Equal};
 use crate::wire::Line;
 
 /// What a scene on two boards gave.
@@ -37,9 +38,10 @@ pub struct Trial {
     pub packets_dropped: u64,
     /// Frames that the wire lost.
     pub wire_lost: u64,
-    /// Ticks of both boards whose bits equal host-sim's; on a bad line, of a host-sim that is given the same arrivals.
+    /// Ticks of both boards whose bits equal host-sim's; on a bad line, or where a line counts from arming on, of a host-sim
+    /// that is given the same arrivals, from arming on.
     pub equal: Equal,
-    /// The same of each board's recorded inputs, run again here.
+    /// The same of each board's recorded inputs from arming on, run again here.
     pub replayed: [Equal; 2],
     /// Instructions of an armed tick, over both boards.
     pub instructions: cost::MedianAndMost,
@@ -68,8 +70,8 @@ pub fn line(scene: &Scene) -> Result<Line, String> {
             .to_owned());
     }
     let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
-    // It arrives in the middle of the packet period before the one that takes it.
-    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - packet_ns / 2, ..Line::default() })
+    // It arrives in the middle of the control period before the tick that hears it.
+    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - PERIOD_NS / 2, ..Line::default() })
 }
 
 /// Dropped and refused packets, by a board's own account.
@@ -90,7 +92,7 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, String> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
-    let impaired = of_scene(&scene, Direction::OneToTwo, 0).is_some();
+    let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().sends == Sends::Counters;
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
     let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
         .map_err(|refused| refused.to_string())?;
@@ -113,8 +115,12 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     // What is still in the boards comes out.
     bench.run_for_ms(24);
     let after: u64 = (1..=2).map(|number| dropped(&mut bench, number)).sum();
-    let records =
-        [1, 2].map(|number| bench.armed_ticks(number).iter().copied().take(ticks as usize).collect::<Vec<_>>());
+    let whole = [1, 2].map(|number| {
+        let Armed { records, standing } = bench.since_armed(number);
+        (records.iter().copied().take(standing + ticks as usize).collect::<Vec<_>>(), standing)
+    });
+    let armed = [0, 1].map(|at| Armed { records: &whole[at].0, standing: whole[at].1 });
+    let records = armed.map(|board| board.records[board.standing..].to_vec());
     let wire_lost = bench.wire.lost;
     let reports = bench.finish();
     let wall_s = wall.elapsed().as_secs_f64();
@@ -132,8 +138,8 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
         packets_received: flagged(RECEIVED),
         packets_dropped: after - before,
         wire_lost,
-        equal: if impaired { twin::closed_loop_given(&scene, both) } else { twin::closed_loop(&scene, both) },
-        replayed: [0, 1].map(|index| twin::replay(&settings[index], both[index])),
+        equal: if given { twin::closed_loop_given(&scene, armed) } else { twin::closed_loop(&scene, both) },
+        replayed: [0, 1].map(|index| twin::replay_alone(&settings[index], armed[index].records)),
         instructions,
         records,
         reports,

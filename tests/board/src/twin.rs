@@ -26,6 +26,15 @@ pub struct Equal {
     pub first_difference: Option<u64>,
 }
 
+/// What a board told from the tick that armed it on.
+#[derive(Clone, Copy, Debug)]
+pub struct Armed<'a> {
+    /// Every tick.
+    pub records: &'a [Record],
+    /// How many of them passed before the devices began to move.
+    pub standing: usize,
+}
+
 fn compare(mut same: impl FnMut(u64) -> bool, ticks: u64) -> Equal {
     let first_difference = (0..ticks).find(|tick| !same(*tick));
     Equal { ticks: first_difference.unwrap_or(ticks), first_difference }
@@ -58,13 +67,18 @@ pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
 /// How far back a packet may come from, packet periods.
 const LATEST: usize = 64;
 
-/// host-sim's peers and devices, given the arrivals that the boards had, against both boards' ticks since arming.
+/// host-sim's peers and devices, given the arrivals that the boards had, against both boards' ticks since the first of them
+/// was armed; the devices begin to move where the boards' did.
 ///
 /// # Panics
 /// host-sim refuses the scene.
-pub fn closed_loop_given(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
+pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
-    let ticks = boards.iter().map(|records| records.len()).min().unwrap_or(0) as u64;
+    // Nobody is there until he is heard.
+    pair.sides_mut().for_each(|side| side.peer.part());
+    let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
+    let before = boards.map(|board| begin - board.standing as u64);
+    let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
     let mut sent: [Vec<Packet<f32>>; 2] = [Vec::new(), Vec::new()];
     compare(
         |tick| {
@@ -72,20 +86,25 @@ pub fn closed_loop_given(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
             for (side, sent) in pair.sides().into_iter().zip(&mut sent).filter(|(side, _)| side.peer.packet_due()) {
                 sent.push(side.peer.outgoing());
             }
-            for (at, (side, records)) in pair.sides_mut().zip(boards).enumerate() {
-                let board = &records[tick as usize];
+            for (at, (side, (board, before))) in pair.sides_mut().zip(boards.iter().zip(before)).enumerate() {
+                // One board is armed some ticks before the other.
+                let Some(at_board) = tick.checked_sub(before) else { continue };
+                let board = &board.records[at_board as usize];
                 if board.flags() & record::PARTED != 0 {
                     side.peer.part();
                 }
+                if let Some(packet) = board.incoming() {
+                    same &= sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet);
+                    side.peer.hear(packet);
+                }
                 if side.peer.packet_due() {
-                    let incoming = board.incoming();
-                    same &= incoming
-                        .is_none_or(|packet| sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet));
-                    side.peer.exchange(incoming);
+                    side.peer.exchange();
                 }
                 let sensors = side.plant.sensors::<f32>();
                 let actuators = side.peer.tick(&sensors);
-                side.plant.step(tick as f64 * scene.peer.timing.control_period_s, &actuators);
+                if let Some(moving) = tick.checked_sub(begin) {
+                    side.plant.step(moving as f64 * scene.peer.timing.control_period_s, &actuators);
+                }
                 same &= sensors.reading == Reading::Counts(board.counts())
                     && digest(&mut *side.peer) == board.digest()
                     && actuators.duties == board.duties();
@@ -124,8 +143,11 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             if board.flags() & record::PARTED != 0 {
                 peer.part();
             }
+            if let Some(packet) = incoming {
+                peer.hear(packet);
+            }
             if board.flags() & record::SENT != 0 {
-                peer.exchange(incoming);
+                peer.exchange();
             }
             let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;

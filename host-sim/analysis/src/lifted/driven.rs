@@ -1,7 +1,7 @@
-//! What one peer with its device answers to one packet period, found by driving the code that flies.
+//! What one peer with its device answers to one packet period in which it hears one packet, at its start or later, found by driving the code that flies.
 //!
-//! [`Response::measure`] puts the peer into a unit state, lets [`DynPeer::exchange`] and M times
-//! [`DynPeer::tick`] run in `f64` against the exact plant, and reads the state back: one column of a matrix. No
+//! [`Response::measure`] puts the peer into a unit state, lets [`DynPeer::hear`],
+//! [`DynPeer::exchange`] and M times [`DynPeer::tick`] run in `f64` against the exact plant, and reads the state back: one column of a matrix. No
 //! equation of the peer is repeated here; a coordination law, integrator or estimator that is new to core's lists is
 //! analysed without a change, as long as it is linear and its `StateVector` visits all of its state.
 //!
@@ -22,7 +22,7 @@ use haptic_core::num::{Motion, StateVector};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, Settings};
 
-use super::delay::delays_packets;
+use super::delay::delays_ticks;
 use crate::matrix::{Matrix, reset};
 use haptic_sim::peers::DynPeer;
 use haptic_sim::plant::Plant;
@@ -48,7 +48,7 @@ pub(crate) const OBJECT: usize = DEVICE_STATES;
 pub struct Response {
     /// Local state after the period for each local state before, when the packet that arrives is all zeros.
     pub own: Matrix,
-    /// Local state after the period for each number of the packet that arrives at its start, from rest.
+    /// Local state after the period for each number of the packet that arrives in it, from rest.
     pub heard: Matrix,
     /// Each number of the packet sent at the start of the period, for each local state before.
     pub sent: Matrix,
@@ -78,9 +78,10 @@ impl Response {
         self.sent.nrows()
     }
 
-    /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]).
-    pub fn measure(&mut self, linear: &Scene, index: usize) -> Result<(), Refused<'static>> {
-        let mut seat = Seat::new(linear, index)?;
+    /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]); a packet is heard before tick `at_tick` of the
+    /// packet period.
+    pub fn measure(&mut self, linear: &Scene, index: usize, at_tick: usize) -> Result<(), Refused<'static>> {
+        let mut seat = Seat::new(linear, index, at_tick)?;
         let (states, packet) = (seat.local.len(), seat.packet.len());
         reset(&mut self.own, states, states);
         reset(&mut self.heard, states, packet);
@@ -125,9 +126,9 @@ impl Response {
         }
     }
 
-    /// The local state after a period from `local`, hearing `packet`; a check of superposition needs no more.
+    /// The local state after a period from `local`, hearing `packet` at its start; a check of superposition needs no more.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
-        let mut seat = Seat::new(linear, index)?;
+        let mut seat = Seat::new(linear, index, 0)?;
         seat.local.copy_from_slice(local);
         seat.packet.copy_from_slice(packet);
         let mut after = vec![0.0; local.len()];
@@ -142,12 +143,14 @@ const LEARNING: usize = 64;
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
 /// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
 /// goes on standing now and then.
-fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Option<Packet<f64>> {
+fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant, at_tick: usize) -> Option<Packet<f64>> {
     if linear.law().sends != Sends::Counters {
         return Some(Packet::default());
     }
     let timing = &linear.peer.timing;
-    let delay = delays_packets(linear).iter().sum::<usize>().div_ceil(2);
+    // The mean of both ways, as far as a packet that is heard then allows.
+    let (packet, mean) = (timing.ticks_per_packet as usize, delays_ticks(linear).iter().sum::<usize>().div_ceil(2));
+    let delay = (mean + packet - 1 - at_tick) / packet;
     let sensors = plant.sensors();
     let (mut at_rest, mut flying) = (peer.clone(), VecDeque::new());
     let mut live = 0;
@@ -164,8 +167,8 @@ fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Op
         if due.is_some() {
             flying.pop_front();
         }
-        at_rest.exchange(due);
-        for _ in 0..timing.ticks_per_packet {
+        for tick in 0..packet {
+            before_tick(&mut *at_rest, tick, due.filter(|_| tick == at_tick));
             at_rest.tick(&sensors);
         }
         let ticks = at_rest.outgoing().live_ticks.wrapping_sub(before);
@@ -174,12 +177,24 @@ fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant) -> Op
     None
 }
 
+/// What happens before a tick of a packet period.
+fn before_tick(peer: &mut dyn DynPeer<f64>, tick: usize, heard: Option<Packet<f64>>) {
+    if let Some(packet) = heard {
+        peer.hear(packet);
+    }
+    if tick == 0 {
+        peer.exchange();
+    }
+}
+
 /// A peer in front of its device, and the state and packet it is to start from, in units.
 struct Seat {
     armed: Box<dyn DynPeer<f64>>,
     /// The same one metre away.
     there: Box<dyn DynPeer<f64>>,
-    ticks_per_packet: u32,
+    ticks_per_packet: usize,
+    /// The tick before which the packet is heard.
+    at_tick: usize,
     plant: Plant,
     local: Vec<f64>,
     packet: Vec<f64>,
@@ -188,7 +203,7 @@ struct Seat {
 }
 
 impl Seat {
-    fn new(linear: &Scene, index: usize) -> Result<Self, Refused<'static>> {
+    fn new(linear: &Scene, index: usize, at_tick: usize) -> Result<Self, Refused<'static>> {
         let settings = &linear.peers()[index];
         let at = |settings: &Settings, axes| {
             let mut peer = linear.laws.peer(settings, axes)?;
@@ -202,7 +217,7 @@ impl Seat {
         let mut numbers = 0;
         Packet::<f64>::default().visit(&mut |_| numbers += 1);
         let plant = Plant::new(linear, index);
-        let due = match settle(&mut armed, linear, &plant) {
+        let due = match settle(&mut armed, linear, &plant, at_tick) {
             Some(due) => due,
             // A credit below the delay: while it is live, the line is one of the delay.
             None => {
@@ -210,11 +225,12 @@ impl Seat {
                 // A key of the law, which allows 0.
                 let _ = follows.set_number("coordination.credit_ticks", 0.0);
                 armed = at(&follows.peers()[index], [free, held[0]])?;
-                settle(&mut armed, linear, &plant).unwrap_or_default()
+                settle(&mut armed, linear, &plant, at_tick).unwrap_or_default()
             }
         };
-        let ticks_per_packet = settings.timing.ticks_per_packet;
-        Ok(Self { armed, there, ticks_per_packet, plant, local: vec![0.0; states], packet: vec![0.0; numbers], due })
+        let ticks_per_packet = settings.timing.ticks_per_packet as usize;
+        let (local, packet) = (vec![0.0; states], vec![0.0; numbers]);
+        Ok(Self { armed, there, ticks_per_packet, at_tick, plant, local, packet, due })
     }
 
     /// Everything at zero.
@@ -252,8 +268,8 @@ impl Seat {
         let mut numbers = self.packet.iter();
         packet.visit(&mut |number: &mut f64| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
 
-        peer.exchange(Some(packet));
-        for _ in 0..self.ticks_per_packet {
+        for tick in 0..self.ticks_per_packet {
+            before_tick(&mut *peer, tick, (tick == self.at_tick).then_some(packet));
             let sensors = self.plant.sensors();
             let actuators = peer.tick(&sensors);
             self.plant.step(0.0, &actuators);

@@ -6,13 +6,13 @@ use haptic_sim::scene::Scene;
 
 use super::Lifted;
 use super::closing::{End, close};
-use super::delay::delays_packets;
+use super::delay::delays_ticks;
 use super::driven::{OBJECT, Response};
 use crate::error::AnalysisError;
 
 /// Whether the two peers, their devices and both directions of the network are the same.
 pub fn is_symmetric(linear: &Scene) -> bool {
-    let [to_first, to_second] = delays_packets(linear);
+    let [to_first, to_second] = delays_ticks(linear);
     same_arms(linear) && to_first == to_second
 }
 
@@ -36,18 +36,19 @@ pub(crate) fn seat(linear: &Scene, released: bool) -> Cow<'_, Scene> {
     if released || is_apart(linear) { Cow::Owned(linear.hands_off()) } else { Cow::Borrowed(linear) }
 }
 
-/// Two peers' answers and the packet periods that packets are on their way to each of them.
+/// Two peers' answers, each to a packet that it hears so far into a packet period as its delay says, and the whole packet periods
+/// that packets are on their way to each of them.
 pub(crate) struct Joined<'a> {
     answers: [&'a Response; 2],
-    delays: [usize; 2],
+    delays_packets: [usize; 2],
     /// Taken apart into sum and difference: one answer for both, and the same delay both ways.
     pub symmetric: bool,
 }
 
 impl<'a> Joined<'a> {
-    pub(crate) fn new(answers: [&'a Response; 2], delays: [usize; 2]) -> Self {
-        let symmetric = std::ptr::eq(answers[0], answers[1]) && delays[0] == delays[1];
-        Self { answers, delays, symmetric }
+    pub(crate) fn new(answers: [&'a Response; 2], delays_packets: [usize; 2]) -> Self {
+        let symmetric = std::ptr::eq(answers[0], answers[1]) && delays_packets[0] == delays_packets[1];
+        Self { answers, delays_packets, symmetric }
     }
 
     /// The lifted matrices it falls apart into, by sign: sum and difference, or the pair as it is.
@@ -62,7 +63,8 @@ impl<'a> Joined<'a> {
 
     /// Writes the matrix of one sign into `whole`.
     pub(crate) fn write(&self, sign: f64, whole: &mut Lifted) {
-        let end = |at: usize, hears| End { response: self.answers[at], hears, sign, delay_packets: self.delays[at] };
+        let end =
+            |at: usize, hears| End { response: self.answers[at], hears, sign, delay_packets: self.delays_packets[at] };
         if self.symmetric {
             close(&[end(0, 0)], whole);
         } else {
@@ -79,11 +81,12 @@ pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
 
 /// The same with a scene for each peer ([`seat`]).
 pub(crate) fn seated_matrix(seats: [&Scene; 2]) -> Result<Lifted, AnalysisError> {
+    let (delays, ticks_per_packet) = (delays_ticks(seats[0]), seats[0].peer.timing.ticks_per_packet as usize);
     let mut answers = <[Response; 2]>::default();
     for (at, answer) in answers.iter_mut().enumerate() {
-        answer.measure(seats[at], at)?;
+        answer.measure(seats[at], at, delays[at] % ticks_per_packet)?;
     }
     let mut whole = Lifted::default();
-    Joined::new(answers.each_ref(), delays_packets(seats[0])).write(1.0, &mut whole);
+    Joined::new(answers.each_ref(), delays.map(|ticks| ticks / ticks_per_packet)).write(1.0, &mut whole);
     Ok(whole)
 }

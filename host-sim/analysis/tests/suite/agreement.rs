@@ -86,7 +86,7 @@ fn the_peer_is_linear_where_it_is_analysed() {
         }
         let whole = pair_matrix(&linear).unwrap().matrix;
         let mut response = Response::default();
-        response.measure(&linear, 0).unwrap();
+        response.measure(&linear, 0, 0).unwrap();
         let mut random = random::Random::new(seed);
         let local: Vec<f64> = (0..response.states()).map(|_| random.unit() - 0.5).collect();
         let packet: Vec<f64> = (0..response.packet()).map(|_| random.unit() - 0.5).collect();

@@ -152,16 +152,16 @@ fn every_delay_that_the_table_can_produce() {
                 object.force_delay_ticks=0 network.one_way_delay_packets=0";
     let at = |network: &str| judged(&format!("{base} {network}"));
     let delayed = at("network.one_way_delay_packets=3");
-    assert!(at("").worst.stable && !delayed.worst.stable && delayed.modes[0].at_delay_packets.is_none());
+    assert!(at("").worst.stable && !delayed.worst.stable && delayed.modes[0].at_delay_ticks.is_none());
     let ways = [
-        ("network.delay_step_s=0.024 network.delay_step_at_s=5", [3, 3]),
-        ("network.delay_step_s=0.02 network.delay_step_at_s=0", [3, 3]),
-        ("network.jitter=uniform network.jitter_s=0.024", [3, 3]),
-        ("network.extra_delay_s=0.008 network.jitter=uniform network.jitter_s=0.016", [3, 3]),
+        "network.delay_step_s=0.024 network.delay_step_at_s=5",
+        "network.delay_step_s=0.0231 network.delay_step_at_s=0",
+        "network.jitter=uniform network.jitter_s=0.024",
+        "network.extra_delay_s=0.008 network.jitter=uniform network.jitter_s=0.016",
     ];
-    for (network, wanted) in ways {
+    for network in ways {
         let found = at(network);
-        assert_eq!(mode(&found, Hands::Both).at_delay_packets, Some(wanted), "{network}");
+        assert_eq!(mode(&found, Hands::Both).at_delay_ticks, Some([24, 24]), "{network}");
         assert_eq!(radius(&found, Hands::Both), radius(&delayed, Hands::Both), "{network}");
     }
     // A step back from it at once leaves nothing of it; play-out makes all of it one delay.
@@ -169,7 +169,7 @@ fn every_delay_that_the_table_can_produce() {
     assert_eq!(radius(&at(back), Hands::Both), radius(&at(""), Hands::Both));
     let played = at("network.jitter=uniform network.jitter_s=0.024 network.playout_packets=3");
     assert_eq!(radius(&played, Hands::Both), radius(&delayed, Hands::Both));
-    assert_eq!(mode(&played, Hands::Both).at_delay_packets, None);
+    assert_eq!(mode(&played, Hands::Both).at_delay_ticks, None);
 }
 
 /// A crossing in every mode is where the scene changes between stable in all of them and not.

@@ -201,7 +201,7 @@ impl<P: Payload + ?Sized> Link<P> {
     }
 }
 
-/// A receiver that looks once a packet period: it takes the newest that has come, and drops what is older, overtaken or a
+/// A receiver that looks every so many control periods: it takes the newest that has come, and drops what is older, overtaken or a
 /// second copy. With `network.playout_packets` what has come goes through the peers' own play-out buffer.
 #[derive(Clone, Debug)]
 pub struct Inbox<T> {
@@ -222,6 +222,8 @@ struct Buffered<T> {
     came: Vec<(u64, Numbered<T>)>,
     tick_ns: u64,
     ticks_per_packet: u32,
+    /// Ticks from one look to the next.
+    every: u32,
     /// The receiver's clock, ticks.
     local: u32,
 }
@@ -236,21 +238,22 @@ impl<T> Buffered<T> {
         }
         let before = self.playout.waiting();
         let played = self.playout.take(self.local);
-        self.local = self.local.wrapping_add(self.ticks_per_packet);
+        self.local = self.local.wrapping_add(self.every);
         *dropped += (before - self.playout.waiting()) as u64 - u64::from(played.is_some());
         played
     }
 }
 
 impl<T> Inbox<T> {
-    /// As the scene asks for.
-    pub fn new(scene: &Scene) -> Self {
+    /// As the scene asks for; the receiver looks every `every` ticks.
+    pub fn new(scene: &Scene, every: u32) -> Self {
         let (depth, timing) = (scene.world.network.playout_packets, &scene.peer.timing);
         let buffered = || Buffered {
             playout: Playout::new(depth, timing.ticks_per_packet),
             came: Vec::new(),
             tick_ns: timing.control_period_ns(),
             ticks_per_packet: timing.ticks_per_packet,
+            every,
             local: 0,
         };
         Self { waiting: None, newest: None, playout: (depth > 0).then(buffered), delivered: 0, dropped: 0 }

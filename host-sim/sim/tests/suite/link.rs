@@ -2,6 +2,7 @@
 
 use haptic_sim::network::link::{Counts, Inbox, Link, Numbered, Route};
 use haptic_sim::network::rule::Direction;
+use haptic_sim::pair::Pair;
 use haptic_sim::{Laws, Scene};
 
 /// Packets of 8 ms, and a receiver that looks as often.
@@ -17,7 +18,10 @@ fn scene(overrides: &[&str]) -> Scene {
 
 fn line(overrides: &[&str]) -> Line {
     let scene = scene(overrides);
-    Line { link: Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0)), inbox: Inbox::new(&scene) }
+    Line {
+        link: Link::new(Route::of_scene(&scene, Direction::OneToTwo, 0)),
+        inbox: Inbox::new(&scene, scene.peer.timing.ticks_per_packet),
+    }
 }
 
 /// One packet period in which both ends are on time.
@@ -199,4 +203,24 @@ fn a_full_line_loses_what_there_is_no_room_for() {
     // What has come out makes room again.
     (0..1_000).for_each(|at| line.send(at, &[0; 168]));
     assert_eq!(line.counts().sent, 100);
+}
+
+/// What comes half a millisecond late waits for the next tick, not for the next packet period.
+#[test]
+fn a_peer_hears_at_the_tick_after_the_arrival() {
+    for (extra, tick_of_period) in [("0", 0), ("0.0005", 1), ("0.0031", 4), ("0.008", 0)] {
+        let extra = format!("network.extra_delay_s={extra}");
+        let mut pair = Pair::<f64>::new(&scene(&["network.one_way_delay_packets=1", &extra])).expect("a good scene");
+        let mut heard = [0, 0];
+        for tick in 0..800 {
+            pair.step_watched(&mut |seen| {
+                if seen.heard.is_some() {
+                    assert_eq!(tick % 8, tick_of_period, "{extra}");
+                    heard[seen.number - 1] += 1;
+                }
+                assert_eq!(seen.exchanged, tick % 8 == 0);
+            });
+        }
+        assert!(heard.iter().all(|heard| (98..100).contains(heard)), "{heard:?}");
+    }
 }

@@ -60,7 +60,7 @@ impl Point {
             Some(seconds) => Cell::Number(seconds[*at].matrix.max(seconds[*at].spectral_radius)),
             None => "no equations for it".into(),
         };
-        let at_delay = |(_, mode): &(usize, &Mode)| match mode.at_delay_packets {
+        let at_delay = |(_, mode): &(usize, &Mode)| match mode.at_delay_ticks {
             Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
             None => "its own".to_owned(),
         };
@@ -69,7 +69,7 @@ impl Point {
             .head("hands on")
             .value("stable", |(_, mode)| mode.verdict.stable)
             .number("spectral_radius", 9, |(_, mode)| mode.verdict.spectral_radius)
-            .value("at_delay_packets", at_delay)
+            .value("at_delay_ticks", at_delay)
             .head("at delay")
             .value("states", |(_, mode)| mode.verdict.states)
             .value("rest_modes", |(_, mode)| mode.verdict.rest_modes)

@@ -76,10 +76,11 @@ impl Port {
     ) -> f64 {
         self.leaving &= self.is_engaged();
         let came = came.filter(|_| !self.leaving);
-        if ladder.step(&mut self.engagement, came.is_some()) {
+        if came.is_some() && ladder.hear(&mut self.engagement) {
             (self.account, self.counted_j) = (Account::default(), None);
             self.energy.put_in_j -= std::mem::take(&mut self.in_hand_j);
         }
+        ladder.pass(&mut self.engagement);
         if let Some(packet) = came {
             // The first packet of a life pays for itself and brings no past.
             let own_j = 0.5 * packet_s * packet.wave * packet.wave;

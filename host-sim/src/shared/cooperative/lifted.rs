@@ -13,7 +13,7 @@ use haptic_core::{contact::Contact, contact::bounder::Bound, device::AXES, num::
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;
 use haptic_analysis::{Analyser, AnalysisError, Verdict};
-use haptic_analysis::{Lifted, Matrix, delays_packets};
+use haptic_analysis::{Lifted, Matrix, delays_ticks};
 use haptic_sim::{plant::Plant, scene::Scene};
 
 /// States of a device: position, velocity, motor force of the tick before.
@@ -30,7 +30,9 @@ pub struct Line {
 
 /// The clients of a world as it stands, in the scene that it was made from: its bounders' gains, its engine's place.
 pub fn lines(world: &World, scene: &Scene) -> Vec<Line> {
-    let [down, up] = delays_packets(&scene.linear());
+    // Clients and engine look once a packet period: a part of one is one more.
+    let packet = scene.peer.timing.ticks_per_packet as usize;
+    let [down, up] = delays_ticks(&scene.linear()).map(|ticks| ticks.div_ceil(packet));
     let holder = world.holders().first().copied().unwrap_or(0);
     let line = |(number, gains)| Line {
         gains,

@@ -100,7 +100,7 @@ impl Waves {
         }
         let junction = Junction::new(scene, users)?;
         let timing = &scene.peer.timing;
-        let lines = (0..users).map(|_| Inbox::new(scene)).collect();
+        let lines = (0..users).map(|_| Inbox::new(scene, timing.ticks_per_packet)).collect();
         let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });
         let peers = (0..users).map(|index| Ok(Seat::new(Around::Peer(Side::new(scene, index % 2, 0)?))));
         let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, WorldError>>()?;

@@ -347,13 +347,18 @@ impl World {
             index,
             client: Client::new(scene, &settings[index % 2], index, setup.bounder),
             role: role::Client::new(PeerId(0), lease),
-            inbox: Inbox::new(scene),
+            inbox: Inbox::new(scene, scene.peer.timing.ticks_per_packet),
             engine: engine.clone(),
             force_n: 0.0,
             received_n: 0.0,
             bytes: 0,
         };
-        let user = |_| User { inbox: Inbox::new(scene), up: None, passed_on: None, answer: None };
+        let user = |_| User {
+            inbox: Inbox::new(scene, scene.peer.timing.ticks_per_packet),
+            up: None,
+            passed_on: None,
+            answer: None,
+        };
         let server = Server {
             rules: rules.clone(),
             role: role::Server::new(lease),

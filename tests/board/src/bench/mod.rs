@@ -22,6 +22,7 @@ use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::partner::Partner;
 use crate::pc::{Pc, key, key_in_flash};
+use crate::twin::Armed;
 use crate::wire::{Line, PC, Wire};
 
 pub use device::{PWM_STEPS, duties, for_boards};
@@ -293,11 +294,18 @@ impl Bench {
 
     /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
     pub fn armed_ticks(&self, number: usize) -> &[Record] {
+        let Armed { records, standing } = self.since_armed(number);
+        &records[standing..]
+    }
+
+    /// The ticks of a board (1 or 2) from the one that armed it.
+    pub fn since_armed(&self, number: usize) -> Armed<'_> {
         let records = &self.pc.records[number - 1];
         let armed = records.iter().position(|record| record.mode() == Mode::Armed).unwrap_or(records.len());
+        let records = &records[armed..];
         let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
-        let first = records.get(armed).map_or(0, |record| record.tick() + held);
-        &records[armed + records[armed..].iter().take_while(|record| record.tick() < first).count()..]
+        let first = records.first().map_or(0, |record| record.tick() + held);
+        Armed { records, standing: records.iter().take_while(|record| record.tick() < first).count() }
     }
 
     /// Ends the run.

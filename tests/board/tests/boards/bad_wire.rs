@@ -1,4 +1,5 @@
-//! Two boards on a bad wire: a fifth of the frames lost, others late, twice, out of order or broken.
+//! Two boards on a bad wire: a fifth of the frames lost, others late, twice, out of order or broken; and the self-timed line, a
+//! packet every tick, through bursts that lose a fifth.
 
 use std::sync::Arc;
 
@@ -12,9 +13,13 @@ use haptic_sim::scenes;
 const SECONDS: f64 = 10.0;
 
 fn run(set: &[&str]) -> Trial {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+    run_scene("paper-5.2-passive-wave-16ms", set, SECONDS)
+}
+
+fn run_scene(name: &str, set: &[&str], seconds: f64) -> Trial {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
-    trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it")
+    trial::run(&Arc::new(Firmware::release()), &scene, seconds).expect("the boards run it")
 }
 
 /// The largest change from one tick to the next of the force that a hand feels, N.
@@ -75,4 +80,24 @@ fn they_stay_armed_and_nothing_jerks() {
     assert!(received > 0.5 * sent && received < 0.8 * sent, "{received} of {sent}");
     assert!(bad.packets_dropped > 100, "duplicates and broken frames are refused: {}", bad.packets_dropped);
     assert!(jerk(&bad) <= 1.5 * jerk(&clean), "{} N a tick on a bad wire, {} on a good one", jerk(&bad), jerk(&clean));
+}
+
+/// What the recommended scene computes on two boards is what host-sim computes, given the same arrivals, through 60 s of bursts;
+/// within the tick's promise, and with the copies together.
+#[test]
+fn any_network_gives_the_same_bits_through_bursts() {
+    let seconds = 60.0;
+    let pushes = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"];
+    let bursts = ["network.loss=0.2", "network.loss_burst_packets=40"];
+    let trial = run_scene("any-network", &[&pushes[..], &bursts].concat(), seconds);
+    let load = trial.packets_received as f64 / seconds;
+    println!(
+        "any-network through bursts: true {:.3} mm, {} ticks equal, {:?} instructions a tick, {load:.0} packets a second in at both",
+        trial.boards.true_discrepancy_mm, trial.equal.ticks, trial.instructions
+    );
+    assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, (1000.0 * seconds) as u64, 0));
+    assert_eq!(trial.equal.first_difference, None);
+    assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
+    assert!(trial.instructions.max <= 1200, "{:?}", trial.instructions);
+    assert!(load > 1000.0, "{load} packets a second");
 }

@@ -8,7 +8,7 @@ use haptic_core::settings::Value;
 use super::peer::Input::{Coordination, Decoded, Emitted, Wave};
 use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing, Outstanding};
 use super::peer::{Peer, decay};
-use crate::lifted::delay::delays_packets;
+use crate::lifted::delay::delays_ticks;
 use haptic_sim::scene::Scene;
 
 impl Peer {
@@ -25,7 +25,7 @@ impl Peer {
     /// R ← R + r − T_c·u_in (THEORY §8). A packet each tick, the same delay both ways and a credit d₀ that is stated: then
     /// k = d₀ − n_t at every tick. `None` for others.
     pub(super) fn emitted(&mut self, scene: &Scene) -> Option<()> {
-        let (period, [there, back]) = (scene.peer.timing.control_period_s, delays_packets(scene));
+        let (period, [there, back]) = (scene.peer.timing.control_period_s, delays_ticks(scene));
         let credit = match scene.get("coordination.credit_ticks") {
             Some(Value::Number(credit)) if credit > 0.0 && scene.peer.timing.ticks_per_packet == 1 && there == back => {
                 credit

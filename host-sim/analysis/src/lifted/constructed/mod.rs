@@ -19,13 +19,20 @@ mod peer;
 
 use haptic_sim::scene::Scene;
 
+use super::delay::delays_ticks;
+
 pub(crate) use network::{Constructed, Place};
 pub(crate) use peer::State;
 
 /// Builds the pair from the linear scene of each peer ([`Scene::linear`]), without using symmetry; `None` where the scene
-/// names a model that this construction has no equations for.
+/// names a model that this construction has no equations for, and where
+/// packets are heard between two exchanges.
 pub(crate) fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
+    let (delays, packet) = (delays_ticks(first), first.peer.timing.ticks_per_packet as usize);
+    if delays.iter().any(|ticks| ticks % packet != 0) {
+        return None;
+    }
     let peers = [peer::Peer::new(first, 0)?, peer::Peer::new(second, 1)?];
-    let periods = peers.each_ref().map(|peer| lift::close(peer, first.peer.timing.ticks_per_packet as usize));
-    Some(network::join(first, &peers, &periods))
+    let periods = peers.each_ref().map(|peer| lift::close(peer, packet));
+    Some(network::join(first, &peers, &periods, delays.map(|ticks| ticks / packet)))
 }

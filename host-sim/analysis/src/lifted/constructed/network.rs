@@ -7,7 +7,6 @@
 use super::lift::Period;
 use super::peer::{Peer, State};
 use crate::lifted::Lifted;
-use crate::lifted::delay::delays_packets;
 use crate::matrix::{Matrix, add_block};
 use haptic_sim::scene::Scene;
 
@@ -27,9 +26,8 @@ pub(crate) struct Constructed {
     pub places: Vec<Place>,
 }
 
-/// Joins the two peers.
-pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2]) -> Constructed {
-    let delays = delays_packets(scene);
+/// Joins the two peers, with so many whole packet periods of delay to each.
+pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2], delays: [usize; 2]) -> Constructed {
     let mut places = Vec::new();
     for (peer, open) in peers.iter().enumerate() {
         places.extend(open.states.iter().map(|&state| Place::Local { peer, state }));
