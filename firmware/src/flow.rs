@@ -13,7 +13,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{Config, Link, Notice};
-use haptic_protocol::peer::{flow_of, packet_of, parameters_of};
+use haptic_protocol::peer::{apart_after_us, flow_of, packet_of, parameters_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -35,14 +35,14 @@ pub(crate) fn tell(settings: Settings) {
 /// A link to the other peer that begins to call; `None` without randomness.
 pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<Link> {
     let timing = &settings.timing;
-    Link::new(Config {
+    let link = Link::new(Config {
         key: key.clone(),
         ends: Ends { local: number.peer(), remote: number.other().peer() },
         packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
         parameters: parameters_of(settings),
         entropy: random::draw()?,
-    })
-    .ok()
+    });
+    Some(link.ok()?.apart_after(apart_after_us(settings)))
 }
 
 pub(crate) struct Flow {
@@ -92,13 +92,13 @@ impl Flow {
                 Notice::Joined => defmt::info!("peer: joined"),
                 Notice::NewPeer(_) => defmt::info!("peer: has started anew"),
                 Notice::Engaged => defmt::info!("peer: engaged, flow comes"),
-                Notice::Fading => defmt::warn!("peer: fading, no flow for 3 packets"),
+                Notice::Fading => defmt::warn!("peer: fading, no flow comes"),
                 Notice::Resumed => defmt::info!("peer: resumed, flow again"),
                 Notice::Disengaged => {
-                    defmt::warn!("peer: disengaged, no flow for 12 packets or another session");
+                    defmt::warn!("peer: disengaged, no flow for too long or another session");
                     self.signals.life.count();
                 }
-                Notice::Lost => defmt::warn!("peer: lost, silent for 12 packets or another session"),
+                Notice::Lost => defmt::warn!("peer: lost, silent for too long or another session"),
                 Notice::Refused(table) => {
                     defmt::error!("peer: refused, it was told other settings: table {=str}", table);
                 }

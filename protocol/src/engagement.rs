@@ -8,7 +8,8 @@
 //! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
 //! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
 //!
-//! Silence is a time: where packets come more often than every 8 ms, the ladder goes on counting in 8 ms.
+//! Silence is a time: where packets come more often than every 8 ms the ladder goes on counting in 8 ms, and where the peers are to
+//! be apart only after longer than 12 packet periods ([`crate::link::Link::apart_after`]), in a twelfth of that.
 //!
 //! It is for a caller whose coordination knows nothing of silence. One that fades its packets itself, counted in packets as its
 //! analysis needs them, takes the notices (a session began, ended) and leaves the level alone: two in a row fade twice.
@@ -33,7 +34,7 @@ pub(crate) const FADE_AFTER: u32 = 3;
 /// Packet periods of silence before the peers are apart.
 pub(crate) const APART_AFTER: u32 = 12;
 /// The shortest period that silence is counted in, µs.
-pub(crate) const SHORTEST_PERIOD_US: u32 = 8_000;
+const SHORTEST_PERIOD_US: u32 = 8_000;
 /// Packet periods from 0 to full engagement.
 pub(crate) const RISE: u32 = 12;
 
@@ -52,9 +53,15 @@ pub(crate) struct Engagement {
 }
 
 impl Engagement {
-    /// Apart, for flow that comes each `period_us`.
-    pub(crate) fn new(period_us: u32) -> Self {
-        Self { period_us: u64::from(period_us.max(SHORTEST_PERIOD_US)), heard_us: None, updated_us: 0, level: 0 }
+    /// Apart, for flow that comes each `period_us`; the peers are to be apart after `apart_after_us` of silence, if that is longer.
+    pub(crate) fn new(period_us: u32, apart_after_us: u32) -> Self {
+        let period_us = period_us.max(SHORTEST_PERIOD_US).max(apart_after_us.div_ceil(APART_AFTER));
+        Self { period_us: u64::from(period_us), heard_us: None, updated_us: 0, level: 0 }
+    }
+
+    /// Silence after which the peers are apart, µs.
+    pub(crate) fn apart_after_us(&self) -> u64 {
+        self.periods(APART_AFTER)
     }
 
     /// The peers part: level 0 until flow comes again.

@@ -15,7 +15,7 @@
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
-use crate::engagement::{APART_AFTER, Engagement};
+use crate::engagement::Engagement;
 use crate::reliable::{Receiver, Sender};
 use crate::session::{Counter, Session};
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
@@ -109,7 +109,7 @@ pub enum Notice {
     Fading,
     /// Flow again before the engagement was lost: it rises from where it was.
     Resumed,
-    /// The engagement is 0: no flow for 12 packet periods, or the session has ended.
+    /// The engagement is 0: no flow for 12 packet periods ([`Link::apart_after`]), or the session has ended.
     Disengaged,
     /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
     Lost,
@@ -190,7 +190,7 @@ impl Link {
             session: None,
             peer: None,
             refused: None,
-            engagement: Engagement::new(packet_period_us),
+            engagement: Engagement::new(packet_period_us, 0),
             clock: Clock::default(),
             sender: Sender::default(),
             receiver: Receiver::default(),
@@ -215,6 +215,13 @@ impl Link {
     /// session ([`Link::session_number`]), so that neither addresses nor the 256 peer numbers limit it.
     pub fn on_line(mut self, number: u32) -> Self {
         self.handshake.set_line(number);
+        self
+    }
+
+    /// The same link, for peers that are apart only after so long a silence, µs, if that is longer than 12 packet periods and than
+    /// 96 ms: both the session and the engagement last until then.
+    pub fn apart_after(mut self, silence_us: u32) -> Self {
+        self.engagement = Engagement::new(self.period_us, silence_us);
         self
     }
 
@@ -353,7 +360,7 @@ impl Link {
 
     fn advance(&mut self, now: u64) {
         self.engagement.update(now);
-        let silent = now >= self.after(self.heard_us, APART_AFTER);
+        let silent = now >= self.heard_us.saturating_add(self.engagement.apart_after_us());
         if silent && self.session.as_ref().is_some_and(Session::is_confirmed) {
             self.end();
             self.next_hello_us = now;

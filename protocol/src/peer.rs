@@ -18,6 +18,12 @@ pub fn parameters_of(settings: &Settings) -> Parameters {
     .unwrap_or_default()
 }
 
+/// Silence after which the coordination is gone, µs: for [`crate::link::Link::apart_after`].
+pub fn apart_after_us(settings: &Settings) -> u32 {
+    // A cast saturates.
+    (1e6 * settings.safety.disengage_s) as u32
+}
+
 /// A packet of tick `tick` as it goes out; `engaged` while the motors are on.
 pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
     // From f32 and back to it nothing is lost.

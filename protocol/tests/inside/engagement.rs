@@ -5,7 +5,7 @@ use crate::engagement::{Engagement, Rung};
 const PERIOD: u64 = 8_000;
 
 fn heard_for(periods: u64) -> Engagement {
-    let mut engagement = Engagement::new(PERIOD as u32);
+    let mut engagement = Engagement::new(PERIOD as u32, 0);
     for n in 0..=periods {
         engagement.update(n * PERIOD);
         engagement.hear(n * PERIOD);
@@ -63,5 +63,25 @@ fn time_that_goes_backwards_or_jumps_stays_within_0_and_1() {
         engagement.update(now);
         assert!((0.0..=1.0).contains(&engagement.level()));
         engagement.hear(now);
+    }
+}
+
+/// 12 packet periods, 96 ms, or what is asked for, whichever is longest.
+#[test]
+fn how_long_a_silence_may_be() {
+    for (period_us, asked_us, apart_us) in [
+        (8_000, 0, 96_000),
+        (1_000, 0, 96_000),
+        (20_000, 96_000, 240_000),
+        (1_000, 8_000_000, 8_000_004),
+        (8_000, 96_000, 96_000),
+    ] {
+        let mut engagement = Engagement::new(period_us, asked_us);
+        assert_eq!(engagement.apart_after_us(), apart_us);
+        engagement.hear(1_000);
+        engagement.update(1_000 + apart_us - 1);
+        assert_eq!(engagement.rung(), Rung::Fading);
+        engagement.update(1_000 + apart_us);
+        assert_eq!(engagement.rung(), Rung::Apart);
     }
 }

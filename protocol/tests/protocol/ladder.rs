@@ -137,3 +137,23 @@ fn telemetry_says_what_the_link_knows_and_leaves_the_rest() {
     assert_eq!(told, (counts.taken, counts.missing, counts.late, counts.refused));
     assert!(counts.taken > 900 && counts.missing > 100 && counts.late > 10 && counts.refused > 0, "{counts:?}");
 }
+
+/// Peers that stand through silence keep their session as long as they are told to, and the level with it.
+#[test]
+fn peers_that_are_apart_only_later_keep_their_session() {
+    let mut world = World::engaged(1);
+    world.links = world.links.map(|link| link.apart_after(8_000_000));
+    assert!(world.run_until(20_000_000, World::is_engaged).is_some());
+    let session = world.links[1].session_number();
+    world.notices[1].clear();
+    world.cut[1] = true;
+    world.run(7_900_000);
+    assert_eq!(world.links[1].stage(), Stage::Fading);
+    world.cut[1] = false;
+    world.run(100_000);
+    assert_eq!(world.notices[1], [Notice::Fading, Notice::Resumed]);
+    assert_eq!(world.links[1].session_number(), session);
+    world.cut[1] = true;
+    world.run(8_100_000);
+    assert_eq!(world.links[1].stage(), Stage::Calling);
+}

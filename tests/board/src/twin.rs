@@ -83,9 +83,6 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
     compare(
         |tick| {
             let mut same = true;
-            for (side, sent) in pair.sides().into_iter().zip(&mut sent).filter(|(side, _)| side.peer.packet_due()) {
-                sent.push(side.peer.outgoing());
-            }
             for (at, (side, (board, before))) in pair.sides_mut().zip(boards.iter().zip(before)).enumerate() {
                 // One board is armed some ticks before the other.
                 let Some(at_board) = tick.checked_sub(before) else { continue };
@@ -98,7 +95,7 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
                     side.peer.hear(packet);
                 }
                 if side.peer.packet_due() {
-                    side.peer.exchange();
+                    sent[at].push(side.peer.exchange());
                 }
                 let sensors = side.plant.sensors::<f32>();
                 let actuators = side.peer.tick(&sensors);
