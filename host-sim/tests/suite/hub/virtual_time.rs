@@ -277,3 +277,45 @@ fn notices_of_a_line_take_bounded_memory() {
     assert_eq!(one.notices.len(), MOST_NOTICES);
     assert!(one.notices.back().is_some_and(|(at, _)| *at > 23_000_000), "{:?}", one.notices.back());
 }
+
+/// From 0.3 s on, whatever the first of two peers says comes from somebody else first, who has copied it: he is told nothing, and
+/// both hold on.
+#[test]
+fn a_copy_that_comes_first_takes_no_line_over() {
+    const STRANGER: usize = 99;
+    let (scene, mut drawn) = (scene(&["user.1.push_n=0.5".to_owned()]), 0);
+    let entropy = || {
+        drawn += 1;
+        Ok([drawn; Key::LEN])
+    };
+    let mut hub = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
+    let node = |number: u8| {
+        let line = key().line(number.into());
+        Node::new(&scene, number, line, [100 + number; Key::LEN]).expect("a peer")
+    };
+    let (mut nodes, mut copied, mut stolen) = ([node(1), node(2)], 0, 0);
+    for tick in 0..2_000_u64 {
+        let now = 1_000 * tick;
+        let (mut came, mut out) = (vec![], vec![]);
+        for (at, node) in nodes.iter_mut().enumerate() {
+            let _ = node.tick(now, |bytes| came.push((at, bytes.to_vec())));
+        }
+        for (from, mut bytes) in came {
+            if from == 0 && tick > 300 {
+                copied += 1;
+                hub.receive(now, STRANGER, &mut bytes.clone(), |to, said| out.push((to, said.to_vec())));
+            }
+            hub.receive(now, from, &mut bytes, |to, said| out.push((to, said.to_vec())));
+        }
+        hub.tick(now, |to, said| out.push((to, said.to_vec())));
+        for (to, mut bytes) in out {
+            match nodes.get_mut(to) {
+                Some(node) => _ = node.receive(now, &mut bytes),
+                None => stolen += bytes.len(),
+            }
+        }
+    }
+    assert!(copied > 200 && stolen == 0, "{stolen} bytes for {copied} copies");
+    assert!(nodes.iter().all(|node| node.peer.mode() == Mode::Armed && node.peer.is_engaged()));
+    assert!(nodes.iter().all(|node| node.line.lives == 1));
+}
