@@ -152,8 +152,8 @@ pub(crate) fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, S
     };
     let links = Links::new(key, number, &options.addresses)?;
     let endpoint = Endpoint::polled(own)?;
-    let others = (0..).zip(&options.addresses).filter(|(other, _)| *other != number);
-    others.map(|(_, address)| endpoint.reaches(*address)).collect::<Result<(), String>>()?;
+    let mut others = (0..).zip(&options.addresses).filter(|(other, _)| *other != number);
+    others.try_for_each(|(_, address)| endpoint.reaches(*address))?;
     let (own, seen) = (endpoint.address, Report { number, ..Report::default() });
     let mut process = Process { options, own, links, part, out: Outbox::new(), ticks: 0, seen };
     let ticker = Ticker::realtime(Duration::from_secs_f64(TICK_S)).lasting(options.seconds);
