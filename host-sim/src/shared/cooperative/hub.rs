@@ -24,6 +24,7 @@
 
 use std::fmt::Display;
 
+use haptic_core::law::Sends;
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packet_of};
@@ -120,7 +121,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         }
         scene.check("hub").map_err(|refused| refused.to_string())?;
         let mut junction = Junction::new(scene, users).map_err(|error| error.to_string())?;
-        if !scene.peer.coordination.ledger {
+        if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
             return Err(
                 "coordination.ledger = false is not allowed: it must be true, for on a network that may lose a packet \
                         only waves that are paid for keep a hub passive"
@@ -273,13 +274,12 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             });
             line.heed(now_us, || self.junction.part(at));
         }
-        if self.ticks.is_multiple_of(self.ticks_per_packet) {
-            if self.packets.is_none() && self.is_complete() {
-                self.packets = Some(0);
-            }
-            if self.packets.is_some() {
-                self.exchange(now_us, &mut send);
-            }
+        let packets_due = self.ticks.is_multiple_of(self.ticks_per_packet);
+        if packets_due && self.packets.is_none() && self.is_complete() {
+            self.packets = Some(0);
+        }
+        if self.packets.is_some() && self.junction.is_due(packets_due) {
+            self.exchange(now_us, packets_due, &mut send);
         }
         if self.ticks.is_multiple_of(self.telemetry_ticks.max(1)) {
             self.tell(now_us, &mut send);
@@ -292,8 +292,8 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         self.ends.iter_mut().for_each(|end| end.say(now_us, Goodbye {}, &mut send));
     }
 
-    /// One packet period: what came of every line through the junction and back.
-    fn exchange(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
+    /// What came of every line through the junction, and what goes back, where packets are due.
+    fn exchange(&mut self, now_us: u64, packets_due: bool, send: &mut impl FnMut(A, &[u8])) {
         let mut came = [None; MOST_USERS];
         for ((End { line, .. }, at), came) in self.ends.iter_mut().zip(0..).zip(&mut came) {
             line.inbox.play(self.ticks);
@@ -303,7 +303,10 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             }
             *came = flow.as_ref().map(packet_of);
         }
-        self.junction.exchange(came);
+        self.junction.exchange(came, packets_due);
+        if !packets_due {
+            return;
+        }
         self.packets = self.packets.map(|packets| packets + 1);
         for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
             let flow = flow_of(port.back, true, self.ticks);
@@ -321,7 +324,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
                 device_position: at,
                 object_position: at,
                 desired_position: at,
-                coordination_force: self.junction.force_n(port) as f32,
+                coordination_force: port.force_n as f32,
                 energy_received: port.energy.taken_j,
                 energy_sent: port.energy.sent_j,
                 ..Telemetry::default()

@@ -1,6 +1,6 @@
 //! Where wave lines meet on a network that loses, jitters and falls silent: core's lossless node, and a port for each line.
 //!
-//! Once a packet period [`Junction::exchange`] takes what came out of every line, scatters it
+//! Once a packet period, and where lines have a time of their own once a control period, [`Junction::exchange`] takes what came out of every line, scatters it
 //! ([`haptic_core::law::node`]), and every port has what goes back.
 //!
 //! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
@@ -16,6 +16,9 @@
 //! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
 //! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
 //!
+//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead ([`copy`]). They lose nothing and let go at once:
+//! a silence is stood through, not faded, and another life begins where the copy is.
+//!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
 use haptic_core::law::credit::{Account, CAP_J, Credit};
@@ -26,6 +29,9 @@ use haptic_sim::Scene;
 use serde::Serialize;
 
 use super::{MOST_USERS, world::WorldError};
+use copy::SharedCopy;
+
+mod copy;
 
 /// Wave energy at one port, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -52,8 +58,8 @@ pub struct Port {
     counted_j: Option<f64>,
     /// What of that is booked and not taken out, J.
     in_hand_j: f64,
-    /// What came out of the line last, √W.
-    wave: f64,
+    /// Force at the end of the line, N. While a wave line fades, a part of it ends in the port.
+    pub force_n: f64,
     /// What goes back, with this end's own counters.
     pub back: Packet<f64>,
     /// What went through.
@@ -127,6 +133,9 @@ pub struct Junction {
     credit: Option<Credit<f64>>,
     impedance: f64,
     packet_s: f64,
+    period_s: f64,
+    /// Where self-timed lines meet.
+    copy: Option<SharedCopy>,
     /// Where the lines meet; as far as their common velocity has carried it, from 0.
     pub motion: Motion<f64>,
 }
@@ -136,9 +145,14 @@ impl Junction {
     pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         let settings = &scene.peer;
         let coordination = &settings.coordination;
-        if scene.law().sends != Sends::Waves {
-            return Err(WorldError::NoWaves(coordination.comm));
-        }
+        let users = users.min(MOST_USERS);
+        let copy = match scene.law().sends {
+            Sends::Waves => None,
+            Sends::Counters => {
+                Some(SharedCopy::build(settings, users).map_err(|_| WorldError::NoWaves(coordination.comm))?)
+            }
+            _ => return Err(WorldError::NoWaves(coordination.comm)),
+        };
         let packet_s = settings.timing.packet_period_s();
         // The node's tick is a packet period.
         let mut own = *settings;
@@ -151,16 +165,18 @@ impl Junction {
             account: Account::default(),
             counted_j: None,
             in_hand_j: 0.0,
-            wave: 0.0,
+            force_n: 0.0,
             back: Packet::default(),
             energy: Energy::default(),
         };
         Ok(Self {
-            ports: vec![port; users.min(MOST_USERS)],
+            ports: vec![port; users],
             ladder,
             credit: Credit::build(&own),
             impedance: coordination.wave_impedance_n_s_per_m,
             packet_s,
+            period_s: settings.timing.control_period_s,
+            copy,
             motion: Motion::REST,
         })
     }
@@ -168,37 +184,87 @@ impl Junction {
     /// Lets go of the peer on a line, which is not there yet, is gone, or began anew.
     pub fn part(&mut self, line: usize) {
         if let Some(port) = self.ports.get_mut(line) {
-            // Before anything was said there is nothing to fade.
-            if port.counted_j.is_none() {
+            // Before anything was said there is nothing to fade, and a line with a time of its own fades nothing.
+            if port.counted_j.is_none() || self.copy.is_some() {
                 port.engagement.part();
             }
             port.leaving = port.is_engaged();
         }
     }
 
-    /// One packet period: what came of every line, in order; what goes back is then in the ports.
-    pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>) {
+    /// Whether [`Junction::exchange`] is due before a tick at which packets are due, or are not.
+    pub fn is_due(&self, packets: bool) -> bool {
+        packets || self.copy.is_some()
+    }
+
+    /// Before a tick at which `packets` are due or are not: what came of every line, in order; what goes back is then in the ports.
+    pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
+        match self.copy.take() {
+            None => self.scatter(came),
+            Some(mut copy) => {
+                self.pull(&mut copy, came, packets);
+                self.copy = Some(copy);
+            }
+        }
+    }
+
+    /// A tick of the copy in which lines with a time of their own meet.
+    fn pull(&mut self, copy: &mut SharedCopy, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
+        for (line, (port, came)) in self.ports.iter_mut().zip(came).enumerate() {
+            if let Some(packet) = came {
+                if self.ladder.hear(&mut port.engagement) {
+                    copy.restart(line, self.motion);
+                    port.counted_j = None;
+                }
+                // What the counters say that it was at least: nobody is asked for more.
+                let samples = packet.live_ticks.wrapping_sub(port.standing.live_ticks).cast_signed();
+                if port.counted_j.is_some() && samples > 0 {
+                    let change = packet.wave_integral - port.standing.wave_integral;
+                    port.energy.put_in_j += 0.5 * change * change / (f64::from(samples) * self.period_s);
+                }
+                port.counted_j = Some(port.energy.put_in_j);
+                port.standing = packet;
+                copy.hear(line, packet);
+            }
+        }
+        if packets {
+            for (line, port) in self.ports.iter_mut().enumerate() {
+                self.ladder.pass(&mut port.engagement);
+                port.back = Packet { energy_j: port.energy.sent_j, ..copy.back(line, self.motion) };
+            }
+        }
+        self.motion = copy.tick(|line| self.ports[line].is_engaged(), self.motion);
+        for (line, port) in self.ports.iter_mut().enumerate() {
+            let coupled = copy.coupled(line);
+            port.force_n = coupled.force;
+            port.energy.taken_j += self.period_s * coupled.power_in;
+            port.energy.sent_j += self.period_s * coupled.power_out;
+        }
+    }
+
+    /// One packet period of waves.
+    fn scatter(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>) {
         let (mut shares, mut waves) = ([0.0; MOST_USERS], [0.0; MOST_USERS]);
         let places = shares.iter_mut().zip(&mut waves);
-        for ((port, came), (share, wave)) in self.ports.iter_mut().zip(came).zip(places) {
-            port.wave = port.take(&self.ladder, self.credit.as_ref(), self.packet_s, came);
+        let mut taken = [0.0; MOST_USERS];
+        for (((port, came), (share, wave)), taken) in self.ports.iter_mut().zip(came).zip(places).zip(&mut taken) {
+            *taken = port.take(&self.ladder, self.credit.as_ref(), self.packet_s, came);
             *share = self.ladder.share(&port.engagement);
-            *wave = share.sqrt() * port.wave;
+            *wave = share.sqrt() * *taken;
             port.energy.taken_j += 0.5 * self.packet_s * *wave * *wave;
         }
         let scattered = Node::new(shares.map(|share| share * self.impedance)).scatter(waves);
-        for (port, (wave, share)) in self.ports.iter_mut().zip(scattered.back.into_iter().zip(shares)) {
+        let root = (0.5 * self.impedance).sqrt();
+        for ((port, taken), (wave, share)) in
+            self.ports.iter_mut().zip(taken).zip(scattered.back.into_iter().zip(shares))
+        {
             port.send(share.sqrt() * wave, self.packet_s);
+            port.force_n = root * (taken - port.back.wave);
         }
         self.motion = Motion {
             position: self.motion.position + self.packet_s * scattered.velocity,
             velocity: scattered.velocity,
         };
-    }
-
-    /// Force at the end of a line, N: √(b/2)·(u − w). While the line fades, a part of it ends in the port.
-    pub fn force_n(&self, port: &Port) -> f64 {
-        (0.5 * self.impedance).sqrt() * (port.wave - port.back.wave)
     }
 
     /// Wave energy of all lines, J.

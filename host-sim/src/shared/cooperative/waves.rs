@@ -3,9 +3,10 @@
 //!
 //! The peers are the ones of `cooperate`, copy and all; only what their packets pass through differs. With two users of equal
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
-//! Constant delay without loss only, unless `coordination.ledger` pays for what is held.
+//! Constant delay without loss only, unless `coordination.ledger` pays for what is held, or the lines have a time of their own.
 
-use haptic_core::{law::Packet, num::Motion, safety::Mode};
+use haptic_core::law::{Packet, Sends};
+use haptic_core::{num::Motion, safety::Mode};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::{Inbox, Numbered, Route};
 use haptic_sim::scene::{Network, Scene};
@@ -47,13 +48,15 @@ impl Actor<usize> for Around {
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, usize, Self::Packet>) {
         match self {
             Self::Peer(side) => side.act(now_ns, out),
-            Self::Server(Meeting { junction, lines, packet_ns }) if now_ns.is_multiple_of(*packet_ns) => {
-                junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)));
-                for (port, to) in junction.ports.iter().zip(1..) {
+            Self::Server(Meeting { junction, lines, packet_ns }) => {
+                let packets_due = now_ns.is_multiple_of(*packet_ns);
+                if junction.is_due(packets_due) {
+                    junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)), packets_due);
+                }
+                for (port, to) in junction.ports.iter().zip(1..).filter(|_| packets_due) {
                     out(to, &Numbered { number: now_ns / *packet_ns, what: port.back });
                 }
             }
-            Self::Server(_) => {}
         }
     }
 }
@@ -95,12 +98,14 @@ impl Waves {
             seed: network.seed,
             ..Network::default()
         };
-        if (network != plain || scene.network_trace.is_some()) && !scene.peer.coordination.ledger {
+        let waves_unpaid = scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger;
+        if (network != plain || scene.network_trace.is_some()) && waves_unpaid {
             return Err(WorldError::NotConstant);
         }
         let junction = Junction::new(scene, users)?;
         let timing = &scene.peer.timing;
-        let lines = (0..users).map(|_| Inbox::new(scene, timing.ticks_per_packet)).collect();
+        let every = if junction.is_due(false) { 1 } else { timing.ticks_per_packet };
+        let lines = (0..users).map(|_| Inbox::new(scene, every)).collect();
         let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });
         let peers = (0..users).map(|index| Ok(Seat::new(Around::Peer(Side::new(scene, index % 2, 0)?))));
         let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, WorldError>>()?;

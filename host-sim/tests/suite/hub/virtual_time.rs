@@ -16,7 +16,11 @@ use host_sim::shared::cooperative::hub::{Hub, number_on};
 use host_sim::shared::cooperative::waves::Waves;
 
 fn scene(keys: &[String]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "hub").expect("a built-in scene");
+    built_in("hub", keys)
+}
+
+fn built_in(name: &str, keys: &[String]) -> Scene {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
     scene
@@ -159,6 +163,73 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
         }
         assert!(farthest_m > 0.02 && meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed), "{farthest_m} m");
         assert!(meeting.peers().all(|peer| peer.armed_ticks > 2_900), "they began late");
+    }
+}
+
+/// Two users push against each other with 1 N through a hub of lines with a time of their own: between the copies are four springs
+/// and two lines, 2·(2F/K_T + F·T/b), T being what both ends of a line were told.
+#[test]
+fn self_timed_lines_meet_in_a_copy() {
+    for credit_ticks in [8, 20] {
+        let keys = ["user.1.push_n=1", "user.2.push_n=1", "network.one_way_delay_packets=2"].map(str::to_owned);
+        let credit = format!("coordination.credit_ticks={credit_ticks}");
+        let scene = built_in("any-network", &[&keys[..], &[credit]].concat());
+        let mut meeting = Meeting::new(scene, 2);
+        (0..20_000).for_each(|_| meeting.step());
+        let copies: Vec<f32> = meeting.peers().map(|peer| peer.peer.observed().object.position).collect();
+        let coordination = &meeting.scene.peer.coordination;
+        let apart_m = f64::from((copies[0] - copies[1]).abs());
+        let line_s = (apart_m / 2.0 - 2.0 / coordination.stiffness_n_per_m) * coordination.wave_impedance_n_s_per_m;
+        // Who begins later than the other end may have made the line longer by what packets need.
+        let told_s = 1e-3 * f64::from(credit_ticks);
+        assert!((0.98 * told_s..1.02 * (told_s + 0.002)).contains(&line_s), "{apart_m} m apart, lines of {line_s} s");
+        let energy = meeting.hub().junction.energy();
+        assert!(energy.sent_j > 0.0 && energy.sent_j <= energy.taken_j, "{energy:?}");
+    }
+}
+
+/// Through bursts, jitter, reordering and a life that ends in the middle, the copies of up to eight people stay together, and no more
+/// energy goes back into the lines than came out of them ([`Meeting::step`]).
+#[test]
+fn self_timed_lines_around_a_hub_stand_through_bursts() {
+    const PEOPLE: [&str; 7] = [
+        "user.1.arm_stiffness_n_per_m=200",
+        "user.1.arm_damping_n_s_per_m=5",
+        "user.1.push_n=1",
+        "user.2.arm_stiffness_n_per_m=200",
+        "user.2.arm_damping_n_s_per_m=5",
+        "user.2.sine_n=1",
+        "user.2.push_n=0.5",
+    ];
+    const BAD: [&str; 5] = [
+        "network.loss=0.2",
+        "network.loss_burst_packets=40",
+        "network.jitter=uniform",
+        "network.jitter_s=0.006",
+        "network.duplicate=0.1",
+    ];
+    for (users, network) in [(2, &[][..]), (3, &BAD), (8, &BAD)] {
+        let keys: Vec<String> = PEOPLE.iter().chain(network).map(|key| (*key).to_owned()).collect();
+        let mut meeting = Meeting::new(built_in("any-network", &keys), users);
+        let mut farthest_m = 0.0_f64;
+        for tick in 0..12_000 {
+            if tick == 6_000 {
+                let device = meeting.peers().last().expect("a peer").device();
+                meeting.restart(users - 1, device);
+            }
+            meeting.step();
+            let places = || meeting.peers().map(|peer| f64::from(peer.peer.observed().object.position));
+            // The one that began anew is where its device is.
+            if (1_000..6_000).contains(&tick) {
+                let apart = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
+                farthest_m = farthest_m.max(apart);
+            }
+        }
+        assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
+        assert_eq!(meeting.lives_on(users - 1), 2);
+        println!("{users} users, {network:?}: {farthest_m} m");
+        let most_m = if network.is_empty() { 3e-3 } else { 10e-3 };
+        assert!(farthest_m < most_m, "{users} users, {network:?}: {farthest_m} m");
     }
 }
 
