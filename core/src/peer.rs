@@ -126,6 +126,8 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     engagement: Engagement,
     /// Since the newest packet came.
     age_ticks: u32,
+    /// Packets come and are too old to be taken.
+    delayed: bool,
     probing: Probing<S>,
     still: [Still; AXES],
     /// The packet that stands.
@@ -188,6 +190,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             saturated: Patience::default(),
             engagement: ladder.engaged(),
             age_ticks: 0,
+            delayed: false,
             probing: Probing::default(),
             still: Default::default(),
             standing: Packet::default(),
@@ -207,6 +210,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.saturated = Patience::default();
         self.engagement = self.ladder.engaged();
         self.age_ticks = 0;
+        self.delayed = false;
         self.standing = Packet::default();
         self.still = Default::default();
     }
@@ -242,6 +246,12 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// What came of the last probe.
     pub fn probed(&self) -> Outcome {
         self.probing.outcome()
+    }
+
+    /// Packets come, but too old to be taken (`safety.max_delay_s`): silence all the same, which is the link's to say. Until one is taken
+    /// the fault that silence leads to is [`Fault::PeerDelayed`].
+    pub fn delayed(&mut self) {
+        self.delayed = true;
     }
 
     /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
@@ -320,6 +330,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         }
         self.standing = packet;
         self.age_ticks = 0;
+        self.delayed = false;
         self.receive();
     }
 
@@ -342,7 +353,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 self.receive();
             }
             if self.engagement.silent() >= self.guard.silent_packets {
-                self.trip(Fault::PeerLost);
+                self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
             }
         }
         packet

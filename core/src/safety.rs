@@ -46,6 +46,7 @@ numbered! {
         7 Diverged: "the object or the coordination force left the range of numbers",
         8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
         9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
+        10 PeerDelayed: "what the other peer said was older than safety.max_delay_s for safety.peer_lost_s",
     }
 }
 

@@ -544,6 +544,9 @@ settings! {
             "Silence after which the coordination has faded out and the peer renders alone.";
         peer_lost_s: f64 = 10.0, number(1e-5, 1000.0), "s",
             "Silence of a peer that was heard before, after which the peer faults.";
+        max_delay_s: f64 = 0.25, number(0.001, 1.0), "s",
+            "Longest delay of the other peer's packets, one way, as measured by half of the way there and back; older ones \
+             are as silence.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
             "Change of a motor's duty, as a fraction of full scale, under which its encoder must count.";
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",

@@ -13,7 +13,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{Config, Link, Notice};
-use haptic_protocol::peer::{apart_after_us, flow_of, packet_of, parameters_of};
+use haptic_protocol::peer::{apart_after_us, flow_of, max_delay_us, packet_of, parameters_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -40,9 +40,9 @@ pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<
         ends: Ends { local: number.peer(), remote: number.other().peer() },
         packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
         parameters: parameters_of(settings),
-        entropy: random::draw()?,
+        entropy: random::draw(key, number)?,
     });
-    Some(link.ok()?.apart_after(apart_after_us(settings)))
+    Some(link.ok()?.apart_after(apart_after_us(settings)).within(max_delay_us(settings)))
 }
 
 pub(crate) struct Flow {
@@ -99,12 +99,14 @@ impl Flow {
                     self.signals.life.count();
                 }
                 Notice::Lost => defmt::warn!("peer: lost, silent for too long or another session"),
+                Notice::Old(delay_us) => defmt::warn!("peer: flow takes {=u32} us, too old to be taken", delay_us),
                 Notice::Refused(table) => {
                     defmt::error!("peer: refused, it was told other settings: table {=str}", table);
                 }
             }
         }
         self.signals.stage.set(self.link.stage());
+        self.signals.old.set(self.link.is_old());
     }
 
     /// Other settings: the other peer has to be told them too before the two meet again.

@@ -3,7 +3,9 @@
 //! The rest of the package is the image itself (`main.rs`), for the STM32H743 only.
 #![no_std]
 
+pub mod boots;
 pub mod exchange;
+pub mod hedge;
 pub mod kept;
 pub mod operator;
 pub mod record;

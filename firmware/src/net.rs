@@ -36,7 +36,7 @@ pub(crate) async fn start(
     let (settings, addresses, signals) = (console.applied.settings, console.applied.addresses, console.signals);
     static OPERATOR: StaticCell<Link> = StaticCell::new();
     static PEER: StaticCell<Link> = StaticCell::new();
-    let operator = place(&OPERATOR, || port::link(&key, number, random::draw()?));
+    let operator = place(&OPERATOR, || port::link(&key, number, random::draw(&key, number)?));
     let link = place(&PEER, || flow::connect(&key, number, &settings));
     let (Some(operator), Some(link)) = (operator, link) else {
         defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");

@@ -92,6 +92,11 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     request.filter(|_| words.next().is_none()).ok_or(Misread::Arguments)
 }
 
+/// Whether a line is taken however long ago it was said: what stops, and harms nobody if it comes late.
+pub fn is_timeless(line: &str) -> bool {
+    parse(line) == Ok(Request::Command(Command::Disarm))
+}
+
 fn number<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Option<T> {
     words.next()?.parse().ok()
 }

@@ -5,10 +5,12 @@
 //! nothing here. The last operator to prove that he holds the key and is there now takes the link over; what was half
 //! said to the one before is dropped, and records are no longer sent.
 //!
-//! Lines are taken one at a time, an answer each ([`Console`]). A record that the network does not take now waits.
+//! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so that
+//! whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
+use firmware_parts::operator::is_timeless;
 use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -92,10 +94,14 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             Err(_) => answers.tend(),
         }
         if !port.lines.is_saying()
-            && let Some(line) = port.lines.hear(port.link)
+            && let Some(heard) = port.lines.hear(Instant::now().as_micros(), port.link)
         {
             let mut answer = Line::new();
-            port.console.hear(&line, &mut port.telemetry, &mut answer).await;
+            if heard.is_fresh() || is_timeless(&heard.line) {
+                port.console.hear(&heard.line, &mut port.telemetry, &mut answer).await;
+            } else {
+                let _ = answer.push_str("error this line was said more than 0.5 s ago: nothing was done, say it again");
+            }
             defmt::info!("operator: {=str}", answer.as_str());
             port.lines.say(&answer);
         }

@@ -191,6 +191,7 @@ signals! {
     life: u32,
         "How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By \
          the network.";
+    old: bool, "Flow comes, and is too old to be taken. By the network.";
     mode: Mode, "By the tick.";
     ticks: u32, "Ticks since boot. By the tick.";
     overruns: u32, "Ticks that were due before the one before them had ended. By the tick.";

@@ -150,6 +150,9 @@ impl Loop {
         }
         if due {
             flags |= record::SENT;
+            if self.side.signals.old.get() {
+                self.peer.delayed();
+            }
             let packet = self.peer.exchange();
             let armed = self.peer.mode() == Mode::Armed;
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });

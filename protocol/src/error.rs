@@ -62,6 +62,12 @@ pub enum Refusal {
     /// A greeting that answers a challenge that this peer no longer has.
     #[error("a greeting that answers a challenge of the past")]
     Stale,
+    /// A greeting that would cost a multiplication so soon after another.
+    #[error("a greeting with another ephemeral too soon after the last")]
+    Hurried,
+    /// A greeting whose ephemeral is one of the few that lead to no secret.
+    #[error("a greeting with an ephemeral that leads to no secret")]
+    WeakEphemeral,
     /// The other peer was told something else in this table of parameters, the first that differs.
     #[error("the other peer has other parameters: {0}")]
     Parameters(&'static str),
@@ -71,6 +77,9 @@ pub enum Refusal {
     /// It belongs to another session: an earlier one, or none that this peer knows.
     #[error("this datagram belongs to another session")]
     OtherSession,
+    /// It could be this old, µs: the other end had not heard from this one for so long when it sealed it, the way included.
+    #[error("this datagram may be {0} µs old")]
+    Old(u64),
     /// Its sequence number has been taken before.
     #[error("this datagram was taken before")]
     Replayed,

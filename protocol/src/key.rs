@@ -3,21 +3,38 @@
 //! One primitive does it all: BLAKE2s (RFC 7693) with a key is a pseudo-random function, so `derive` gives keys that say
 //! nothing about each other, and `tag` authenticates what is not sealed. A label of 16 bytes keeps the uses apart.
 //!
-//! **Invariant**: a key is never printed. **Limit**: keys are not wiped from memory when dropped; whoever reads the
-//! memory of a running peer has its shared key anyway.
+//! **Invariants**: a key is never printed, wiped from memory when dropped, and compared in a time that does not tell where two differ.
+//! **Limit**: what was moved or stood on the stack meanwhile is not wiped; whoever reads the memory of a running peer has its shared
+//! key anyway.
 
 use core::fmt;
 
 use blake2::digest::{FixedOutput, KeyInit, Mac, Update};
 use blake2::{Blake2sMac, Blake2sMac256};
 use blake2::{digest::array::Array, digest::consts::U16};
+use subtle::ConstantTimeEq;
+use zeroize::Zeroize;
 
 /// Bytes of the authentication tag that ends every datagram.
 pub const TAG_LEN: usize = 16;
 
 /// 32 secret bytes.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct Key([u8; Self::LEN]);
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.ct_eq(&other.0).into()
+    }
+}
+
+impl Eq for Key {}
+
+impl Drop for Key {
+    fn drop(&mut self) {
+        self.0.zeroize();
+    }
+}
 
 impl Key {
     /// Bytes.
@@ -58,6 +75,17 @@ impl Key {
     /// The bytes, for the cipher, or for the key file of one line.
     pub fn bytes(&self) -> &[u8; Self::LEN] {
         &self.0
+    }
+
+    /// Random bytes from several sources, for [`crate::link::Config::entropy`]: other ones as soon as one of the parts differs, and
+    /// unforeseeable as long as one of them, or the key, is.
+    pub fn hedged(&self, parts: &[&[u8]]) -> [u8; Self::LEN] {
+        let mut derivation = self.derive("hedge");
+        for part in parts {
+            let len = u32::try_from(part.len()).unwrap_or(u32::MAX);
+            derivation = derivation.with(&len.to_le_bytes()).with(part);
+        }
+        *derivation.end().bytes()
     }
 
     pub(crate) fn is_zero(&self) -> bool {
@@ -105,7 +133,6 @@ impl Derivation {
 
     /// The first `N` of its bytes, for what is not secret.
     pub(crate) fn first<const N: usize>(self) -> [u8; N] {
-        let Key(bytes) = self.end();
-        bytes.first_chunk().copied().unwrap_or([0; N])
+        self.end().0.first_chunk().copied().unwrap_or([0; N])
     }
 }

@@ -12,9 +12,9 @@
 //! the slice it is given. Nothing allocates; a link is one value of fixed size. An error is one sentence about what was
 //! wrong and never a reason to stop.
 //!
-//! **Limits**: whoever holds the shared key can read what was recorded (no forward secrecy; a microcontroller that is opened
-//! gives up its key anyway). An enemy on the path can drop datagrams, which fades the coordination, and cannot do more. Addresses
-//! prove nothing and are the caller's: send to the configured one, not to whoever wrote last.
+//! **Limits**: whoever holds the shared key can pretend to be either end from then on, and read nothing of what was recorded before. An
+//! enemy on the path can drop datagrams, which fades the coordination, and delay them, within what [`link::Link::within`] allows, and
+//! cannot do more. Addresses prove nothing and are the caller's: send to the configured one, not to whoever wrote last.
 //!
 //! # Two links, one wire
 //!

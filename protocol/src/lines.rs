@@ -3,6 +3,10 @@
 //! A line goes in parts of up to 48 bytes, as many as there is room for under way; the last part says that it is the last.
 //! One line at a time is on its way in each direction: who asks waits for the answer.
 //!
+//! The last part also has a token, the newest time of the receiver's clock that the sender knew when it began to say the line. So the
+//! receiver knows how long ago that was ([`Heard::age_us`]), from its own clock alone and however often the parts were sent; a machine
+//! does only what was said to it within [`FRESH_US`].
+//!
 //! **Limits**: 384 bytes a line; what is longer is cut at a whole character. Parts of a line whose sender started anew in
 //! the middle of it are dropped with the link's session ([`Lines::forget`]).
 
@@ -17,8 +21,29 @@ pub const PART: u16 = 1;
 /// Code of an event that ends a line.
 pub const END: u16 = 2;
 
+/// How long ago a line may have been said at the most, for a machine to do what it says, µs.
+pub const FRESH_US: u64 = 500_000;
+/// Bytes of the token at the front of the last part.
+const TOKEN: usize = 8;
+
 /// A line of text.
 pub type Line = String<LONGEST>;
+
+/// A line that was heard.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Heard {
+    /// What it says.
+    pub line: Line,
+    /// How long ago it was said, at the most, µs; `None`: before this session.
+    pub age_us: Option<u64>,
+}
+
+impl Heard {
+    /// Whether it was said within [`FRESH_US`].
+    pub fn is_fresh(&self) -> bool {
+        self.age_us.is_some_and(|age_us| age_us <= FRESH_US)
+    }
+}
 
 /// Both directions of one end.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +51,8 @@ pub struct Lines {
     saying: Line,
     /// Bytes of it that the link has taken in charge; `None`: nothing is being said.
     said: Option<usize>,
+    /// The token that it goes with, once it has begun to be said.
+    token: Option<u64>,
     hearing: Vec<u8, LONGEST>,
 }
 
@@ -38,7 +65,13 @@ impl Lines {
         self.saying.clear();
         let _ = text.chars().try_for_each(|character| self.saying.push(character));
         self.said = Some(0);
+        self.token = None;
         true
+    }
+
+    /// Takes back what is being said, as far as the link does not have it.
+    pub fn unsay(&mut self) {
+        self.said = None;
     }
 
     /// Whether a line is not yet with the link.
@@ -46,13 +79,22 @@ impl Lines {
         self.said.is_some()
     }
 
-    /// Gives the link what it has room for. Call after every [`Lines::say`] and before every [`Link::poll`].
+    /// Gives the link what it has room for, once there is a session. Call after every [`Lines::say`] and before every [`Link::poll`].
     pub fn push(&mut self, link: &mut Link) {
         while let Some(said) = self.said {
+            let Some(token) = self.token.or(link.token()) else { return };
+            self.token = Some(token);
             let rest = self.saying.as_bytes().get(said..).unwrap_or(&[]);
             let part = rest.get(..Event::MAX_PAYLOAD).unwrap_or(rest);
-            let last = part.len() == rest.len();
-            let Ok(event) = Event::new(if last { END } else { PART }, part) else { return };
+            let last = rest.len() <= Event::MAX_PAYLOAD - TOKEN;
+            let event = if last {
+                let mut payload = [0; Event::MAX_PAYLOAD];
+                payload.iter_mut().zip(token.to_le_bytes().iter().chain(part)).for_each(|(to, from)| *to = *from);
+                Event::new(END, payload.get(..TOKEN.saturating_add(part.len())).unwrap_or(&payload))
+            } else {
+                Event::new(PART, part)
+            };
+            let Ok(event) = event else { return };
             if link.push_event(event).is_err() {
                 return;
             }
@@ -61,12 +103,17 @@ impl Lines {
     }
 
     /// The next whole line that came, if any. Events that are no lines are dropped.
-    pub fn hear(&mut self, link: &mut Link) -> Option<Line> {
+    pub fn hear(&mut self, now: u64, link: &mut Link) -> Option<Heard> {
         while let Some(event) = link.take_event() {
             if event.code != PART && event.code != END {
                 continue;
             }
-            for byte in event.payload() {
+            let (token, text) = match event.payload().split_first_chunk::<TOKEN>() {
+                Some((token, text)) if event.code == END => (u64::from_le_bytes(*token), text),
+                // A last part without a token was never said.
+                _ => (0, event.payload()),
+            };
+            for byte in text {
                 // What is beyond the longest line is cut.
                 let _ = self.hearing.push(*byte);
             }
@@ -74,7 +121,7 @@ impl Lines {
                 let bytes = core::mem::take(&mut self.hearing);
                 // A line that is no text ends where it stops to be text.
                 let whole = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
-                return Some(whole.chars().collect());
+                return Some(Heard { line: whole.chars().collect(), age_us: link.token_age_us(now, token) });
             }
         }
         None

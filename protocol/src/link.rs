@@ -1,7 +1,7 @@
 //! Link: one peer's end of the wire to another. Bytes and `now` go in, bytes and messages come out.
 //!
 //! ```text
-//! Calling ──proof──► Joining ──heard──► Idle ──flow──► Running ◄──3 silent, flow again──► Fading
+//! Calling ──proof──► Joining ─answered─► Idle ──flow──► Running ◄──3 silent, flow again──► Fading
 //!    ▲  ▲ Refused ◄─other parameters      │ ▲                                               │
 //!    │  └──────────────────────────12 silent└───────────────────no flow for 12──────────────┘
 //! ```
@@ -10,16 +10,21 @@
 //! came ([`Link::receive`]) and at least once a packet period it calls [`Link::poll`] until there is nothing more to send.
 //! Nothing here waits, and the flow waits for nothing.
 //!
+//! **Freshness**: nothing is taken before the other end has answered in this session, and nothing that could be older than a second,
+//! flow than [`Link::within`]; measured by this end's clock alone ([`crate::wire::Stamps`]). A session that stays unconfirmed for a
+//! second, or 12 packet periods if that is longer, ends.
+//!
 //! **Units**: µs on the caller's own clock, which may start anywhere and must not go backwards (if it does, time stands
 //! still). **Invariants**: bounded memory, the size of [`Link`] itself; a datagram that is not authentic changes nothing
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
-use crate::engagement::Engagement;
+use crate::engagement::{APART_AFTER, Engagement};
+use crate::handshake::{Handshake, LIFE_US};
 use crate::reliable::{Receiver, Sender};
 use crate::session::{Counter, Session};
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
-use crate::{clock::Clock, ends::Ends, handshake::Handshake, key::Key, notices::Notices, parameters::Parameters};
+use crate::{clock::Clock, ends::Ends, key::Key, notices::Notices, parameters::Parameters};
 
 mod incoming;
 
@@ -28,6 +33,8 @@ pub use crate::reliable::{Full, WINDOW as EVENTS};
 
 /// Packet periods between hellos.
 const HELLO_EVERY: u32 = 2;
+/// One-way delay beyond which flow is not taken, unless [`Link::within`] says another, µs.
+pub const MAX_DELAY_US: u32 = 250_000;
 /// Packet periods between time probes.
 const PROBE_EVERY: u32 = 8;
 /// Packet periods without anything sent before a probe keeps the session alive.
@@ -83,7 +90,7 @@ impl ConfigError {
 pub enum Stage {
     /// No session: saying hello.
     Calling = 0,
-    /// The other peer has proved itself; keys are there, nothing has been heard under them yet.
+    /// The other peer has proved itself; keys are there, nothing has been answered under them yet.
     Joining = 1,
     /// Heard, but no flow comes: the other peer is there and does not coordinate.
     Idle = 2,
@@ -113,6 +120,8 @@ pub enum Notice {
     Disengaged,
     /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
     Lost,
+    /// Flow comes too late and is not taken: its delay one way, µs. Told once, until flow is taken again.
+    Old(u32),
     /// The other peer was told something else: the first table of parameters that differs.
     Refused(&'static str),
 }
@@ -126,6 +135,8 @@ pub struct Counts {
     pub missing: u32,
     /// Flow that came after newer flow, dropped.
     pub late: u32,
+    /// Flow whose delay was more than is allowed, dropped.
+    pub old: u32,
     /// Datagrams refused.
     pub refused: u32,
 }
@@ -147,7 +158,12 @@ pub struct Link {
     receiver: Receiver,
     /// Sequence number of the newest flow taken in this session.
     newest_flow: Option<u64>,
-    /// The challenge of the other peer that was refused last.
+    /// The delay of that, one way, µs; and the longest that is allowed.
+    delay_us: Option<u32>,
+    max_delay_us: u32,
+    /// The newest flow was too old.
+    is_old: bool,
+    /// The newest challenge of the other end that came with an echo of a good one of ours, refused or not.
     far: Challenge,
     /// A welcome to send, and the challenge that it echoes.
     answer: Option<Challenge>,
@@ -195,6 +211,9 @@ impl Link {
             sender: Sender::default(),
             receiver: Receiver::default(),
             newest_flow: None,
+            delay_us: None,
+            max_delay_us: MAX_DELAY_US,
+            is_old: false,
             far: Challenge::default(),
             answer: None,
             probed: None,
@@ -225,6 +244,14 @@ impl Link {
         self
     }
 
+    /// The same link, which takes flow only while it needs at most `max_delay_us` one way. Measured is the way there and back: from
+    /// when this end sealed the newest datagram that the flow's sender had opened, to when the flow came. Half of that is the delay;
+    /// so whatever happens on the path, no flow that is taken is older than twice as much.
+    pub fn within(mut self, max_delay_us: u32) -> Self {
+        self.max_delay_us = max_delay_us;
+        self
+    }
+
     /// The number in the header of every sealed datagram of the session at hand, both ways.
     pub fn session_number(&self) -> Option<u32> {
         self.session.as_ref().map(Session::number)
@@ -235,15 +262,15 @@ impl Link {
     pub fn poll(&mut self, now: u64, out: &mut Datagram) -> Option<usize> {
         self.advance(now);
         if let Some(echo) = self.answer.take() {
-            return self.handshake.greet(GreetingKind::Welcome, echo, out).ok();
+            return self.handshake.greet(now, GreetingKind::Welcome, echo, out).ok();
         }
         let confirmed = self.session.as_ref().is_some_and(Session::is_confirmed);
         if !confirmed && now >= self.next_hello_us {
             self.next_hello_us = self.after(now, HELLO_EVERY);
             // Who was refused is refused again, and so learns of it.
-            let refused = if self.refused.is_some() { self.far } else { Challenge::default() };
-            let echo = self.session.as_ref().map_or(refused, |session| session.remote.challenge);
-            return self.handshake.greet(GreetingKind::Hello, echo, out).ok();
+            let far = self.session.is_some() || self.refused.is_some();
+            let echo = if far { self.far } else { Challenge::default() };
+            return self.handshake.greet(now, GreetingKind::Hello, echo, out).ok();
         }
         let message = self.due(now, confirmed)?;
         self.seal(now, &message, out)
@@ -324,6 +351,28 @@ impl Link {
         self.answered_us
     }
 
+    /// How long the newest flow took, one way, µs, whether it was taken or too old: half of the way there and back, a packet period
+    /// or two of waiting at the other end included.
+    pub fn delay_us(&self) -> Option<u32> {
+        self.delay_us
+    }
+
+    /// Whether flow comes and is too old to be taken.
+    pub fn is_old(&self) -> bool {
+        self.is_old
+    }
+
+    /// The newest time of the other end's clock that is known here, µs, while the session is confirmed: a token that the other end
+    /// gave out, for what it is to take only soon after ([`Link::token_age_us`]).
+    pub fn token(&self) -> Option<u64> {
+        self.session.as_ref().filter(|session| session.is_confirmed()).and_then(Session::stamp_us)
+    }
+
+    /// How long ago this end gave out the token, µs; `None` if that was not in this session.
+    pub fn token_age_us(&self, now: u64, token: u64) -> Option<u64> {
+        self.session.as_ref().and_then(|session| session.age_us(now, token))
+    }
+
     /// The other peer's clock, the round trip and its jitter.
     pub fn clock(&self) -> &Clock {
         &self.clock
@@ -358,10 +407,22 @@ impl Link {
         from.saturating_add(u64::from(self.period_us).saturating_mul(u64::from(periods)))
     }
 
+    /// How long a message counts, and a session that nothing was answered in, µs.
+    fn life_us(&self) -> u64 {
+        LIFE_US.max(self.after(0, APART_AFTER))
+    }
+
     fn advance(&mut self, now: u64) {
         self.engagement.update(now);
-        let silent = now >= self.heard_us.saturating_add(self.engagement.apart_after_us());
-        if silent && self.session.as_ref().is_some_and(Session::is_confirmed) {
+        let over = self.session.as_ref().is_some_and(|session| match session.is_confirmed() {
+            true => now >= self.heard_us.saturating_add(self.engagement.apart_after_us()),
+            false => now >= session.began_us.saturating_add(self.life_us()),
+        });
+        if over {
+            if self.session.as_ref().is_some_and(|session| !session.is_confirmed()) {
+                // The next session has other keys and another number, whatever it was that kept this one from being confirmed.
+                self.handshake.renew();
+            }
             self.end();
             self.next_hello_us = now;
         }
@@ -369,7 +430,7 @@ impl Link {
     }
 
     fn seal(&mut self, now: u64, message: &Message, out: &mut Datagram) -> Option<usize> {
-        let len = self.session.as_mut()?.seal(&mut self.counter, message, out).ok()?;
+        let len = self.session.as_mut()?.seal(&mut self.counter, now, message, out).ok()?;
         self.sent_us = now;
         Some(len)
     }

@@ -4,12 +4,12 @@
 //! of each table of parameters that must be equal, and a peer refuses another by naming the first that is not. What may
 //! differ between the two ends (side of the object, motor, encoder) stays out. `FORMAT.md` says how the hash is made.
 //!
-//! **Limit**: 64 bits a table guard against accidents; against an enemy the greeting's tag does.
+//! **Limit**: 48 bits a table guard against accidents; against an enemy the greeting's tag does.
 
 use heapless::Vec;
 
 use crate::key::{Derivation, Key};
-use crate::wire::TABLES;
+use crate::wire::{TABLES, TableHash};
 
 /// One table on its way to a hash: name, then every key with its value, always in the same order.
 #[derive(Clone)]
@@ -53,7 +53,7 @@ impl Table {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Parameters {
     names: Vec<&'static str, TABLES>,
-    hashes: Vec<u64, TABLES>,
+    hashes: Vec<TableHash, TABLES>,
 }
 
 /// There is no room for another table: a greeting names 16.
@@ -89,18 +89,18 @@ impl Parameters {
     /// Adds a table; both peers add the same ones in the same order.
     pub fn add(&mut self, table: Table) -> Result<(), TooManyTables> {
         self.names.push(table.name).map_err(|_| TooManyTables)?;
-        self.hashes.push(u64::from_le_bytes(table.hash.first())).map_err(|_| TooManyTables)
+        self.hashes.push(table.hash.first()).map_err(|_| TooManyTables)
     }
 
     /// How many tables, and their hashes as a greeting carries them.
-    pub(crate) fn hashes(&self) -> (u8, [u64; TABLES]) {
-        let mut all = [0; TABLES];
+    pub(crate) fn hashes(&self) -> (u8, [TableHash; TABLES]) {
+        let mut all = [TableHash::default(); TABLES];
         all.iter_mut().zip(&self.hashes).for_each(|(to, from)| *to = *from);
         (u8::try_from(self.hashes.len()).unwrap_or(u8::MAX), all)
     }
 
     /// The name of the first table in which a peer with `count` tables of these hashes differs.
-    pub(crate) fn difference(&self, count: u8, tables: &[u64; TABLES]) -> Option<&'static str> {
+    pub(crate) fn difference(&self, count: u8, tables: &[TableHash; TABLES]) -> Option<&'static str> {
         let theirs = tables.iter().take(usize::from(count));
         let mut differing =
             self.names.iter().zip(&self.hashes).zip(theirs).filter(|((_, ours), theirs)| ours != theirs);

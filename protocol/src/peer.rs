@@ -24,6 +24,11 @@ pub fn apart_after_us(settings: &Settings) -> u32 {
     (1e6 * settings.safety.disengage_s) as u32
 }
 
+/// The longest delay of flow that is taken, for [`crate::link::Link::within`], µs.
+pub fn max_delay_us(settings: &Settings) -> u32 {
+    (1e6 * settings.safety.max_delay_s) as u32
+}
+
 /// A packet of tick `tick` as it goes out; `engaged` while the motors are on.
 pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
     // From f32 and back to it nothing is lost.

@@ -1,10 +1,14 @@
-//! One session: the keys that two challenges give, in both directions, and what has been taken under them.
+//! One session: the keys that two ephemerals give, in both directions, and what has been taken under them.
 //!
-//! Both challenges are fresh, so both ends contribute to every key: one that forgot everything (a reboot) or whose
-//! randomness failed still gets keys that were never used. Parameters and incarnations enter too, so that peers which
+//! Both ephemerals are fresh, so both ends contribute to every key: one that forgot everything (a reboot) or whose
+//! randomness failed still gets keys that were never used, from an end whose randomness did not. Parameters and incarnations enter too, so that peers which
 //! disagree about anything cannot read each other.
 //!
 //! **Invariant**: the replay window belongs to the keys; there is never a window without them or a second one for them.
+//!
+//! **Freshness**: every sealed message echoes the newest time of the receiver's clock that its sender had opened in this session
+//! ([`Stamps`]). So the receiver knows how old it is at the most, the way there and back and what the sender waited, from its own
+//! clock alone; an echo also says that the other end opens what is sealed here.
 //!
 //! **Sealing** is ChaCha20-Poly1305 (RFC 8439). Each direction has its own keys, so that what a peer sent is never opened by itself.
 //! The sequence number is the nonce and also picks the key: every 2²⁰ datagrams (2.3 h at one each 8 ms) both ends move on to the
@@ -19,22 +23,21 @@ use chacha20poly1305::aead::{AeadInOut, KeyInit};
 use chacha20poly1305::{ChaCha20Poly1305, aead::array::Array};
 
 use crate::replay::{SEQUENCE_LIMIT, Window};
-use crate::wire::{self, Challenge, Greeting, Header, Message, PeerId, TABLES, TAG_LEN, VERSION};
+use crate::wire::{self, Ephemeral, Greeting, Header, Message, PeerId, Stamps, TABLES, TAG_LEN, TableHash, VERSION};
 use crate::{ends::Ends, error::Refusal, key::Key};
 
 /// What one end puts into a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Offer {
-    pub challenge: Challenge,
+    pub ephemeral: Ephemeral,
     pub incarnation: u64,
 }
 
 /// What both ends of a session were told, as a greeting carries it.
-pub(crate) type Agreed = (u8, [u64; TABLES]);
+pub(crate) type Agreed = (u8, [TableHash; TABLES]);
 
 pub(crate) struct Session {
     ends: Ends,
-    pub(crate) local: Offer,
     pub(crate) remote: Offer,
     number: u32,
     outward: Direction,
@@ -42,35 +45,57 @@ pub(crate) struct Session {
     window: Window,
     first: u64,
     taken: u64,
+    /// This end's clock when the session began, µs; no echo is older.
+    pub(crate) began_us: u64,
+    /// The other end's clock in its newest datagram, µs: what the next one from here echoes.
+    stamp_us: u64,
+    confirmed: bool,
+}
+
+/// A sealed datagram, opened.
+#[derive(Debug)]
+pub(crate) struct Opened<'a> {
+    /// The message as bytes.
+    pub message: &'a [u8],
+    /// How old it is at the most, µs; `None`: it echoes nothing that was said from here in this session.
+    pub age_us: Option<u64>,
 }
 
 impl fmt::Debug for Session {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Session({:08x}, {} taken, {:?})", self.number, self.taken, self.window)
+        let Self { number, taken, window, began_us, stamp_us, confirmed, .. } = self;
+        write!(f, "Session({number:08x}, {taken} taken, {window:?}, {began_us}, {stamp_us}, {confirmed})")
     }
 }
 
 impl Session {
-    /// The session that two offers make under the shared key.
-    pub(crate) fn new(shared: &Key, ends: Ends, local: Offer, remote: Offer, (count, tables): &Agreed) -> Self {
+    /// The session that two offers, the local one first, make under the shared key and the secret that their ephemerals agree on.
+    pub(crate) fn new(
+        shared: &Key,
+        ends: Ends,
+        [local, remote]: [Offer; 2],
+        secret: &Key,
+        (count, tables): &Agreed,
+        now: u64,
+    ) -> Self {
         let local_is_low = ends.local < ends.remote;
         let (low, high) = if local_is_low { (ends.local, ends.remote) } else { (ends.remote, ends.local) };
         let (of_low, of_high) = if local_is_low { (local, remote) } else { (remote, local) };
         let mut derivation = shared
             .derive("session")
             .with(&[VERSION, low.0, high.0])
-            .with(&of_low.challenge)
-            .with(&of_high.challenge)
+            .with(&of_low.ephemeral)
+            .with(&of_high.ephemeral)
             .with(&of_low.incarnation.to_le_bytes())
             .with(&of_high.incarnation.to_le_bytes())
+            .with(secret.bytes())
             .with(&[*count]);
         for table in tables {
-            derivation = derivation.with(&table.to_le_bytes());
+            derivation = derivation.with(table);
         }
         let secret = derivation.end();
         Self {
             ends,
-            local,
             remote,
             number: u32::from_le_bytes(secret.derive("number").first()),
             outward: Direction::new(&secret, ends.local, ends.remote),
@@ -78,12 +103,15 @@ impl Session {
             window: Window::default(),
             first: 0,
             taken: 0,
+            began_us: now.max(1),
+            stamp_us: 0,
+            confirmed: false,
         }
     }
 
-    /// Whether a greeting's challenges are the two that made this session.
+    /// Whether a greeting is of what the other end has put into this session.
     pub(crate) fn is_named_by(&self, greeting: &Greeting) -> bool {
-        self.remote.challenge == greeting.challenge && self.local.challenge == greeting.echo
+        self.remote == Offer { ephemeral: greeting.ephemeral, incarnation: greeting.incarnation }
     }
 
     /// What its datagrams are told apart by; not secret.
@@ -91,37 +119,67 @@ impl Session {
         self.number
     }
 
-    /// The other end has been heard under these keys: it is there, now, and has them.
+    /// The other end has answered in this session: it is there, now, and has these keys.
     pub(crate) fn is_confirmed(&self) -> bool {
-        self.taken > 0
+        self.confirmed
     }
 
-    /// Seals `message` into the front of `out` and gives the datagram's length.
-    pub(crate) fn seal(&mut self, counter: &mut Counter, message: &Message, out: &mut [u8]) -> Result<usize, Refusal> {
+    pub(crate) fn confirm(&mut self) {
+        self.confirmed = true;
+    }
+
+    /// The newest time of the other end's clock that was heard in this session, µs.
+    pub(crate) fn stamp_us(&self) -> Option<u64> {
+        (self.stamp_us > 0).then_some(self.stamp_us)
+    }
+
+    /// How long ago this end's clock showed `stamp_us`, µs; `None` if that was not in this session.
+    pub(crate) fn age_us(&self, now: u64, stamp_us: u64) -> Option<u64> {
+        let now = now.max(self.began_us);
+        (self.began_us..=now).contains(&stamp_us).then(|| now - stamp_us)
+    }
+
+    /// Seals `message` into the front of `out` at `now` and gives the datagram's length.
+    pub(crate) fn seal(
+        &mut self,
+        counter: &mut Counter,
+        now: u64,
+        message: &Message,
+        out: &mut [u8],
+    ) -> Result<usize, Refusal> {
         let Ends { local: from, remote: to } = self.ends;
         let header = Header { from, to, session: self.number, sequence: counter.draw()? };
-        self.outward.seal(&header, message, out)
+        let stamps = Stamps { sealed_us: now.max(self.began_us), echo_us: self.stamp_us };
+        self.outward.seal(&header, &stamps, message, out)
     }
 
-    /// Opens, in place, what [`Header::parse`] took apart; the message as bytes.
+    /// Opens, in place, what [`Header::parse`] took apart.
     pub(crate) fn open<'a>(
         &mut self,
+        now: u64,
         header: &Header,
         head: &[u8; Header::LEN],
         sealed: &'a mut [u8],
-    ) -> Result<&'a [u8], Refusal> {
+    ) -> Result<Opened<'a>, Refusal> {
         if header.session != self.number {
             return Err(Refusal::OtherSession);
         }
         self.window.check(header.sequence)?;
-        let message = self.inward.open(header, head, sealed)?;
+        let body = self.inward.open(header, head, sealed)?;
+        let newest = self.window.newest();
         self.window.take(header.sequence)?;
         if self.taken == 0 {
             self.first = header.sequence;
         }
         self.first = self.first.min(header.sequence);
         self.taken = self.taken.saturating_add(1);
-        Ok(message)
+        let length = wire::Error::Length { message: "stamps", wanted: Stamps::LEN, got: body.len() };
+        let (stamps, message) = body.split_at_checked(Stamps::LEN).ok_or(length)?;
+        let Stamps { sealed_us, echo_us } = Stamps::parse(stamps)?;
+        if newest.is_none_or(|newest| header.sequence > newest) {
+            self.stamp_us = sealed_us;
+        }
+        Ok(Opened { message, age_us: self.age_us(now, echo_us) })
     }
 
     /// Sealed datagrams taken so far; 2³² − 1 stands for more.
@@ -191,16 +249,23 @@ impl Direction {
     /// Writes header, sealed message and tag to the front of `out` and gives their length.
     ///
     /// The header's sequence must be fresh from the sender's one [`Counter`].
-    pub(crate) fn seal(&mut self, header: &Header, message: &Message, out: &mut [u8]) -> Result<usize, Refusal> {
+    pub(crate) fn seal(
+        &mut self,
+        header: &Header,
+        stamps: &Stamps,
+        message: &Message,
+        out: &mut [u8],
+    ) -> Result<usize, Refusal> {
         let epoch = header.sequence >> EPOCH_BITS;
         if epoch != self.epoch {
             self.cipher = Self::traffic(&self.base, epoch);
             self.epoch = epoch;
         }
-        let too_short = wire::Error::Length { message: "datagram", wanted: Header::LEN + TAG_LEN, got: out.len() };
+        let too_short = wire::Error::Length { message: "datagram", wanted: wire::SEAL_LEN, got: out.len() };
         let (head, rest) = out.split_first_chunk_mut::<{ Header::LEN }>().ok_or(too_short)?;
         header.emit(head)?;
-        let len = message.emit(rest)?;
+        let stamped = stamps.emit(rest)?;
+        let len = stamped + message.emit(rest.get_mut(stamped..).unwrap_or_default())?;
         let (body, rest) = rest.split_at_mut_checked(len).ok_or(too_short)?;
         let end = rest.first_chunk_mut::<TAG_LEN>().ok_or(too_short)?;
         let nonce = Array(Self::nonce(header.sequence));

@@ -140,6 +140,29 @@ fn a_peer_that_falls_silent() {
 }
 
 #[test]
+fn a_peer_whose_packets_come_too_late() {
+    let mut settings = Settings::default();
+    settings.safety.peer_lost_s = 0.16;
+    for (taken_again, fault) in [(false, Fault::PeerDelayed), (true, Fault::PeerLost)] {
+        let mut bench = Bench::armed(&settings);
+        bench.peer.hear(Packet::default());
+        bench.peer.exchange();
+        bench.peer.delayed();
+        if taken_again {
+            bench.peer.hear(Packet::default());
+            bench.peer.exchange();
+        }
+        for _ in 0..19 {
+            bench.peer.exchange();
+        }
+        assert_eq!(bench.peer.mode(), Mode::Armed);
+        bench.peer.exchange();
+        let last = bench.at(0.001, 0.0);
+        bench.assert_stopped(last, fault);
+    }
+}
+
+#[test]
 fn a_tick_that_overruns() {
     let mut bench = Bench::armed(&Settings::default());
     let reading = Reading::Exact([Motion::REST; AXES]);
@@ -187,8 +210,9 @@ fn fault_numbers_never_change() {
         Fault::Diverged,
         Fault::EncoderStuck,
         Fault::Runaway,
+        Fault::PeerDelayed,
     ];
-    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

@@ -17,6 +17,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use embassy_stm32::pac::flash::regs::{Ccr, Sr};
 use embassy_stm32::{Peri, pac, peripherals::FLASH};
 use embassy_time::{Duration, Timer};
+use firmware_parts::boots;
 use firmware_parts::store::{Broken, Medium, SECTOR, Word};
 use haptic_protocol::key::Key;
 
@@ -124,23 +125,35 @@ impl Settings {
     }
 }
 
+/// Programs the word at an address of bank 2, which is blank.
+fn program(address: u32, word: &Word) -> Result<(), Broken> {
+    let _open = Open::new();
+    bank().cr().modify(|w| w.set_pg(true));
+    cortex_m::asm::dsb();
+    for (nth, bytes) in (0..).zip(word.as_chunks().0) {
+        // SAFETY: within the sectors of the settings or behind the key, which hold nothing that Rust knows of.
+        unsafe { ((address + 4 * nth) as *mut u32).write_volatile(u32::from_le_bytes(*bytes)) };
+    }
+    cortex_m::asm::dsb();
+    compiler_fence(Ordering::SeqCst);
+    (0..SPINS).find_map(|_| outcome(bank().sr().read())).unwrap_or(Err(Broken))
+}
+
+impl Settings {
+    /// Counts this start, behind the key.
+    pub(crate) fn count_boot(&mut self) -> u32 {
+        let start = &raw const _key_start as u32;
+        boots::count(|at| read(start + WORD * at), |at, word| program(start + WORD * at, word))
+    }
+}
+
 impl Medium for Settings {
     fn read(&self, at: u32) -> Option<Word> {
         read(Self::start() + WORD * at)
     }
 
     fn program(&mut self, at: u32, word: &Word) -> Result<(), Broken> {
-        let _open = Open::new();
-        bank().cr().modify(|w| w.set_pg(true));
-        cortex_m::asm::dsb();
-        let start = Self::start() + WORD * at;
-        for (nth, bytes) in (0..).zip(word.as_chunks().0) {
-            // SAFETY: within the settings' sectors, which hold nothing that Rust knows of.
-            unsafe { ((start + 4 * nth) as *mut u32).write_volatile(u32::from_le_bytes(*bytes)) };
-        }
-        cortex_m::asm::dsb();
-        compiler_fence(Ordering::SeqCst);
-        (0..SPINS).find_map(|_| outcome(bank().sr().read())).unwrap_or(Err(Broken))
+        program(Self::start() + WORD * at, word)
     }
 
     async fn erase(&mut self, sector: u32) -> Result<(), Broken> {

@@ -77,7 +77,8 @@ pub(crate) fn init() -> Board {
     // All interrupts come out of reset at priority 0, the tick's own.
     interrupt::TIM5.set_priority(Priority::P3);
     interrupt::ETH.set_priority(Priority::P4);
-    random::start(p.RNG);
+    let mut flash = flash::Settings::new(p.FLASH);
+    random::start(p.RNG, flash.count_boot());
     let strap = Input::new(p.PG12, Pull::Up);
     // The pull-up charges the pin within a microsecond; give it ten.
     cortex_m::asm::delay(4_800);
@@ -85,7 +86,7 @@ pub(crate) fn init() -> Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
         pace: p.TIM6,
         watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
-        flash: flash::Settings::new(p.FLASH),
+        flash,
         ethernet: ethernet::Pins {
             eth: p.ETH,
             sma: p.ETH_SMA,

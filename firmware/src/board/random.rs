@@ -1,15 +1,31 @@
-//! Random numbers from the chip's own source, for the links' challenges.
+//! Random numbers from the chip's own source, for the links' ephemerals and challenges.
+//!
+//! What the source gives is never used by itself, but mixed with what differs from start to start ([`firmware_parts::hedge`]).
 //!
 //! The generator checks its noise source and its clock and says so; what it gave since the last check that failed is not
 //! used. After a failure it is started anew, three times at the most. A source that does not recover gives `None`, and a
 //! board without randomness talks to nobody: nothing here waits for ever.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use embassy_stm32::{Peri, pac, peripherals::RNG, rcc};
+use embassy_time::Instant;
+use firmware_parts::hedge::Sources;
+use haptic_protocol::key::Key;
+
+use super::Number;
+
+/// Number of this start.
+static BOOT: AtomicU32 = AtomicU32::new(0);
+/// Draws in this start.
+static DRAWN: AtomicU32 = AtomicU32::new(0);
 
 /// Looks at the generator until a word must be there: 1 µs for a word, 10 µs for the first.
 const LOOKS: u32 = 20_000;
 
-pub(crate) fn start(_: Peri<'static, RNG>) {
+/// Starts the source, in the start of the board with this number.
+pub(crate) fn start(_: Peri<'static, RNG>, boot: u32) {
+    BOOT.store(boot, Ordering::Relaxed);
     rcc::enable_and_reset::<RNG>();
     restart();
 }
@@ -47,15 +63,17 @@ fn words() -> Option<[u32; 8]> {
     Some(words)
 }
 
-/// 32 random bytes; `None` if the source has failed. For the tasks of one executor.
-pub(crate) fn draw() -> Option<[u8; 32]> {
+/// 32 random bytes for board `number`, which holds this key; `None` if the source has failed. For the tasks of one executor.
+pub(crate) fn draw(key: &Key, number: Number) -> Option<[u8; 32]> {
     for _ in 0..3 {
         if let Some(words) = words() {
-            let mut bytes = [0; 32];
-            for (to, word) in bytes.chunks_exact_mut(4).zip(words) {
+            let mut noise = [0; 32];
+            for (to, word) in noise.chunks_exact_mut(4).zip(words) {
                 to.copy_from_slice(&word.to_le_bytes());
             }
-            return Some(bytes);
+            let (board, boot) = (number as u8, BOOT.load(Ordering::Relaxed));
+            let (draw, uptime_us) = (DRAWN.fetch_add(1, Ordering::Relaxed), Instant::now().as_micros());
+            return Some(Sources { noise, board, boot, draw, uptime_us }.mixed(key));
         }
         restart();
     }

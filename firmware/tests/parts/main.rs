@@ -1,6 +1,7 @@
 //! The parts of the image that need no chip, from outside.
 
 mod exchange;
+mod hedge;
 mod kept;
 mod operator;
 mod record;

@@ -4,6 +4,8 @@
 //! read, not of whatever its name means a moment later. **Writing** is all or nothing: the name is there once every byte is
 //! on the disk, an existing file is never touched, and what fails leaves nothing behind.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
 use std::{fs::File, io::Read, io::Write, path::Path};
 
 use haptic_protocol::key::Key;
@@ -11,11 +13,19 @@ use haptic_protocol::key::Key;
 /// Longest key file, bytes: the digits, and some space around them.
 pub const LONGEST: usize = 2 * Key::LEN + 64;
 
-/// Randomness from the system.
+/// Randomness from the system, mixed with what differs from draw to draw, so that a source that repeats itself repeats nothing here.
 pub fn entropy() -> Result<[u8; Key::LEN], String> {
     let mut bytes = [0; Key::LEN];
     getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
-    Ok(bytes)
+    Ok(hedged(bytes))
+}
+
+/// The same with what the system's source gave.
+fn hedged(noise: [u8; Key::LEN]) -> [u8; Key::LEN] {
+    static DRAWN: AtomicU64 = AtomicU64::new(0);
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
+    let (process, drawn) = (std::process::id(), DRAWN.fetch_add(1, Ordering::Relaxed));
+    Key::new(noise).hedged(&[&since.to_le_bytes(), &process.to_le_bytes(), &drawn.to_le_bytes()])
 }
 
 /// Makes a new key file; an existing file is never overwritten.
@@ -91,3 +101,7 @@ fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), String> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/key_file.rs"]
+mod tests;

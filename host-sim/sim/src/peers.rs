@@ -66,6 +66,8 @@ dyn_peer! {
     fn packet_due(self: &Self) -> bool;
     /// Carries out an operator's command.
     fn command(self: &mut Self, command: Command);
+    /// What the other peer sends is too old to be taken.
+    fn delayed(self: &mut Self);
     /// Lets go of the other peer until a packet comes.
     fn part(self: &mut Self);
     /// Begins a probe, if disarmed.

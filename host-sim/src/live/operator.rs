@@ -129,6 +129,9 @@ impl Operator {
             answer = session.answer();
             answer.is_some()
         })?;
+        if answer.is_none() {
+            self.session.unsay();
+        }
         answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board))
     }
 

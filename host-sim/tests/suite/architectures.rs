@@ -162,21 +162,21 @@ fn the_engine_without_bounder_needs_the_papers_200_hz() {
     }
 }
 
-/// Bytes against the layouts: 125 packets a second of flow (40), push (32) and state (48), 32 around each.
+/// Bytes against the layouts: 125 packets a second of flow (40), push (32) and state (48), 48 around each.
 #[test]
 fn bytes_are_those_of_the_wire() {
     let row = |architecture| host_sim::studies::architectures::row(architecture, 20.0).expect("a run");
-    near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 72.0, 1.0);
+    near(row(Architecture::DistributedPower).user_bytes_per_s, 125.0 * 88.0, 1.0);
     let cooperative = row(Architecture::CooperativeServer);
-    near(cooperative.user_bytes_per_s, 125.0 * 64.0, 1.0);
-    near(cooperative.server_bytes_per_s, 2.0 * 125.0 * 80.0, 1.0);
+    near(cooperative.user_bytes_per_s, 125.0 * 80.0, 1.0);
+    near(cooperative.server_bytes_per_s, 2.0 * 125.0 * 96.0, 1.0);
     // The client with the engine sends the other a state and its own push, which the server passes on; to it go the other's
     // pushes. A hand-over and its renewals, six in a lease of 2 s, come on top.
     let client = row(Architecture::CooperativeClient);
-    near(client.user_bytes_per_s, 125.0 * (64.0 + 80.0 + 64.0) / 2.0, 150.0);
-    near(client.server_bytes_per_s, 125.0 * (64.0 + 80.0), 300.0);
+    near(client.user_bytes_per_s, 125.0 * (80.0 + 96.0 + 80.0) / 2.0, 150.0);
+    near(client.server_bytes_per_s, 125.0 * (80.0 + 96.0), 300.0);
     // A hand every 50 ms: 28 bytes.
-    near(row(Architecture::Static).user_bytes_per_s, 20.0 * 60.0, 1.0);
+    near(row(Architecture::Static).user_bytes_per_s, 20.0 * 76.0, 1.0);
     // A lock says little: its words are below those of hands.
     let lock = row(Architecture::CollaborativeLock);
     assert!(lock.user_bytes_per_s > 1200.0 && lock.user_bytes_per_s < 2400.0, "{lock:?}");

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::lines::Lines;
+use haptic_protocol::lines::{Heard, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
@@ -69,7 +69,7 @@ impl Board {
                     record[..4].copy_from_slice(&((now / 1000) as u32).to_le_bytes());
                     Sample::new(7, &record).unwrap()
                 });
-                if let Some(line) = lines.hear(&mut link) {
+                if let Some(Heard { line, .. }) = lines.hear(now, &mut link) {
                     lines.say(&if line == "no" { "error never".to_owned() } else { format!("ok {line}") });
                     sample = Some(Sample::new(7, line.as_bytes()).unwrap());
                     streams = line == "stream 1";

@@ -1,7 +1,7 @@
 //! Two ends that say lines of text to each other over links and a wire that does as it is told: what is heard is what was said,
 //! whole, once and in order; and in the end all of it. A third says events that are no such lines: they come to something.
 
-use haptic_protocol::lines::{END, LONGEST, Lines, PART};
+use haptic_protocol::lines::{END, Heard, LONGEST, Lines, PART};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{Event, MAX_DATAGRAM};
 
@@ -38,7 +38,7 @@ fn receive(ends: &mut [End; 2], to: usize, mut datagram: Vec<u8>, now: u64) {
     let (End { link, lines, .. }, other) = if to == 0 { (one, two) } else { (two, one) };
     // A copy, or one that is too old, is refused.
     let _ = link.receive(now, &mut datagram);
-    while let Some(line) = lines.hear(link) {
+    while let Some(Heard { line, .. }) = lines.hear(now, link) {
         assert_eq!(other.said.get(other.heard).map(String::as_str), Some(line.as_str()));
         other.heard += 1;
     }
@@ -96,7 +96,9 @@ fn anything(bytes: &[u8]) {
         let payload = script.bytes(len);
         one.push_event(Event::new(code, payload).expect("a short payload")).expect("each is acknowledged at once");
         if code != 7 {
-            so_far.extend(payload);
+            // The last part begins with a token.
+            let text = if code == END { payload.get(8..).unwrap_or(payload) } else { payload };
+            so_far.extend(text);
         }
         if code == END {
             so_far.truncate(LONGEST);
@@ -108,7 +110,7 @@ fn anything(bytes: &[u8]) {
         while let Some(len) = one.poll(now, &mut out) {
             let _ = two.receive(now, &mut out[..len]);
         }
-        while let Some(line) = lines.hear(&mut two) {
+        while let Some(Heard { line, .. }) = lines.hear(now, &mut two) {
             assert_eq!(line.as_bytes(), wanted.remove(0));
         }
         while let Some(len) = two.poll(now, &mut out) {

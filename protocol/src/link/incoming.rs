@@ -2,15 +2,19 @@
 
 use super::{Error, Link, Notice, Stage};
 use crate::reliable::{Receiver, Sender};
-use crate::wire::{Greeting, GreetingKind, Header, Message, Probe};
+use crate::wire::{Goodbye, Greeting, GreetingKind, Header, Message, Probe};
 use crate::{clock::Clock, engagement::Rung, session::Session};
 
 impl Link {
     /// Takes a datagram, which is opened in place, and gives the message in it. `Ok(None)`: it was the link's own business, flow
-    /// that came late, or an event, which waits in [`Link::take_event`].
+    /// that came late or is too old, or an event, which waits in [`Link::take_event`].
+    ///
+    /// No message is given that is older than a second, or 12 packet periods if that is longer; no flow older than
+    /// [`Link::within`] says; none at all before the other end has answered in this session.
     ///
     /// An error is no reason to do anything: the datagram was not taken, nothing has changed but [`super::Counts::refused`];
-    /// where it was authentic ([`Error::Wire`] from within the seal), also that the other peer was heard. It says what was
+    /// where it was authentic ([`Error::Wire`] from within the seal), also that the other peer was heard; where it is too old
+    /// ([`Error::Old`]), that a probe in it will be answered. It says what was
     /// wrong, for a person who wonders why two peers do not meet.
     pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         self.advance(now);
@@ -28,23 +32,33 @@ impl Link {
     /// A greeting, by the three rules of [`crate::handshake`].
     fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
         let greeting = self.handshake.open(datagram)?;
-        if self.session.as_ref().is_some_and(|session| session.is_named_by(&greeting)) {
-            return Ok(());
+        let fresh = self.handshake.is_fresh(now, &greeting);
+        if let Some(session) = self.session.as_ref().filter(|session| session.is_named_by(&greeting)) {
+            if fresh {
+                // The newest challenge is good for longest.
+                self.far = greeting.challenge;
+            }
+            if fresh || session.is_confirmed() {
+                return Ok(());
+            }
         }
-        if !self.handshake.is_fresh(&greeting) {
+        if !fresh {
             if greeting.kind != GreetingKind::Hello {
                 return Err(Error::Stale);
             }
             self.answer = Some(greeting.challenge);
             return Ok(());
         }
-        let accepted = self.handshake.accept(&greeting).map(|session| self.begin(session, now));
+        let accepted = self.handshake.accept(now, &greeting).map(|session| {
+            self.begin(session, now);
+            self.far = greeting.challenge;
+        });
         if let Err(Error::Parameters(table)) = accepted {
             // The other peer has started anew, and differs: the session with what it was is over.
             self.refused = Some(table);
             self.far = greeting.challenge;
             self.end();
-            self.handshake.renew();
+            self.handshake.forget();
         }
         accepted
     }
@@ -52,16 +66,26 @@ impl Link {
     fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         let (header, head, sealed) = Header::parse(datagram)?;
         self.ends.check(header.from, header.to)?;
+        let life_us = self.life_us();
         let session = self.session.as_mut().ok_or(Error::NoSession)?;
-        let first = !session.is_confirmed();
-        let message = session.open(&header, head, sealed)?;
-        let incarnation = session.remote.incarnation;
-        self.heard_us = now;
-        if first {
+        let opened = session.open(now, &header, head, sealed)?;
+        let message = Message::parse(opened.message);
+        let Some(age_us) = opened.age_us.filter(|age_us| *age_us < life_us) else {
+            // It may be of any time, so it is not there: but for what asks for a time of now, and for what only ends something.
+            match message? {
+                Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now)),
+                Message::Goodbye(Goodbye {}) => self.end(),
+                _ => {}
+            }
+            return opened.age_us.map_or(Ok(None), |age_us| Err(Error::Old(age_us)));
+        };
+        if !session.is_confirmed() {
+            session.confirm();
+            let incarnation = session.remote.incarnation;
             self.confirm(now, incarnation);
         }
-        let message = Message::parse(message)?;
-        Ok(self.take(now, header.sequence, message))
+        self.heard_us = now;
+        Ok(self.take(now, header.sequence, age_us, message?))
     }
 
     /// The other end has the keys: the challenge has done its work.
@@ -83,7 +107,7 @@ impl Link {
     }
 
     /// What the link itself needs it keeps; the rest is the caller's.
-    fn take(&mut self, now: u64, sequence: u64, message: Message) -> Option<Message> {
+    fn take(&mut self, now: u64, sequence: u64, age_us: u64, message: Message) -> Option<Message> {
         match message {
             Message::Flow(_) => {
                 if self.newest_flow.is_some_and(|newest| sequence < newest) {
@@ -91,6 +115,17 @@ impl Link {
                     return None;
                 }
                 self.newest_flow = Some(sequence);
+                // There and back: half of it is one way.
+                let delay_us = u32::try_from(age_us / 2).unwrap_or(u32::MAX);
+                self.delay_us = Some(delay_us);
+                if delay_us > self.max_delay_us {
+                    self.past.old = self.past.old.saturating_add(1);
+                    if !core::mem::replace(&mut self.is_old, true) {
+                        self.notices.put(Notice::Old(delay_us));
+                    }
+                    return None;
+                }
+                self.is_old = false;
                 self.engagement.hear(now);
                 return Some(message);
             }
@@ -183,6 +218,8 @@ impl Link {
         }
         self.engagement.part();
         self.newest_flow = None;
+        self.delay_us = None;
+        self.is_old = false;
         self.probed = None;
         self.answered_us = None;
         self.ack_due = false;

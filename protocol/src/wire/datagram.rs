@@ -21,6 +21,18 @@ layout! {
     }
 }
 
+impl Stamps {
+    /// Reads the front of what was sealed.
+    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
+        Reader::exact(bytes, "stamps", Self::LEN)?.get()
+    }
+
+    /// Writes them to the front of `out` and gives their length.
+    pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
+        emit(self, "stamps", out)
+    }
+}
+
 impl Header {
     /// Takes a sealed datagram apart: header as bytes and as fields, and the sealed rest with its tag.
     pub fn parse(datagram: &mut [u8]) -> Result<(Self, &[u8; Self::LEN], &mut [u8]), Error> {
@@ -39,11 +51,26 @@ impl Header {
     }
 }
 
+layout! {
+    /// What every sealed message begins with: when it was sealed, and what of the receiver's was known by then. A receiver that
+    /// finds a time of its own here knows that the message is no older than that, whatever the sender's clock says.
+    pub struct Stamps(16 bytes) {
+        0 => sealed_us: u64, "The sender's clock when it sealed this, µs; at least 1.";
+        8 => echo_us: u64, "The same of the receiver's newest sealed datagram that the sender has opened in this session; 0: none yet.";
+    }
+}
+
 /// Most tables of parameters that a greeting can name.
 pub const TABLES: usize = 16;
 
 /// 16 bytes that nobody could foresee.
 pub type Challenge = [u8; 16];
+
+/// What a sender puts into the keys of a session.
+pub type Ephemeral = [u8; 32];
+
+/// The first bytes of the hash of a table of parameters.
+pub type TableHash = [u8; 6];
 
 byte_enum! {
     /// Hello or welcome.
@@ -55,7 +82,7 @@ byte_enum! {
 
 layout! {
     /// One step of the handshake: what is declared here, then a tag over it of 16 bytes, 200 in all. The handshake makes and
-    /// checks the tag and says what the two challenges do.
+    /// checks the tag and says what challenges and ephemerals do.
     pub struct Greeting(184 bytes, version VERSION) {
         1 => kind: GreetingKind, "Hello or welcome.";
         2 => from: PeerId, "Who sent it.";
@@ -65,8 +92,9 @@ layout! {
         24 => echo: Challenge, "The receiver's challenge as the sender knows it; 0 if it does not.";
         40 => incarnation: u64,
             "Drawn when the sender started: a different one means that it has forgotten everything.";
-        48 => count: u8 where |count| usize::from(*count) <= TABLES, "How many of `tables` are in use.";
-        56 => tables: [u64; TABLES], "Hash of each table of parameters; 0 where unused.";
+        48 => ephemeral: Ephemeral, "What the sender puts into the keys of its next session.";
+        80 => count: u8 where |count| usize::from(*count) <= TABLES, "How many of `tables` are in use.";
+        88 => tables: [TableHash; TABLES], "Hash of each table of parameters; 0 where unused.";
     }
 }
 
@@ -83,7 +111,7 @@ impl Greeting {
     pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &[u8; TAG_LEN]), Error> {
         let mut reader = Reader::exact(datagram, "greeting", Self::TAGGED)?;
         let greeting: Self = reader.get()?;
-        if greeting.tables.iter().skip(usize::from(greeting.count)).any(|unused| *unused != 0) {
+        if greeting.tables.iter().skip(usize::from(greeting.count)).any(|unused| *unused != TableHash::default()) {
             return Err(reader.reserved());
         }
         let (body, tag) = datagram.split_last_chunk().ok_or(reader.length())?;

@@ -16,7 +16,7 @@ mod fixed;
 mod varying;
 mod world;
 
-pub use datagram::{Challenge, Greeting, GreetingKind, Header, PeerId, TABLES};
+pub use datagram::{Challenge, Ephemeral, Greeting, GreetingKind, Header, PeerId, Stamps, TABLES, TableHash};
 pub use fixed::{Ack, Flow, Goodbye, Moved, Probe, Push, Reply, Telemetry};
 pub use varying::{Event, Presence, Sample, Sighting};
 pub use world::{Ask, Bits, Page, Part, Payload, Topic};
@@ -24,8 +24,8 @@ pub use world::{Ask, Bits, Page, Part, Payload, Topic};
 pub use crate::error::{Error, VERSION};
 pub use crate::key::TAG_LEN;
 
-/// What sealing adds to a message, header and tag, bytes.
-pub const SEAL_LEN: usize = Header::LEN + TAG_LEN;
+/// What sealing adds to a message, header, stamps and tag, bytes.
+pub const SEAL_LEN: usize = Header::LEN + Stamps::LEN + TAG_LEN;
 
 /// The longest message before sealing.
 pub const MAX_MESSAGE: usize = Sample::MAX_LEN;
@@ -33,7 +33,7 @@ pub const MAX_MESSAGE: usize = Sample::MAX_LEN;
 /// The longest datagram of version 2.
 pub const MAX_DATAGRAM: usize = Greeting::TAGGED;
 
-const _: () = assert!(Header::LEN + MAX_MESSAGE + TAG_LEN <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
+const _: () = assert!(SEAL_LEN + MAX_MESSAGE <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
 const _: () = assert!(Part::MAX_LEN <= MAX_MESSAGE && Presence::MAX_LEN <= MAX_MESSAGE && Ask::LEN <= MAX_MESSAGE);
 const _: () = assert!(Telemetry::LEN <= MAX_MESSAGE);
 

@@ -6,8 +6,15 @@ use crate::wire::PeerId;
 #[test]
 fn what_is_missing_is_known_after_years() {
     let ends = Ends { local: PeerId(1), remote: PeerId(2) };
-    let offer = Offer { challenge: [3; 16], incarnation: 4 };
-    let mut session = Session::new(&Key::new([7; Key::LEN]), ends, offer, offer, &(0, [0; TABLES]));
+    let offer = Offer { ephemeral: [3; 32], incarnation: 4 };
+    let mut session = Session::new(
+        &Key::new([7; Key::LEN]),
+        ends,
+        [offer; 2],
+        &Key::new([5; Key::LEN]),
+        &(0, [TableHash::default(); TABLES]),
+        0,
+    );
     // 198 days at 250 a second.
     session.window.take((1 << 32) + 9).unwrap();
     session.taken = (1 << 32) + 7;

@@ -52,10 +52,43 @@ RFC = aead(
 )
 assert RFC[-16:].hex() == "1ae10b594f09e26a7e902ecbd0600691", RFC[-16:].hex()
 
+P25519 = (1 << 255) - 19
+
+
+def x25519(scalar, point):
+    """RFC 7748, section 5."""
+    k = int.from_bytes(scalar, "little") & ~7 & ((1 << 255) - 1) | 1 << 254
+    x1 = int.from_bytes(point, "little") & ((1 << 255) - 1)
+    x2, z2, x3, z3 = 1, 0, x1, 1
+    for bit in reversed(range(255)):
+        swap = k >> bit & 1
+        if swap:
+            x2, x3, z2, z3 = x3, x2, z3, z2
+        a, b, c, d = x2 + z2, x2 - z2, x3 + z3, x3 - z3
+        aa, bb, da, cb = a * a % P25519, b * b % P25519, d * a % P25519, c * b % P25519
+        x3, z3 = (da + cb) ** 2 % P25519, x1 * (da - cb) ** 2 % P25519
+        x2, z2 = aa * bb % P25519, (aa - bb) * (aa + 121665 * (aa - bb)) % P25519
+        if swap:
+            x2, x3, z2, z3 = x3, x2, z3, z2
+    return (x2 * pow(z2, P25519 - 2, P25519) % P25519).to_bytes(32, "little")
+
+
+# RFC 7748, 5.2: the first vector.
+RFC = x25519(
+    bytes.fromhex("a546e36bf0527c9d3b16154b82465edd62144c0ac1fc5a18506a2244ba449ac4"),
+    bytes.fromhex("e6db6867583030db3594c1a424b15f7c726624ec26b3353b10a903a6d0ab1c4c"),
+)
+assert RFC.hex() == "c3da55379de9c6908e94ea4df28d084f32eccf03491c71f754b4075577a28552", RFC.hex()
+
 VERSION = 2
 K = bytes([7] * 32)
 ONE, TWO = 1, 2
 C1, C2 = bytes(range(16)), bytes(range(16, 32))
+S1, S2 = bytes(range(0x40, 0x60)), bytes(range(0x80, 0xA0))
+NINE = bytes([9]) + bytes(31)
+E1, E2 = x25519(S1, NINE), x25519(S2, NINE)
+X = x25519(S1, E2)
+assert X == x25519(S2, E1)
 I1, I2 = 0x0102030405060708, 0x1112131415161718
 
 
@@ -72,38 +105,42 @@ def table(name, *pairs):
             data += text(key) + b"n" + struct.pack("<d", value)
         else:
             data += text(key) + b"t" + text(value)
-    return derive(bytes(32), "table", data)[:8]
+    return derive(bytes(32), "table", data)[:6]
 
 
 TABLES = [
     table("timing", ("control_period_s", 0.001), ("ticks_per_packet", 8.0)),
     table("coordination", ("comm", "wave"), ("one_sided", True)),
 ]
-tables = b"".join(TABLES) + bytes(8 * (16 - len(TABLES)))
+tables = b"".join(TABLES) + bytes(6 * (16 - len(TABLES)))
 count = bytes([len(TABLES)])
 
 # A hello from peer 1 to peer 2.
-body = bytes([VERSION, 1, ONE, TWO, 0, 0, 0, 0]) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+body = bytes([VERSION, 1, ONE, TWO, 0, 0, 0, 0]) + C1 + C2 + struct.pack("<Q", I1) + E1 + count + bytes(7) + tables
 hello = body + hashlib.blake2s(body, key=derive(K, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
 print("HELLO", hello.hex())
 
-secret = derive(K, "session", bytes([VERSION, ONE, TWO]) + C1 + C2 + struct.pack("<QQ", I1, I2) + count + tables)
+secret = derive(K, "session", bytes([VERSION, ONE, TWO]) + E1 + E2 + struct.pack("<QQ", I1, I2) + X + count + tables)
 number = derive(secret, "number")[:4]
 flow = struct.pack("<BBHIfffddI", 1, 1, 0, 4711, 0.25, -0.5, 1.5, 2.0, 3.0, 4712)
 
 
-def seal(source, sink, sequence, message):
+# Everything is sealed at 1 s of its sender's clock.
+SEALED = 1_000_000
+
+
+def seal(source, sink, sequence, message, echo=0):
     base = derive(secret, "direction", bytes([source, sink]))
     key = derive(base, "epoch", struct.pack("<Q", sequence >> 20))
     head = bytes([VERSION, 3, source, sink]) + number + struct.pack("<Q", sequence)
-    return head + aead(key, bytes(4) + struct.pack("<Q", sequence), message, head)
+    return head + aead(key, bytes(4) + struct.pack("<Q", sequence), struct.pack("<QQ", SEALED, echo) + message, head)
 
 
 print("FLOW", seal(ONE, TWO, 0, flow).hex())
 print("LATER_FLOW", seal(ONE, TWO, (5 << 20) + 3, flow).hex())
 # A server's line 300: its key, and a hello on it.
 line = derive(K, "line", struct.pack("<I", 300))
-body = bytes([VERSION, 1, ONE, TWO]) + struct.pack("<I", 300) + C1 + C2 + struct.pack("<Q", I1) + count + bytes(7) + tables
+body = bytes([VERSION, 1, ONE, TWO]) + struct.pack("<I", 300) + C1 + C2 + struct.pack("<Q", I1) + E1 + count + bytes(7) + tables
 tag = hashlib.blake2s(body, key=derive(line, "greeting", bytes([ONE, TWO])), digest_size=16).digest()
 print("LINE_HELLO_TAG", tag.hex())
 
@@ -130,4 +167,5 @@ print("PART_REGION", seal(ONE, TWO, 12, part(1, REGION)).hex())
 print("PART_PAGE", seal(ONE, TWO, 13, part(2, b"\1" + bytes(3) + OBJECT[-8:] + bytes(56))).hex())
 print("PART_OBJECT", seal(ONE, TWO, 14, part(3, OBJECT)).hex())
 print("PRESENCE", seal(TWO, ONE, 15, struct.pack("<BBHIIffff", 18, 1, 0, 77, 300, 0.5, -0.5, 1.5, -1.5)).hex())
-print("PROBE_BACK", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789)).hex())
+# An answer to the flow: it echoes when that was sealed.
+print("PROBE_BACK", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789), SEALED).hex())

@@ -4,41 +4,14 @@
 use haptic_protocol::link::{Error, Link, Stage};
 use haptic_protocol::wire::{self, Flow, MAX_DATAGRAM, Message};
 
-use crate::format::{GREETING, Session, hello};
+use crate::format::{GREETING, Session, hello, hello_with};
 use crate::world::{CLEAN, PERIOD, Rng, World, config};
 
 /// The key of the tests' peers.
 const KEY: [u8; 32] = [7; 32];
 
-/// Two engaged peers, everything that was said, and the session as the second implementation makes it of that.
-fn overheard(seed: u64) -> (World, [Vec<Vec<u8>>; 2], Session) {
-    let mut world = World::new(seed, CLEAN);
-    world.log = Some([vec![], vec![]]);
-    world.run(300_000);
-    assert!(world.is_engaged());
-    let log = world.log.take().expect("it was asked for");
-    let number = &log[0].last().expect("something was said")[4..8];
-    let greetings = |peer: usize| log[peer].iter().filter(|datagram| datagram.len() == GREETING);
-    let mut pairs = greetings(0).flat_map(|one| greetings(1).map(move |two| Session::of(&KEY, one, two)));
-    let session = pairs.find(|session| session.number == number).expect("two greetings made the session");
-    (world, log, session)
-}
-
-#[test]
-fn the_second_implementation_opens_all_that_was_said() {
-    let (_, log, session) = overheard(1);
-    let mut kinds = std::collections::BTreeSet::new();
-    for datagram in log.iter().flatten().filter(|datagram| datagram[1] == 3) {
-        let message = session.open(datagram).expect("of this session");
-        assert!(Message::parse(&message).is_ok());
-        kinds.insert(message[0]);
-        let [_, _, from, to, ..] = datagram[..] else { panic!("a header") };
-        let sequence = u64::from_le_bytes(datagram[8..16].try_into().expect("8 bytes"));
-        assert_eq!(&session.seal(from, to, sequence, &message), datagram);
-    }
-    // Flow, probes and replies.
-    assert!(kinds.is_superset(&[1, 5, 6].into()), "{kinds:?}");
-}
+/// The second implementation's ephemeral secret.
+const SECRET: [u8; 32] = [9; 32];
 
 /// Peer 1 of an engaged pair, heard under the session's keys from a peer 2 that says anything.
 struct Ear {
@@ -46,20 +19,132 @@ struct Ear {
     session: Session,
     now: u64,
     sequence: u64,
+    /// The newest time of the link's clock that peer 2 has opened.
+    echo_us: u64,
+    /// Every sealed datagram of the link's.
+    said: Vec<Vec<u8>>,
 }
 
 impl Ear {
-    fn new(seed: u64) -> Self {
-        let (world, _, session) = overheard(seed);
-        let now = world.clock(0);
-        let [link, _] = world.links;
-        Self { link, session, now, sequence: 1 << 20 }
+    /// A link in its first life, called by the second implementation.
+    fn joining(entropy: u8) -> Self {
+        let mut link = Link::new(config(1, 2, [entropy; 32])).expect("a good configuration");
+        let mut out = [0; MAX_DATAGRAM];
+        let called = link.poll(0, &mut out).expect("it calls");
+        let answer = hello(&KEY, &out[..called], SECRET);
+        let session = Session::of(&KEY, &out[..called], &answer, SECRET);
+        assert_eq!(link.receive(0, &mut answer.clone()), Ok(None));
+        assert_eq!((link.stage(), link.session_number()), (Stage::Joining, Some(u32::from_le_bytes(session.number))));
+        Self { link, session, now: 0, sequence: 1 << 20, echo_us: 0, said: Vec::new() }
+    }
+
+    /// Engaged, by flow of 20 packet periods.
+    fn new(entropy: u8) -> Self {
+        let mut ear = Self::joining(entropy);
+        for tick in 0..20 {
+            ear.now += PERIOD;
+            ear.listen();
+            let _ = ear.hear(&flow(tick).1);
+        }
+        assert_eq!((ear.link.stage(), ear.link.engagement()), (Stage::Running, 1.0));
+        ear
+    }
+
+    /// Takes in what the link says.
+    fn listen(&mut self) {
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(len) = self.link.poll(self.now, &mut out) {
+            if let Some(([at_us, _], _)) = self.session.open(&out[..len]) {
+                self.echo_us = at_us;
+                self.said.push(out[..len].to_vec());
+            }
+        }
+    }
+
+    fn sealed(&self, message: &[u8]) -> Vec<u8> {
+        self.session.seal(2, 1, self.sequence, [1 + self.now, self.echo_us], message)
     }
 
     fn hear(&mut self, message: &[u8]) -> Result<Option<Message>, Error> {
+        self.listen();
         self.sequence += 1;
-        self.link.receive(self.now, &mut self.session.seal(2, 1, self.sequence, message))
+        let mut sealed = self.sealed(message);
+        self.link.receive(self.now, &mut sealed)
     }
+}
+
+#[test]
+fn the_second_implementation_opens_all_that_was_said() {
+    let mut ear = Ear::new(1);
+    // Probes of its own are answered.
+    for _ in 0..20 {
+        ear.now += PERIOD;
+        ear.hear(&[&[5, 0, 0, 0][..], &ear.now.to_le_bytes()].concat()).expect("a probe");
+        let mut out = [0; MAX_DATAGRAM];
+        let len = ear.link.send(ear.now, flow(1).0, &mut out).expect("a session");
+        ear.said.push(out[..len].to_vec());
+    }
+    ear.listen();
+    let mut kinds = std::collections::BTreeSet::new();
+    for datagram in &ear.said {
+        let (stamps, message) = ear.session.open(datagram).expect("of this session");
+        assert!(Message::parse(&message).is_ok());
+        kinds.insert(message[0]);
+        let [_, _, from, to, ..] = datagram[..] else { panic!("a header") };
+        let sequence = u64::from_le_bytes(datagram[8..16].try_into().expect("8 bytes"));
+        assert_eq!(&ear.session.seal(from, to, sequence, stamps, &message), datagram);
+    }
+    // Flow, probes and replies.
+    assert!(kinds.is_superset(&[1, 5, 6].into()), "{kinds:?}");
+}
+
+/// Whoever gets the shared key later reads nothing of what was recorded: the ephemerals' secrets are gone.
+#[test]
+fn the_shared_key_alone_opens_no_recording() {
+    let mut world = World::new(1, CLEAN);
+    world.log = Some([vec![], vec![]]);
+    world.run(300_000);
+    assert!(world.is_engaged());
+    let log = world.log.take().expect("it was asked for");
+    let greetings = |peer: usize| log[peer].iter().filter(|datagram| datagram.len() == GREETING);
+    for (one, two) in greetings(0).flat_map(|one| greetings(1).map(move |two| (one, two))) {
+        for secret in [[0; 32], [7; 32], SECRET] {
+            let session = Session::of(&KEY, one, two, secret);
+            assert!(log.iter().flatten().all(|datagram| session.open(datagram).is_none()));
+        }
+    }
+}
+
+#[test]
+fn an_ephemeral_that_leads_to_no_secret_is_refused() {
+    for weak in [[0; 32], core::array::from_fn(|at| u8::from(at == 0))] {
+        let mut link = Link::new(config(1, 2, [5; 32])).expect("a good configuration");
+        let mut out = [0; MAX_DATAGRAM];
+        let called = link.poll(0, &mut out).expect("it calls");
+        let answer = hello_with(&KEY, &out[..called], weak);
+        assert_eq!(link.receive(0, &mut answer.clone()), Err(Error::WeakEphemeral));
+        assert_eq!(link.stage(), Stage::Calling);
+    }
+}
+
+/// Every greeting is authentic and echoes what was offered now, and each has another ephemeral.
+#[test]
+fn greetings_bring_about_a_multiplication_every_50_ms_and_no_more() {
+    let mut link = Link::new(config(1, 2, [5; 32])).expect("a good configuration");
+    let mut out = [0; MAX_DATAGRAM];
+    let (mut taken, mut hurried) = (0, 0);
+    for now in (0..1_000_000).step_by(1_000) {
+        let Some(called) = link.poll(now, &mut out).filter(|len| *len == GREETING) else { continue };
+        for nth in 0..10 {
+            let secret = core::array::from_fn(|at| if at == 3 { nth } else { ((now / 1_000) >> (8 * (at % 2))) as u8 });
+            match link.receive(now, &mut hello(&KEY, &out[..called], secret)) {
+                Ok(None) => taken += 1,
+                Err(Error::Hurried) => hurried += 1,
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    assert!((10..=20).contains(&taken) && hurried > 100, "{taken} taken, {hurried} too soon");
 }
 
 fn flow(tick: u32) -> (Flow, [u8; Flow::LEN]) {
@@ -86,7 +171,8 @@ fn a_number_that_is_none_is_refused_and_the_coordination_goes_on() {
             // It was heard, under a number that is spent now.
             let after = ear.link.counts();
             assert_eq!((after.taken, after.refused), (before.taken + 1, before.refused + 1));
-            let again = ear.link.receive(ear.now, &mut ear.session.seal(2, 1, ear.sequence, &bytes));
+            let mut again = ear.sealed(&bytes);
+            let again = ear.link.receive(ear.now, &mut again);
             assert_eq!(again, Err(Error::Replayed));
             // And the next flow is as good as ever.
             assert_eq!(ear.hear(&bytes), Ok(Some(Message::Flow(good))));
@@ -107,16 +193,14 @@ fn a_peer_that_says_nothing_else_is_there_and_coordinates_nothing() {
         last = ear.link.engagement();
     }
     assert_eq!((ear.link.stage(), last), (Stage::Idle, 0.0));
-    // From the first word, too: it proves that the keys are there, and engages nobody.
-    let mut link = Link::new(config(1, 2, [5; 32])).expect("a good configuration");
-    let mut out = [0; MAX_DATAGRAM];
-    let called = link.poll(0, &mut out).expect("it calls");
-    let answer = hello(&KEY, &out[..called], [9; 16]);
-    let session = Session::of(&KEY, &out[..called], &answer);
-    assert_eq!(link.receive(0, &mut answer.clone()), Ok(None));
-    assert_eq!((link.stage(), link.session_number()), (Stage::Joining, Some(u32::from_le_bytes(session.number))));
-    assert!(link.receive(0, &mut session.seal(2, 1, 0, &bytes)).is_err());
-    assert_eq!((link.stage(), link.engagement()), (Stage::Idle, 0.0));
+    // From the first word, too: it proves that the keys are there, once it answers, and engages nobody.
+    let mut ear = Ear::joining(5);
+    let mut sealed = ear.sealed(&bytes);
+    assert_eq!(ear.link.receive(0, &mut sealed), Err(Error::Wire(wire::Error::NotFinite("flow"))));
+    assert_eq!(ear.link.stage(), Stage::Joining, "it has answered nothing");
+    ear.now = 1;
+    assert!(ear.hear(&bytes).is_err());
+    assert_eq!((ear.link.stage(), ear.link.engagement()), (Stage::Idle, 0.0));
 }
 
 #[test]
@@ -139,7 +223,7 @@ fn any_bytes_under_a_right_tag_are_a_message_of_version_2_or_nothing() {
         assert_eq!(ear.hear(&message).map(|_| ()), read.map(|_| ()).map_err(Error::Wire), "{message:?}");
         assert!((0.0..=1.0).contains(&ear.link.engagement()));
         while ear.link.take_event().is_some() {}
-        while ear.link.poll(ear.now, &mut [0; MAX_DATAGRAM]).is_some() {}
+        ear.listen();
         ear.now += rng.below(2 * PERIOD);
     }
     assert!((2_000..18_000).contains(&taken), "{taken}");

@@ -6,6 +6,7 @@ use blake2::digest::consts::U16;
 use blake2::{Blake2sMac, Blake2sMac256};
 use chacha20poly1305::ChaCha20Poly1305;
 use chacha20poly1305::aead::{AeadInOut, KeyInit};
+use x25519_dalek::{X25519_BASEPOINT_BYTES, x25519};
 
 /// Byte 0 of every datagram.
 const VERSION: u8 = 2;
@@ -24,14 +25,20 @@ fn derive(key: &[u8; 32], label: &str, data: &[&[u8]]) -> [u8; 32] {
     mac.finalize().into_bytes().into()
 }
 
-/// A hello that answers `heard`, a greeting of the other end with this line and these tables.
-pub(crate) fn hello(key: &[u8; 32], heard: &[u8], challenge: [u8; 16]) -> Vec<u8> {
+/// A hello that answers `heard`, a greeting of the other end with this line and these tables, with this ephemeral secret.
+pub(crate) fn hello(key: &[u8; 32], heard: &[u8], secret: [u8; 32]) -> Vec<u8> {
+    hello_with(key, heard, x25519(secret, X25519_BASEPOINT_BYTES))
+}
+
+/// The same with any ephemeral.
+pub(crate) fn hello_with(key: &[u8; 32], heard: &[u8], ephemeral: [u8; 32]) -> Vec<u8> {
     let mut hello = heard.to_vec();
     hello[1] = 1;
     hello.swap(2, 3);
-    hello[8..24].copy_from_slice(&challenge);
+    hello[8..24].fill(0x44);
     hello[24..40].copy_from_slice(&heard[8..24]);
     hello[40..48].fill(0x55);
+    hello[48..80].copy_from_slice(&ephemeral);
     let (body, tag) = hello.split_at_mut(GREETING - TAG);
     let greeting_key = derive(key, "greeting", &[&body[2..4]]);
     let mut mac = <Blake2sMac<U16> as KeyInit>::new(&greeting_key.into());
@@ -48,17 +55,21 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// Of two greetings, one from each end, whose challenges are the session's.
-    pub(crate) fn of(key: &[u8; 32], one: &[u8], two: &[u8]) -> Self {
+    /// Of two greetings, one from each end, whose ephemerals are the session's; the second one's secret is this.
+    pub(crate) fn of(key: &[u8; 32], one: &[u8], two: &[u8], secret: [u8; 32]) -> Self {
+        let mut theirs = [0; 32];
+        theirs.copy_from_slice(&one[48..80]);
+        let agreed = x25519(secret, theirs);
         let (low, high) = if one[2] < two[2] { (one, two) } else { (two, one) };
         let parts = [
             &[VERSION, low[2], high[2]],
-            &low[8..24],
-            &high[8..24],
+            &low[48..80],
+            &high[48..80],
             &low[40..48],
             &high[40..48],
-            &low[48..49],
-            &low[56..184],
+            &agreed,
+            &low[80..81],
+            &low[88..184],
         ];
         let secret = derive(key, "session", &parts);
         let number = derive(&secret, "number", &[]);
@@ -73,23 +84,25 @@ impl Session {
         (ChaCha20Poly1305::new(&key.into()), nonce)
     }
 
-    /// Any bytes, sealed.
-    pub(crate) fn seal(&self, from: u8, to: u8, sequence: u64, message: &[u8]) -> Vec<u8> {
+    /// Any bytes, sealed, with the time and the echo that they begin with, µs.
+    pub(crate) fn seal(&self, from: u8, to: u8, sequence: u64, [at, echo]: [u64; 2], message: &[u8]) -> Vec<u8> {
         let head = [&[VERSION, 3, from, to][..], &self.number, &sequence.to_le_bytes()].concat();
         let (cipher, nonce) = self.cipher(from, to, sequence);
-        let mut body = message.to_vec();
+        let mut body = [&at.to_le_bytes(), &echo.to_le_bytes(), message].concat();
         let tag = cipher.encrypt_inout_detached(&nonce.into(), &head, body.as_mut_slice().into());
         [&head[..], &body, &tag.expect("a short message")].concat()
     }
 
-    /// What is sealed in a datagram of this session.
-    pub(crate) fn open(&self, datagram: &[u8]) -> Option<Vec<u8>> {
+    /// What is sealed in a datagram of this session: time, echo, message.
+    pub(crate) fn open(&self, datagram: &[u8]) -> Option<([u64; 2], Vec<u8>)> {
         let (head, rest) = datagram.split_at_checked(HEADER)?;
         let (body, tag) = rest.split_last_chunk::<TAG>()?;
         let sequence = u64::from_le_bytes(head[8..16].try_into().ok()?);
         let (cipher, nonce) = self.cipher(head[2], head[3], sequence);
         let mut body = body.to_vec();
         let opened = cipher.decrypt_inout_detached(&nonce.into(), head, body.as_mut_slice().into(), &(*tag).into());
-        (head[..2] == [VERSION, 3] && head[4..8] == self.number && opened.is_ok()).then_some(body)
+        let number = |at: usize| body.get(at..at + 8)?.try_into().ok().map(u64::from_le_bytes);
+        let sealed = ([number(0)?, number(8)?], body.get(16..)?.to_vec());
+        (head[..2] == [VERSION, 3] && head[4..8] == self.number && opened.is_ok()).then_some(sealed)
     }
 }

@@ -2,7 +2,7 @@
 
 use haptic_protocol::wire::{
     Ack, Ask, Bits, Error, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE, Message, Moved, Page,
-    Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES, Telemetry, Topic,
+    Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES, Telemetry, Topic,
 };
 use haptic_protocol::world::{Manifest, Object, Scope};
 
@@ -226,9 +226,19 @@ fn header() {
 }
 
 #[test]
+fn stamps() {
+    let stamps = Stamps { sealed_us: 0x0102_0304_0506_0708, echo_us: 9 };
+    let mut out = [0; Stamps::LEN];
+    assert_eq!(stamps.emit(&mut out), Ok(Stamps::LEN));
+    assert_eq!(out, [8, 7, 6, 5, 4, 3, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(Stamps::parse(&out), Ok(stamps));
+    assert!(Stamps::parse(&out[1..]).is_err());
+}
+
+#[test]
 fn greeting() {
-    let mut tables = [0; TABLES];
-    (tables[0], tables[1]) = (0x0102_0304_0506_0708, u64::MAX);
+    let mut tables = [[0; 6]; TABLES];
+    (tables[0], tables[1]) = ([8, 7, 6, 5, 4, 3], [0xff; 6]);
     let greeting = Greeting {
         kind: GreetingKind::Welcome,
         from: PeerId(1),
@@ -237,6 +247,7 @@ fn greeting() {
         challenge: [0xaa; 16],
         echo: [0xbb; 16],
         incarnation: 0x1122_3344_5566_7788,
+        ephemeral: [0xcc; 32],
         count: 2,
         tables,
     };
@@ -245,17 +256,18 @@ fn greeting() {
     bytes[8..24].fill(0xaa);
     bytes[24..40].fill(0xbb);
     bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);
-    bytes[48] = 2;
-    bytes[56..64].copy_from_slice(&[8, 7, 6, 5, 4, 3, 2, 1]);
-    bytes[64..72].fill(0xff);
+    bytes[48..80].fill(0xcc);
+    bytes[80] = 2;
+    bytes[88..94].copy_from_slice(&[8, 7, 6, 5, 4, 3]);
+    bytes[94..100].fill(0xff);
     let mut out = [0; Greeting::TAGGED];
     assert_eq!(greeting.emit(&mut out), Ok(Greeting::LEN));
     assert_eq!(out, bytes);
     bytes[184..].fill(0x77);
     assert_eq!(Greeting::parse(&bytes), Ok((greeting, &bytes[..184], &[0x77; 16])));
     // More tables than there is room for, and one that is not counted.
-    bytes[48] = 17;
+    bytes[80] = 17;
     assert_eq!(Greeting::parse(&bytes), Err(Error::OutOfRange { message: "greeting", field: "count" }));
-    bytes[48] = 1;
+    bytes[80] = 1;
     assert_eq!(Greeting::parse(&bytes), Err(Error::Reserved("greeting")));
 }

@@ -5,6 +5,7 @@ mod clock;
 mod cooperative;
 mod events;
 mod format;
+mod fresh;
 mod handshake;
 mod key;
 mod ladder;

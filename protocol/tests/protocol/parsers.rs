@@ -173,9 +173,9 @@ proptest! {
         bytes[..2].copy_from_slice(&[VERSION, kind]);
         if clean {
             bytes[4..8].fill(0);
-            bytes[48] = count;
-            bytes[49..56].fill(0);
-            let used = 56 + 8 * usize::from(count.min(TABLES as u8));
+            bytes[80] = count;
+            bytes[81..88].fill(0);
+            let used = 88 + 6 * usize::from(count.min(TABLES as u8));
             bytes[used..184].fill(0);
         }
         match Greeting::parse(&bytes) {

@@ -37,36 +37,36 @@ fn sealed() -> Vec<(&'static str, usize, World, Vec<u8>)> {
     let now = world.clock(0);
     let flow = Flow { engaged: true, tick: 9, position: 0.25, ..Flow::default() };
     let len = world.links[0].send(now, flow, &mut out).unwrap();
-    all.push(("flow", 72, world, out[..len].to_vec()));
+    all.push(("flow", 88, world, out[..len].to_vec()));
 
     let mut world = silent(2);
     let now = world.clock(0);
     let len = world.links[0].send(now, Telemetry::default(), &mut out).unwrap();
-    all.push(("telemetry", 124, world, out[..len].to_vec()));
+    all.push(("telemetry", 140, world, out[..len].to_vec()));
 
     let mut world = silent(3);
     world.links[0].push_event(Event::new(5, b"hello").unwrap()).unwrap();
     let event = poll(&mut world, 0).unwrap();
-    all.push(("event", 45, world, event));
+    all.push(("event", 61, world, event));
 
     let mut world = silent(4);
     world.links[1].push_event(Event::new(5, b"hello").unwrap()).unwrap();
     let event = poll(&mut world, 1).unwrap();
     receive(&mut world, 0, &event).unwrap();
     let ack = poll(&mut world, 0).unwrap();
-    all.push(("acknowledgement", 44, world, ack));
+    all.push(("acknowledgement", 60, world, ack));
 
     let mut world = silent(5);
     world.now += 2 * PERIOD + 1;
     let probe = poll(&mut world, 0).unwrap();
-    all.push(("probe", 44, world, probe));
+    all.push(("probe", 60, world, probe));
 
     let mut world = silent(6);
     world.now += 2 * PERIOD + 1;
     let probe = poll(&mut world, 1).unwrap();
     receive(&mut world, 0, &probe).unwrap();
     let reply = poll(&mut world, 0).unwrap();
-    all.push(("reply", 60, world, reply));
+    all.push(("reply", 76, world, reply));
     all
 }
 

@@ -39,8 +39,8 @@ fn talk(texts: [&[&str]; 2], lose: usize) -> [Vec<String>; 2] {
                     let _ = links[1 - end].receive(now, &mut out[..len]);
                 }
             }
-            while let Some(line) = lines[end].hear(&mut links[end]) {
-                heard[end].push(line.to_string());
+            while let Some(line) = lines[end].hear(now, &mut links[end]) {
+                heard[end].push(line.line.to_string());
             }
         }
     }

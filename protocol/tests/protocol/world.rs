@@ -87,6 +87,8 @@ pub(crate) struct World {
     pub(crate) quiet: [bool; 2],
     /// Directions that are cut: to peer 0, to peer 1.
     pub(crate) cut: [bool; 2],
+    /// How much earlier than the impairment says it arrives at each peer, µs.
+    pub(crate) ahead: [u64; 2],
     /// Every datagram that each peer ever sent, if wanted.
     pub(crate) log: Option<[Vec<Vec<u8>>; 2]>,
     pub(crate) flows: [Vec<Flow>; 2],
@@ -109,6 +111,7 @@ impl World {
             off: [false; 2],
             quiet: [false; 2],
             cut: [false; 2],
+            ahead: [0; 2],
             log: None,
             flows: [vec![], vec![]],
             events: [vec![], vec![]],
@@ -149,7 +152,8 @@ impl World {
         let copies = 1 + u64::from(self.rng.chance(self.impairment.duplicate));
         for _ in 0..copies {
             if !self.rng.chance(self.impairment.loss) {
-                let due = self.now + self.impairment.delay + self.rng.below(self.impairment.jitter + 1);
+                let delay = self.impairment.delay.saturating_sub(self.ahead[to]);
+                let due = self.now + delay + self.rng.below(self.impairment.jitter + 1);
                 self.in_flight.push(InFlight { due, to, bytes: bytes.to_vec() });
             }
         }

@@ -51,8 +51,8 @@ impl Session {
         if let Ok(Some(Message::Sample(sample))) = taken {
             self.samples.push(sample);
         }
-        while let Some(line) = self.lines.hear(&mut self.link) {
-            self.answers.push_back(line.as_str().to_owned());
+        while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
+            self.answers.push_back(heard.line.as_str().to_owned());
         }
     }
 
@@ -70,6 +70,11 @@ impl Session {
     /// Begins to say a line; false while another one is on its way.
     pub fn say(&mut self, line: &str) -> bool {
         self.lines.say(line)
+    }
+
+    /// Takes back what the board may not have been told yet: it is not to be done any more.
+    pub fn unsay(&mut self) {
+        self.lines.unsay();
     }
 
     /// The next answer.

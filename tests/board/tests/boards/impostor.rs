@@ -5,10 +5,12 @@ use board_bench::pc::{board_ip, board_mac, key, resolved, udp};
 
 use format::{GREETING, Session, hello};
 
-#[allow(dead_code)] // The protocol's own tests open datagrams, too.
+#[allow(dead_code)] // The protocol's own tests use more of it.
 #[path = "../../../../protocol/tests/protocol/format.rs"]
 mod format;
 
+/// Its ephemeral secret.
+const SECRET: [u8; 32] = [9; 32];
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;
 /// Where peer 2 is on the wire.
@@ -19,6 +21,8 @@ const PORT: usize = 1;
 pub struct Impostor {
     /// The board's greeting that the session is made with, and the session.
     joined: Option<(Vec<u8>, Session)>,
+    /// The newest time of the board's clock that it has opened, to echo.
+    echo_us: u64,
     /// Sealed datagrams that it has sent.
     pub sent: u64,
     /// Hellos that came since it sent the second of them: the first is to end them.
@@ -33,14 +37,18 @@ impl Impostor {
             if let Some(answer) = resolved(&frame, board_mac(2), board_ip(2)) {
                 bench.wire.send(PORT, now_ns, &answer);
             }
-            let Some(heard) = flow(&frame).filter(|datagram| datagram.len() == GREETING && datagram[1] == 1) else {
+            let Some(heard) = flow(&frame) else { continue };
+            if let Some(([at_us, _], _)) = self.joined.as_ref().and_then(|(_, session)| session.open(heard)) {
+                self.echo_us = at_us;
+            }
+            if heard.len() != GREETING || heard[1] != 1 {
                 continue;
-            };
+            }
             self.called += u64::from(self.sent > 1);
-            // The same challenge: the same session.
-            if self.joined.as_ref().is_none_or(|(joined, _)| joined[8..24] != heard[8..24]) {
-                let hello = hello(key().bytes(), heard, [9; 16]);
-                self.joined = Some((heard.to_vec(), Session::of(key().bytes(), heard, &hello)));
+            // The same ephemeral: the same session.
+            if self.joined.as_ref().is_none_or(|(joined, _)| joined[48..80] != heard[48..80]) {
+                let hello = hello(key().bytes(), heard, SECRET);
+                self.joined = Some((heard.to_vec(), Session::of(key().bytes(), heard, &hello, SECRET)));
                 say(bench, &hello);
             }
         }
@@ -49,7 +57,7 @@ impl Impostor {
     /// Says any bytes under the session's keys; false while there is no session.
     pub fn seal(&mut self, bench: &mut Bench, message: &[u8]) -> bool {
         let Some((_, session)) = &self.joined else { return false };
-        say(bench, &session.seal(2, 1, self.sent, message));
+        say(bench, &session.seal(2, 1, self.sent, [1 + self.sent, self.echo_us], message));
         self.sent += 1;
         true
     }

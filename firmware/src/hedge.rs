@@ -1,0 +1,31 @@
+//! Hedge: random bytes that do not repeat themselves though the source of noise does.
+//!
+//! What the links draw their ephemerals and challenges from is a hash under the installation's key of the noise and of all that is
+//! different from draw to draw: which board, which start, which draw of that start, and when. So a source that gives the same at every
+//! start gives other bytes all the same, which who does not hold the key cannot foresee. One that works is as good as without this.
+
+use haptic_protocol::key::Key;
+
+/// What random bytes are made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Sources {
+    /// What the source of noise gave.
+    pub noise: [u8; 32],
+    /// The board's number; with the key it tells boards apart.
+    pub board: u8,
+    /// Number of the start ([`crate::boots`]).
+    pub boot: u32,
+    /// Number of the draw in this start.
+    pub draw: u32,
+    /// Since the start, µs.
+    pub uptime_us: u64,
+}
+
+impl Sources {
+    /// 32 bytes for a link's configuration.
+    pub fn mixed(&self, key: &Key) -> [u8; Key::LEN] {
+        let Self { noise, board, boot, draw, uptime_us } = self;
+        let parts = [&noise[..], &[*board], &boot.to_le_bytes(), &draw.to_le_bytes(), &uptime_us.to_le_bytes()];
+        key.hedged(&parts)
+    }
+}

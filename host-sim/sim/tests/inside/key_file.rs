@@ -1,0 +1,9 @@
+//! What nobody outside can ask for: a source of randomness that repeats itself.
+
+use super::*;
+
+#[test]
+fn a_source_that_repeats_itself_repeats_nothing_here() {
+    let drawn: std::collections::HashSet<_> = (0..1_000).map(|_| hedged([0xA5; Key::LEN])).collect();
+    assert_eq!(drawn.len(), 1_000);
+}
