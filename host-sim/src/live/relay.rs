@@ -2,7 +2,7 @@
 //! trace, or any other. It has no key, so all it can do is what a network can.
 //!
 //! **Fixed ends**: it passes on what comes from one of the two stated addresses, to the other, and from nowhere else to nobody.
-//! What is on its way is at most [`MOST_BYTES`] each way; what comes on top is lost, as on any full line.
+//! What is on its way is at most 1 MiB each way; what comes on top is lost, as on any full line.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};

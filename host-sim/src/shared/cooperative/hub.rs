@@ -7,7 +7,7 @@
 //! **Lines.** Line n has its own key, made from the hub's (`host-sim key generate --line n --of`): a peer that is opened gives up
 //! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
 //! of lines: a greeting is for the line under whose key it is authentic, a sealed datagram for the one whose session it
-//! names. Addresses prove nothing; where a peer is answered is its line's [`Path`].
+//! names. Addresses prove nothing; where a peer is answered is its line's path (`shared/path.rs`).
 //!
 //! **Who begins.** Wave lines know no positions, so all copies must begin at once from where they meet: until every line has
 //! a session the hub sends no flow; host-sim's peers then do not arm, and boards are to be armed when the hub says that all
@@ -19,7 +19,7 @@
 //! cannot be, is refused on its line, told so at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
 //! line's key is answered once a second at the most, with no more bytes, by a greeting from which its link gathers why.
 //!
-//! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for [`GREETINGS`] in a control period;
+//! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for 8 in a control period;
 //! what comes on top of those is dropped unread, so that a flood of greetings takes no time from the lines that are up.
 
 use std::fmt::Display;

@@ -16,7 +16,7 @@
 //! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
 //! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
 //!
-//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead ([`copy`]). They lose nothing and let go at once:
+//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing and let go at once:
 //! a silence is stood through, not faded, and another life begins where the copy is.
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.

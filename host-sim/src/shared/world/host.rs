@@ -1,7 +1,7 @@
 //! Host: a server of a static world, without a socket. A datagram comes in, the answers go out before it returns.
 //!
 //! Every client has a line with its own key (`haptic_protocol::key::Key::line`). A greeting names its line, a sealed datagram
-//! its session; addresses prove nothing, and where a client is answered is its line's [`Path`]. A link is kept when a line
+//! its session; addresses prove nothing, and where a client is answered is its line's path (`shared/path.rs`). A link is kept when a line
 //! is first called under its key, so memory grows with the clients that there are, up to the lines that were allowed; for
 //! whoever holds no key nothing is allocated. Whoever greets so is answered once a second at the most, with no more bytes, by
 //! a greeting from which its link gathers why.
