@@ -4,8 +4,8 @@
 //! generator of random numbers; how many words are not blank is the number of the start. Nothing is ever erased but by giving the
 //! board a key, which begins the count anew with it.
 //!
-//! **Limits**: after [`MOST`] starts, 11 years of one a day, the number stands. A word that power left half-programmed counts, unless
-//! it reads as blank; then nothing had been drawn in that start.
+//! **Limits**: after [`MOST`] starts, 11 years of one a day, the number stands. A word that power left half-programmed counts,
+//! unless it reads as blank; then nothing had been drawn in that start.
 
 use crate::store::{Broken, SECTOR, Word};
 

@@ -5,8 +5,8 @@
 //! nothing here. The last operator to prove that he holds the key and is there now takes the link over; what was half
 //! said to the one before is dropped, and records are no longer sent.
 //!
-//! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so that
-//! whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.
+//! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so
+//! that whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};

@@ -1,14 +1,14 @@
 //! Handshake: how two peers that share a key come to share a session, in any order, whoever restarts.
 //!
-//! A greeting carries a **challenge** of its sender's and echoes one of the receiver's. A challenge is good for 1 s from when it was
-//! first offered; every 100 ms there is a new one, so that a round trip of up to 900 ms leads to a session. An echo of one that is
-//! good, under a right tag, proves that the sender holds the key and was there within that second, because nobody could
-//! have known the challenge before; only that makes a session. Its keys come of the shared key and of the two ends' **ephemerals**, which
-//! a greeting carries too: public keys of X25519 (RFC 7748), as in Noise's NNpsk0. Each end keeps its own until a session made with it is
-//! confirmed or was not in time, then it wipes the secret: whoever gets hold of the shared key later reads nothing of what was recorded. Both ends follow the same rules, so hellos
-//! that cross need no arbiter: a greeting of the ephemeral of the session at hand is nothing
-//! new; another that echoes a good challenge makes a session; any
-//! other may be old, so that a hello is answered with the newest challenge, a welcome is dropped, and neither is remembered.
+//! A greeting carries a **challenge** of its sender's and echoes one of the receiver's. A challenge is good for 1 s from when it
+//! was first offered; every 100 ms there is a new one, so that a round trip of up to 900 ms leads to a session. An echo of one that
+//! is good, under a right tag, proves that the sender holds the key and was there within that second, because nobody could have
+//! known the challenge before; only that makes a session. Its keys come of the shared key and of the two ends' **ephemerals**,
+//! which a greeting carries too: public keys of X25519 (RFC 7748), as in Noise's NNpsk0. Each end keeps its own until a session
+//! made with it is confirmed or was not in time, then it wipes the secret: whoever gets hold of the shared key later reads nothing
+//! of what was recorded. Both ends follow the same rules, so hellos that cross need no arbiter: a greeting of the ephemeral of the
+//! session at hand is nothing new; another that echoes a good challenge makes a session; any other may be old, so that a hello is
+//! answered with the newest challenge, a welcome is dropped, and neither is remembered.
 //!
 //! ```text
 //!     A                                    B
@@ -21,10 +21,12 @@
 //!     │ sealed reply ────────────────────► │  confirmed: F, b make no other
 //! ```
 //!
-//! **Invariants**: a greeting from the past or from a stranger changes nothing and is given no memory. An ephemeral that
-//! made a confirmed session makes no other; nor does a challenge that was offered before that, or is older than 1 s. What a peer sent is not accepted by itself: each direction has its key.
-//! **Cost**: two multiplications a session. One makes the next ephemeral when a session is confirmed or given up; the other only a greeting
-//! under a right tag that echoes a good challenge brings about, and at most every 50 ms.
+//! **Invariants**: a greeting from the past or from a stranger changes nothing and is given no memory. An ephemeral that made a
+//! confirmed session makes no other; nor does a challenge that was offered before that, or is older than 1 s. What a peer sent is
+//! not accepted by itself: each direction has its key.
+//!
+//! **Cost**: two multiplications a session. One makes the next ephemeral when a session is confirmed or given up; the other only a
+//! greeting under a right tag that echoes a good challenge brings about, and at most every 50 ms.
 //!
 //! **Limit**: old hellos make a peer answer, byte for byte as long. A peer whose randomness repeats itself at every start
 //! gets fresh keys all the same from a peer that has heard it before; two such peers do not.

@@ -3,9 +3,9 @@
 //! One primitive does it all: BLAKE2s (RFC 7693) with a key is a pseudo-random function, so `derive` gives keys that say
 //! nothing about each other, and `tag` authenticates what is not sealed. A label of 16 bytes keeps the uses apart.
 //!
-//! **Invariants**: a key is never printed, wiped from memory when dropped, and compared in a time that does not tell where two differ.
-//! **Limit**: what was moved or stood on the stack meanwhile is not wiped; whoever reads the memory of a running peer has its shared
-//! key anyway.
+//! **Invariants**: a key is never printed, wiped from memory when dropped, and compared in a time that does not tell where two
+//! differ. **Limit**: what was moved or stood on the stack meanwhile is not wiped; whoever reads the memory of a running peer has
+//! its shared key anyway.
 
 use core::fmt;
 

@@ -3,9 +3,9 @@
 //! A line goes in parts of up to 48 bytes, as many as there is room for under way; the last part says that it is the last.
 //! One line at a time is on its way in each direction: who asks waits for the answer.
 //!
-//! The last part also has a token, the newest time of the receiver's clock that the sender knew when it began to say the line. So the
-//! receiver knows how long ago that was ([`Heard::age_us`]), from its own clock alone and however often the parts were sent; a machine
-//! does only what was said to it within [`FRESH_US`].
+//! The last part also has a token, the newest time of the receiver's clock that the sender knew when it began to say the line. So
+//! the receiver knows how long ago that was ([`Heard::age_us`]), from its own clock alone and however often the parts were sent; a
+//! machine does only what was said to it within [`FRESH_US`].
 //!
 //! **Limits**: 384 bytes a line; what is longer is cut at a whole character. Parts of a line whose sender started anew in
 //! the middle of it are dropped with the link's session ([`Lines::forget`]).

@@ -10,9 +10,9 @@
 //! came ([`Link::receive`]) and at least once a packet period it calls [`Link::poll`] until there is nothing more to send.
 //! Nothing here waits, and the flow waits for nothing.
 //!
-//! **Freshness**: nothing is taken before the other end has answered in this session, and nothing that could be older than a second,
-//! flow than [`Link::within`]; measured by this end's clock alone ([`crate::wire::Stamps`]). A session that stays unconfirmed for a
-//! second, or 12 packet periods if that is longer, ends.
+//! **Freshness**: nothing is taken before the other end has answered in this session, and nothing that could be older than a
+//! second, flow than [`Link::within`]; measured by this end's clock alone ([`crate::wire::Stamps`]). A session that stays
+//! unconfirmed for a second, or 12 packet periods if that is longer, ends.
 //!
 //! **Units**: µs on the caller's own clock, which may start anywhere and must not go backwards (if it does, time stands
 //! still). **Invariants**: bounded memory, the size of [`Link`] itself; a datagram that is not authentic changes nothing

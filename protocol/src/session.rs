@@ -1,8 +1,8 @@
 //! One session: the keys that two ephemerals give, in both directions, and what has been taken under them.
 //!
-//! Both ephemerals are fresh, so both ends contribute to every key: one that forgot everything (a reboot) or whose
-//! randomness failed still gets keys that were never used, from an end whose randomness did not. Parameters and incarnations enter too, so that peers which
-//! disagree about anything cannot read each other.
+//! Both ephemerals are fresh, so both ends contribute to every key: one that forgot everything (a reboot) or whose randomness
+//! failed still gets keys that were never used, from an end whose randomness did not. Parameters and incarnations enter too, so
+//! that peers which disagree about anything cannot read each other.
 //!
 //! **Invariant**: the replay window belongs to the keys; there is never a window without them or a second one for them.
 //!
@@ -10,9 +10,9 @@
 //! ([`Stamps`]). So the receiver knows how old it is at the most, the way there and back and what the sender waited, from its own
 //! clock alone; an echo also says that the other end opens what is sealed here.
 //!
-//! **Sealing** is ChaCha20-Poly1305 (RFC 8439). Each direction has its own keys, so that what a peer sent is never opened by itself.
-//! The sequence number is the nonce and also picks the key: every 2²⁰ datagrams (2.3 h at one each 8 ms) both ends move on to the
-//! next traffic key without a word about it. The header is authenticated, the message encrypted, both or neither.
+//! **Sealing** is ChaCha20-Poly1305 (RFC 8439). Each direction has its own keys, so that what a peer sent is never opened by
+//! itself. The sequence number is the nonce and also picks the key: every 2²⁰ datagrams (2.3 h at one each 8 ms) both ends move on
+//! to the next traffic key without a word about it. The header is authenticated, the message encrypted, both or neither.
 //!
 //! **Invariants**: [`Counter`] hands out a number once and lives as long as its peer, across sessions, so that no key
 //! meets a nonce twice; a datagram whose tag is wrong leaves no trace. There is no way to send a message unsealed.
