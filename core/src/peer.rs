@@ -305,12 +305,18 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     pub fn outgoing(&self) -> Packet<S> {
         let packet =
             Packet { energy_j: self.ledger.sent_j().to_f64(), ..self.law.send(&self.coordination, self.object) };
-        // At rest where it stands: a wave line ends in its own impedance and takes everything in.
+        if self.is_engaged() && packet.is_finite() { packet } else { self.at_rest(packet) }
+    }
+
+    /// At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
+    #[cold]
+    #[inline(never)]
+    fn at_rest(&self, packet: Packet<S>) -> Packet<S> {
         let resting = Packet { motion: Motion::at(self.object.position), wave: S::ZERO, ..packet };
-        match (self.is_engaged(), packet.is_finite()) {
-            (true, true) => packet,
-            (false, true) => resting,
-            (_, false) => Packet { energy_j: 0.0, wave_integral: 0.0, live_ticks: 0, ..resting },
+        if packet.is_finite() {
+            resting
+        } else {
+            Packet { energy_j: 0.0, wave_integral: 0.0, live_ticks: 0, ..resting }
         }
     }
 

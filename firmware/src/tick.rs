@@ -147,12 +147,11 @@ impl Loop {
         if let Some(packet) = incoming {
             flags |= record::RECEIVED;
             self.peer.hear(packet);
+        } else if self.side.signals.old.get() {
+            self.peer.delayed();
         }
         if due {
             flags |= record::SENT;
-            if self.side.signals.old.get() {
-                self.peer.delayed();
-            }
             let packet = self.peer.exchange();
             let armed = self.peer.mode() == Mode::Armed;
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });

@@ -70,8 +70,8 @@ pub fn line(scene: &Scene) -> Result<Line, String> {
             .to_owned());
     }
     let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
-    // It arrives in the middle of the control period before the tick that hears it.
-    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - PERIOD_NS / 2, ..Line::default() })
+    // It is heard a control period after it has arrived.
+    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - PERIOD_NS, ..Line::default() })
 }
 
 /// Dropped and refused packets, by a board's own account.

@@ -19,15 +19,17 @@ pub const PC: usize = 2;
 /// The line between the boards.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Delay, ns.
+    /// Delay, ns. What leaves after a tick arrives at the first stop after it, in the middle between two ticks, and is heard at the
+    /// tick after that: a period later than the delay.
     pub delay_ns: u64,
     /// Nothing passes.
     pub silent: bool,
 }
 
+/// Heard 8 ms after the tick that sent it: the one packet period that the papers' scenes have.
 impl Default for Line {
     fn default() -> Self {
-        Self { delay_ns: 4_000_000, silent: false }
+        Self { delay_ns: 7_000_000, silent: false }
     }
 }
 
