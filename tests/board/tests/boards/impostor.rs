@@ -25,7 +25,8 @@ pub struct Impostor {
     echo_us: u64,
     /// Sealed datagrams that it has sent.
     pub sent: u64,
-    /// Hellos that came since it sent the second of them: the first is to end them.
+    /// Hellos that came since it sent the fourth of them: the second, which has a time of the board's to echo, is to end them, but
+    /// for what is under way until it arrives.
     pub called: u64,
 }
 
@@ -44,7 +45,7 @@ impl Impostor {
             if heard.len() != GREETING || heard[1] != 1 {
                 continue;
             }
-            self.called += u64::from(self.sent > 1);
+            self.called += u64::from(self.sent > 3);
             // The same ephemeral: the same session.
             if self.joined.as_ref().is_none_or(|(joined, _)| joined[48..80] != heard[48..80]) {
                 let hello = hello(key().bytes(), heard, SECRET);
