@@ -36,8 +36,8 @@ mod copy;
 /// Wave energy at one port, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
-    /// Put into the line by its peer, by the counters in its packets, as far as there was room for it: what was in hand
-    /// stays within [`CAP_J`] where waves are paid for.
+    /// Put into the line by its peer: by the counters in its packets, as far as there was room for it (what was in hand stays
+    /// within [`CAP_J`] where waves are paid for); of a line with a time of its own, what of it has come out.
     pub put_in_j: f64,
     /// Taken out of the line into the node.
     pub taken_j: f64,
@@ -214,16 +214,7 @@ impl Junction {
             if let Some(packet) = came {
                 if self.ladder.hear(&mut port.engagement) {
                     copy.restart(line, self.motion);
-                    port.counted_j = None;
                 }
-                // What the counters say that it was at least: nobody is asked for more.
-                let samples = packet.live_ticks.wrapping_sub(port.standing.live_ticks).cast_signed();
-                if port.counted_j.is_some() && samples > 0 {
-                    let change = packet.wave_integral - port.standing.wave_integral;
-                    port.energy.put_in_j += 0.5 * change * change / (f64::from(samples) * self.period_s);
-                }
-                port.counted_j = Some(port.energy.put_in_j);
-                port.standing = packet;
                 copy.hear(line, packet);
             }
         }
@@ -238,6 +229,8 @@ impl Junction {
             let coupled = copy.coupled(line);
             port.force_n = coupled.force;
             port.energy.taken_j += self.period_s * coupled.power_in;
+            // What has come out here was put in there: by the hub's own reckoning, whatever a peer claims.
+            port.energy.put_in_j = port.energy.taken_j;
             port.energy.sent_j += self.period_s * coupled.power_out;
         }
     }
