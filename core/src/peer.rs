@@ -7,8 +7,8 @@
 //! within the scene's limits.
 //!
 //! Order of tick n (THEORY §2), so that independent implementations agree: (a) [`Peer::hear`], if a packet has come since
-//! the tick before, and if [`Peer::packet_due`], [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode, coordination force, outgoing wave; (d) the
-//! object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
+//! the tick before, and if [`Peer::packet_due`], [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode,
+//! coordination force, outgoing wave; (d) the object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
 use crate::device::encoder::{Encoder, EncoderState};

@@ -12,8 +12,8 @@ use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
-use haptic_protocol::link::{Config, Link, Notice};
-use haptic_protocol::peer::{apart_after_us, flow_of, max_delay_us, packet_of, parameters_of};
+use haptic_protocol::link::{Link, Notice};
+use haptic_protocol::peer::{flow_of, open, packet_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -34,15 +34,8 @@ pub(crate) fn tell(settings: Settings) {
 
 /// A link to the other peer that begins to call; `None` without randomness.
 pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<Link> {
-    let timing = &settings.timing;
-    let link = Link::new(Config {
-        key: key.clone(),
-        ends: Ends { local: number.peer(), remote: number.other().peer() },
-        packet_period_us: (1e6 * timing.control_period_s * f64::from(timing.ticks_per_packet)) as u32,
-        parameters: parameters_of(settings),
-        entropy: random::draw(key, number)?,
-    });
-    Some(link.ok()?.apart_after(apart_after_us(settings)).within(max_delay_us(settings)))
+    let ends = Ends { local: number.peer(), remote: number.other().peer() };
+    open(settings, key.clone(), ends, random::draw(key, number)?).ok()
 }
 
 pub(crate) struct Flow {

@@ -5,7 +5,8 @@ use haptic_core::law::Packet;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
-use crate::{parameters::Parameters, playout::Playout, wire::Flow};
+use crate::link::{Config, ConfigError, Link};
+use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Flow};
 
 /// What both peers must have been told alike, as a greeting names it.
 pub fn parameters_of(settings: &Settings) -> Parameters {
@@ -18,15 +19,18 @@ pub fn parameters_of(settings: &Settings) -> Parameters {
     .unwrap_or_default()
 }
 
-/// Silence after which the coordination is gone, µs: for [`crate::link::Link::apart_after`].
-pub fn apart_after_us(settings: &Settings) -> u32 {
-    // A cast saturates.
-    (1e6 * settings.safety.disengage_s) as u32
-}
-
-/// The longest delay of flow that is taken, for [`crate::link::Link::within`], µs.
-pub fn max_delay_us(settings: &Settings) -> u32 {
-    (1e6 * settings.safety.max_delay_s) as u32
+/// A link to the other peer that begins to call, as these settings want it: how often flow is sent, what both must have been told
+/// alike, and for how long silence and delay are borne.
+///
+/// # Errors
+/// [`Link::new`]'s.
+pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) -> Result<Link, ConfigError> {
+    let (timing, safety) = (&settings.timing, &settings.safety);
+    let packet_period_us = u32::try_from(timing.packet_period_ns() / 1_000).unwrap_or(u32::MAX);
+    let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
+    // Casts saturate.
+    let us = |seconds: f64| (1e6 * seconds) as u32;
+    Ok(Link::new(config)?.apart_after(us(safety.disengage_s)).within(us(safety.max_delay_s)))
 }
 
 /// A packet of tick `tick` as it goes out; `engaged` while the motors are on.

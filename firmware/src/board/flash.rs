@@ -123,6 +123,12 @@ impl Settings {
     fn start() -> u32 {
         &raw const _store_start as u32
     }
+
+    /// Counts this start, behind the key.
+    pub(crate) fn count_boot(&mut self) -> u32 {
+        let start = &raw const _key_start as u32;
+        boots::count(|at| read(start + WORD * at), |at, word| program(start + WORD * at, word))
+    }
 }
 
 /// Programs the word at an address of bank 2, which is blank.
@@ -137,14 +143,6 @@ fn program(address: u32, word: &Word) -> Result<(), Broken> {
     cortex_m::asm::dsb();
     compiler_fence(Ordering::SeqCst);
     (0..SPINS).find_map(|_| outcome(bank().sr().read())).unwrap_or(Err(Broken))
-}
-
-impl Settings {
-    /// Counts this start, behind the key.
-    pub(crate) fn count_boot(&mut self) -> u32 {
-        let start = &raw const _key_start as u32;
-        boots::count(|at| read(start + WORD * at), |at, word| program(start + WORD * at, word))
-    }
 }
 
 impl Medium for Settings {

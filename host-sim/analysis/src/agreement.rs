@@ -9,7 +9,7 @@ use haptic_core::num::StateVector;
 use haptic_core::object::IntegratorName;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
-use super::lifted::delay::delays_ticks;
+use super::lifted::delay::{delays_packets, delays_ticks};
 use super::lifted::driven::{OBJECT, TOO_LARGE};
 use super::lifted::pair::{is_apart, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
@@ -79,8 +79,7 @@ fn objects(places: &[Place]) -> Vec<usize> {
 
 fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let locals = driven_order(linear);
-    let packets = |ticks: usize| ticks / linear.peer.timing.ticks_per_packet as usize;
-    let in_flight = delays_ticks(linear).into_iter().map(packets).sum::<usize>() * packet();
+    let in_flight = delays_packets(linear).iter().sum::<usize>() * packet();
     let second = (driven.matrix.nrows() - in_flight) / 2;
     let kept = prune::kept(&constructed.lifted.matrix, &objects(&constructed.places));
     let same: Vec<Option<usize>> =
@@ -153,8 +152,7 @@ fn driven_place(linear: &Scene, place: Place, locals: &[Option<State>], second: 
                 _ if linear.peer.coordination.comm == "self-timed" => 3,
                 _ => 2,
             };
-            let before =
-                if to == 0 { 0 } else { delays_ticks(linear)[0] / linear.peer.timing.ticks_per_packet as usize };
+            let before = if to == 0 { 0 } else { delays_packets(linear)[0] };
             Some(2 * second + (before + slot) * packet() + field)
         }
     }

@@ -16,8 +16,8 @@ use std::collections::VecDeque;
 
 use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Mode};
-use haptic_protocol::link::{Config, Error, Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, apart_after_us, flow_of, max_delay_us, packet_of, parameters_of};
+use haptic_protocol::link::{Error, Link, Notice, Stage};
+use haptic_protocol::peer::{Inbox, flow_of, open, packet_of};
 use haptic_protocol::wire::{Flow, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -90,10 +90,7 @@ impl Line {
         let settings = &scene.peers()[usize::from(number == 2)];
         let timing = &settings.timing;
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
-        let packet_period_us = (timing.packet_period_ns() / 1_000) as u32;
-        let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
-        let link = Link::new(config).map_err(|error| error.to_string())?;
-        let link = link.apart_after(apart_after_us(settings)).within(max_delay_us(settings));
+        let link = open(settings, key, ends, entropy).map_err(|error| error.to_string())?;
         let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), lives: 0 })
     }
@@ -175,11 +172,10 @@ impl Node {
         }
         if let Some(flow) = &flow {
             self.peer.hear(packet_of(flow));
+        } else if self.line.link.is_old() {
+            self.peer.delayed();
         }
         if self.peer.packet_due() {
-            if self.line.link.is_old() {
-                self.peer.delayed();
-            }
             let packet = self.peer.exchange();
             let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);

@@ -11,6 +11,7 @@
 //! answers, is the network, and can do what a network can.
 
 use haptic_protocol::link::Link;
+use haptic_protocol::wire::GreetingKind;
 
 /// One line's.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +62,18 @@ impl<A: Copy + PartialEq> Path<A> {
         }
     }
 
-    /// Where a datagram of so many bytes goes, which is then on its way; nowhere while an address has not earned it.
-    pub(crate) fn to(&mut self, bytes: usize) -> Option<A> {
+    /// Where a datagram of the line's link goes, which is then on its way: a welcome to whoever it answers, for the greeting may
+    /// be an old one, sent again by anybody; a hello to nobody, for hubs and servers wait and their clients call; all else where
+    /// the line is answered, and nowhere while that address has not earned it.
+    pub(crate) fn of(&mut self, datagram: &[u8], answers: Option<A>) -> Option<A> {
+        match datagram.get(1) {
+            Some(kind) if *kind == GreetingKind::Welcome as u8 => answers,
+            Some(kind) if *kind == GreetingKind::Hello as u8 => None,
+            _ => self.to(datagram.len()),
+        }
+    }
+
+    fn to(&mut self, bytes: usize) -> Option<A> {
         let end = self.end.as_mut()?;
         if !end.proved {
             end.room = end.room.checked_sub(bytes)?;

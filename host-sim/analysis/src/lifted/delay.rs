@@ -10,6 +10,11 @@ pub fn delays_ticks(linear: &Scene) -> [usize; 2] {
     [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
 }
 
+/// Packet periods that a packet is on its way to peer 1 and to peer 2: [`delays_ticks`], of which only whole packet periods count.
+pub(crate) fn delays_packets(linear: &Scene) -> [usize; 2] {
+    delays_ticks(linear).map(|ticks| ticks / linear.peer.timing.ticks_per_packet as usize)
+}
+
 /// Control periods that time on top of whole ones counts as: peers look once a tick, so that a fraction is one more. None
 /// where it is negative: no packet comes before the constant delay is over.
 pub(crate) fn whole_ticks(added_s: f64, period_s: f64) -> usize {

@@ -28,7 +28,7 @@ use haptic_core::law::Sends;
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packet_of};
-use haptic_protocol::wire::{Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::{Line, Says as _, TELEMETRY_S};
 use haptic_sim::scene::Scene;
@@ -65,7 +65,7 @@ impl<A: Copy + PartialEq> End<A> {
     fn say(&mut self, now_us: u64, message: impl Into<Message>, send: &mut impl FnMut(A, &[u8])) {
         let Self { line, path, .. } = self;
         line.link.say(now_us, message, |bytes| {
-            if let Some(address) = path.to(bytes.len()) {
+            if let Some(address) = path.of(bytes, None) {
                 send(address, bytes);
             }
         });
@@ -189,13 +189,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
                     continue;
                 }
             }
-            line.link.say_due(now_us, |out| match out.get(1) {
-                // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
-                Some(kind) if *kind == GreetingKind::Welcome as u8 => send(from, out),
-                // A hub waits; its peers call.
-                Some(kind) if *kind == GreetingKind::Hello as u8 => {}
-                _ => _ = path.to(out.len()).map(|address| send(address, out)),
-            });
+            line.link.say_due(now_us, |out| _ = path.of(out, Some(from)).map(|address| send(address, out)));
             return;
         }
         self.refused += 1;
@@ -266,12 +260,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
         self.greetings = GREETINGS;
         for (End { line, path, .. }, at) in self.ends.iter_mut().zip(0..) {
-            line.link.say_due(now_us, |out| {
-                // A hub waits; its peers call.
-                if !out.get(1).is_some_and(|kind| Greeting::is_kind(*kind)) {
-                    _ = path.to(out.len()).map(|address| send(address, out));
-                }
-            });
+            line.link.say_due(now_us, |out| _ = path.of(out, None).map(|address| send(address, out)));
             line.heed(now_us, || self.junction.part(at));
         }
         let packets_due = self.ticks.is_multiple_of(self.ticks_per_packet);

@@ -1,7 +1,7 @@
 //! Where wave lines meet on a network that loses, jitters and falls silent: core's lossless node, and a port for each line.
 //!
-//! Once a packet period, and where lines have a time of their own once a control period, [`Junction::exchange`] takes what came out of every line, scatters it
-//! ([`haptic_core::law::node`]), and every port has what goes back.
+//! Once a packet period, and where lines have a time of their own once a control period, [`Junction::exchange`] takes what came
+//! out of every line, scatters it ([`haptic_core::law::node`]), and every port has what goes back.
 //!
 //! **Paid for.** With `coordination.ledger` a port lets no more wave energy into the node than its peer is known to have put
 //! into the line ([`haptic_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
@@ -16,8 +16,8 @@
 //! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
 //! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
 //!
-//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing and let go at once:
-//! a silence is stood through, not faded, and another life begins where the copy is.
+//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing and let go
+//! at once: a silence is stood through, not faded, and another life begins where the copy is.
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
@@ -199,17 +199,12 @@ impl Junction {
 
     /// Before a tick at which `packets` are due or are not: what came of every line, in order; what goes back is then in the ports.
     pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
-        match self.copy.take() {
-            None => self.scatter(came),
-            Some(mut copy) => {
-                self.pull(&mut copy, came, packets);
-                self.copy = Some(copy);
-            }
-        }
+        if self.copy.is_some() { self.pull(came, packets) } else { self.scatter(came) }
     }
 
     /// A tick of the copy in which lines with a time of their own meet.
-    fn pull(&mut self, copy: &mut SharedCopy, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
+    fn pull(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
+        let Some(copy) = &mut self.copy else { return };
         for (line, (port, came)) in self.ports.iter_mut().zip(came).enumerate() {
             if let Some(packet) = came {
                 if self.ladder.hear(&mut port.engagement) {

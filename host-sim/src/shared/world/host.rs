@@ -1,8 +1,8 @@
 //! Host: a server of a static world, without a socket. A datagram comes in, the answers go out before it returns.
 //!
 //! Every client has a line with its own key (`haptic_protocol::key::Key::line`). A greeting names its line, a sealed datagram
-//! its session; addresses prove nothing, and where a client is answered is its line's path (`shared/path.rs`). A link is kept when a line
-//! is first called under its key, so memory grows with the clients that there are, up to the lines that were allowed; for
+//! its session; addresses prove nothing, and where a client is answered is its line's path (`shared/path.rs`). A link is kept when
+//! a line is first called under its key, so memory grows with the clients that there are, up to the lines that were allowed; for
 //! whoever holds no key nothing is allocated. Whoever greets so is answered once a second at the most, with no more bytes, by
 //! a greeting from which its link gathers why.
 //!
@@ -15,7 +15,7 @@ use std::fmt::Display;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::roles::static_scene::{Board, Server};
-use haptic_protocol::wire::{Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message};
+use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message};
 use haptic_sim::node::Says as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
@@ -141,14 +141,7 @@ impl<A: Copy + PartialEq> Host<A> {
         line.path.heard(now, from, bytes, greeting, &line.link);
         let (sent, path) = (&mut self.counts.sent, &mut line.path);
         let mut answer = |bytes: &[u8]| {
-            let to = match bytes.get(1) {
-                // A greeting may be an old one, sent again by anybody: it is answered there, and nothing else goes there.
-                Some(kind) if *kind == GreetingKind::Welcome as u8 => Some(from),
-                // A server waits; its clients call.
-                Some(kind) if *kind == GreetingKind::Hello as u8 => None,
-                _ => path.to(bytes.len()),
-            };
-            if let Some(to) = to {
+            if let Some(to) = path.of(bytes, Some(from)) {
                 *sent += 1;
                 send(to, bytes);
             }
@@ -215,7 +208,7 @@ impl<A: Copy + PartialEq> Host<A> {
     /// Tells all clients that this is the end.
     pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(A, &[u8])) {
         for Line { link, path, .. } in self.lines.iter_mut().flatten().map(Box::as_mut) {
-            link.say(now, Goodbye {}, |bytes| _ = path.to(bytes.len()).map(|to| send(to, bytes)));
+            link.say(now, Goodbye {}, |bytes| _ = path.of(bytes, None).map(|to| send(to, bytes)));
         }
     }
 
@@ -225,9 +218,7 @@ impl<A: Copy + PartialEq> Host<A> {
             let Some(line) = line else { continue };
             let (link, path, sent) = (&mut line.link, &mut line.path, &mut self.counts.sent);
             link.say_due(now, |bytes| {
-                // A server waits; its clients call.
-                let greeting = bytes.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-                if let Some(to) = (!greeting).then(|| path.to(bytes.len())).flatten() {
+                if let Some(to) = path.of(bytes, None) {
                     *sent += 1;
                     send(to, bytes);
                 }
