@@ -16,7 +16,7 @@ use super::lifted::{Lifted, prune};
 use super::modes::Hands;
 use super::verdict::Analyser;
 use crate::error::AnalysisError;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, column_mut};
 use crate::spectrum::balance;
 use haptic_sim::scene::Scene;
 
@@ -49,13 +49,9 @@ pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Anal
     let seats = seats.each_ref().map(AsRef::as_ref);
     let Some(constructed) = construct(seats) else { return Ok(None) };
     let driven = seated_matrix(seats)?;
-    if !driven.matrix.is_all_finite() {
+    if !driven.matrix.iter().all(|entry| entry.is_finite()) {
         // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
-        let grown = !constructed
-            .lifted
-            .matrix
-            .col_iter()
-            .all(|column| column.iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST));
+        let grown = !constructed.lifted.matrix.iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST);
         let apart = if grown { 0.0 } else { f64::INFINITY };
         return Ok(Some(Agreement { matrix: apart, spectral_radius: apart }));
     }
@@ -100,7 +96,7 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     balance(&mut other, |at, factor| units[at] *= factor);
     let (mut largest, mut apart) = (1.0_f64, 0.0_f64);
     for (j, unit) in units.iter().enumerate() {
-        for (i, entry) in first.col_as_slice_mut(j).iter_mut().enumerate() {
+        for (i, entry) in column_mut(&mut first, j).iter_mut().enumerate() {
             *entry *= unit / units[i];
             largest = largest.max(other[(i, j)].abs());
             apart = apart.max((*entry - other[(i, j)]).abs());

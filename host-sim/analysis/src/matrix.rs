@@ -1,21 +1,37 @@
-//! What the analysis asks of dense matrices (`faer`) besides their own operators.
+//! What the analysis asks of dense matrices (`nalgebra`) besides their own operators.
 //!
 //! Units are those of the states that rows and columns stand for.
 
 /// Rows × columns of `f64`, stored column by column.
-pub type Matrix = faer::Mat<f64>;
+pub type Matrix = nalgebra::DMatrix<f64>;
 
 /// All zeros in another shape, in the memory that is there.
 pub(crate) fn reset(matrix: &mut Matrix, rows: usize, columns: usize) {
-    matrix.resize_with(rows, columns, |_, _| 0.0);
+    matrix.resize_mut(rows, columns, 0.0);
     matrix.fill(0.0);
 }
 
-/// Adds `factor` times `block` with its corner at (`row`, `column`).
-pub(crate) fn add_block(matrix: &mut Matrix, row: usize, column: usize, block: &Matrix, factor: f64) {
+/// A matrix from its rows.
+pub(crate) fn rows<const ROWS: usize, const COLUMNS: usize>(rows: [[f64; COLUMNS]; ROWS]) -> Matrix {
+    Matrix::from_fn(ROWS, COLUMNS, |i, j| rows[i][j])
+}
+
+/// One column.
+pub(crate) fn column(matrix: &Matrix, at: usize) -> &[f64] {
+    &matrix.as_slice()[at * matrix.nrows()..][..matrix.nrows()]
+}
+
+/// One column, to write.
+pub(crate) fn column_mut(matrix: &mut Matrix, at: usize) -> &mut [f64] {
+    let rows = matrix.nrows();
+    &mut matrix.as_mut_slice()[at * rows..][..rows]
+}
+
+/// Adds `factor` times `block` with its corner at (`row`, `left`).
+pub(crate) fn add_block(matrix: &mut Matrix, row: usize, left: usize, block: &Matrix, factor: f64) {
     for j in 0..block.ncols() {
-        let target = &mut matrix.col_as_slice_mut(column + j)[row..row + block.nrows()];
-        for (out, entry) in target.iter_mut().zip(block.col_as_slice(j)) {
+        let target = &mut column_mut(matrix, left + j)[row..row + block.nrows()];
+        for (out, entry) in target.iter_mut().zip(column(block, j)) {
             *out += factor * entry;
         }
     }
@@ -25,7 +41,7 @@ pub(crate) fn add_block(matrix: &mut Matrix, row: usize, column: usize, block: &
 pub fn apply(matrix: &Matrix, vector: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; matrix.nrows()];
     for (j, factor) in vector.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
-        for (out, entry) in product.iter_mut().zip(matrix.col_as_slice(j)) {
+        for (out, entry) in product.iter_mut().zip(column(matrix, j)) {
             *out += entry * factor;
         }
     }

@@ -1,89 +1,63 @@
-//! The largest |eigenvalue| of a matrix, by `faer`, on one core and without asking for memory twice.
+//! Eigenvalues of a matrix, by `nalgebra`.
 //!
 //! States come in metres, m/s and newtons, so entries spread over ten orders of magnitude: the matrix is balanced first
 //! (Parlett & Reinsch 1969: a diagonal similarity by powers of two, hence without rounding), then reduced to Hessenberg
 //! form and iterated by QR. Error: a few 1e-16 of the balanced norm, divided by the condition of the eigenvalue.
 //!
-//! `faer` 0.24 does not report a QR iteration that gives up; here the places for eigenvalues start as NaN, so that one
-//! that was never written is seen, and the transposed matrix is tried before giving up.
+//! The iteration of `nalgebra` 0.35 has no exceptional shifts and starts every sweep at the first row: it stands still on a matrix
+//! that only passes its states round in a ring, and on some with many packets on their way, where the shift is lost before it
+//! arrives at the last rows (Watkins 1996). Where it gives up, the matrix is mirrored, an orthogonal similarity that
+//! leaves no such structure, and tried again.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
-use faer::{MatRef, Par, Spec};
+use nalgebra::{DVector, Schur};
 
-use super::matrix::Matrix;
+use super::matrix::{Matrix, column_mut};
 
-/// Workspace for matrices of any size; the last size is kept.
-pub(crate) struct Spectrum {
-    size: usize,
-    real: Diag<f64>,
-    imaginary: Diag<f64>,
-    memory: MemBuffer,
+/// Most steps of the iteration, for each row of the matrix, and for matrices of few rows as for this many: two or three are usual.
+const STEPS_PER_ROW: usize = 10;
+const FEW_ROWS: usize = 10;
+
+/// What the mirrors are made of, one for each further try: irrational, so that no two entries of one are alike.
+const MIRRORS: [f64; 3] = [std::f64::consts::SQRT_2, std::f64::consts::E, std::f64::consts::PI];
+
+/// Largest |eigenvalue|; infinite where an entry is not finite, `None` where the iteration did not converge.
+/// The matrix is balanced in place.
+pub(crate) fn radius(matrix: &mut Matrix) -> Option<f64> {
+    radius_beside(matrix, |_, _| false).map(|(radius, _)| radius)
 }
 
-impl std::fmt::Debug for Spectrum {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Spectrum").field("size", &self.size).finish_non_exhaustive()
+/// The same with the eigenvalues (real, imaginary) that `leave` names left out, and how many these were.
+pub(crate) fn radius_beside(matrix: &mut Matrix, leave: impl Fn(f64, f64) -> bool) -> Option<(f64, usize)> {
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return Some((f64::INFINITY, 0));
     }
+    balance(matrix, |_, _| {});
+    let left = |(largest, left): (f64, usize), (re, im): (f64, f64)| {
+        if leave(re, im) { (largest, left + 1) } else { (largest.max(re.hypot(im)), left) }
+    };
+    eigenvalues(matrix).map(|all| all.into_iter().fold((0.0, 0), left))
 }
 
-impl Default for Spectrum {
-    fn default() -> Self {
-        let memory = MemBuffer::new(faer::dyn_stack::StackReq::EMPTY);
-        Self { size: 0, real: Diag::zeros(0), imaginary: Diag::zeros(0), memory }
+/// All eigenvalues as (real, imaginary), in no order; `None` where the iteration did not converge.
+pub(crate) fn eigenvalues(matrix: &Matrix) -> Option<Vec<(f64, f64)>> {
+    if matrix.is_empty() {
+        return Some(Vec::new());
     }
+    iterate(matrix.clone()).or_else(|| MIRRORS.iter().find_map(|step| iterate(mirrored(matrix, *step))))
 }
 
-impl Spectrum {
-    /// Largest |eigenvalue|; infinite where an entry is not finite, `None` where the iteration did not converge.
-    /// The matrix is balanced in place.
-    pub(crate) fn radius(&mut self, matrix: &mut Matrix) -> Option<f64> {
-        self.radius_beside(matrix, |_, _| false).map(|(radius, _)| radius)
-    }
+fn iterate(matrix: Matrix) -> Option<Vec<(f64, f64)>> {
+    let steps = STEPS_PER_ROW * matrix.nrows().max(FEW_ROWS);
+    let found = Schur::try_new(matrix, f64::EPSILON, steps)?.complex_eigenvalues();
+    let finite = found.iter().all(|value| value.re.is_finite() && value.im.is_finite());
+    finite.then(|| found.iter().map(|value| (value.re, value.im)).collect())
+}
 
-    /// The same with the eigenvalues (real, imaginary) that `leave` names left out, and how many these were.
-    pub(crate) fn radius_beside(
-        &mut self,
-        matrix: &mut Matrix,
-        leave: impl Fn(f64, f64) -> bool,
-    ) -> Option<(f64, usize)> {
-        if !matrix.is_all_finite() {
-            return Some((f64::INFINITY, 0));
-        }
-        balance(matrix, |_, _| {});
-        let left = |(largest, left): (f64, usize), (re, im): (f64, f64)| {
-            if leave(re, im) { (largest, left + 1) } else { (largest.max(re.hypot(im)), left) }
-        };
-        self.eigenvalues(matrix).map(|all| all.fold((0.0, 0), left))
-    }
-
-    /// All eigenvalues as (real, imaginary), in no order; `None` where the iteration did not converge.
-    pub(crate) fn eigenvalues(&mut self, matrix: &Matrix) -> Option<impl Iterator<Item = (f64, f64)>> {
-        let size = matrix.nrows();
-        if size != self.size {
-            let none = ComputeEigenvectors::No;
-            // faer asks for the size of the matrix without its first row: nothing smaller than 2.
-            self.memory = MemBuffer::new(evd_scratch::<f64>(size.max(2), none, none, Par::Seq, Spec::default()));
-            (self.real, self.imaginary) = (Diag::zeros(size), Diag::zeros(size));
-            self.size = size;
-        }
-        if size == 1 {
-            (self.real[0], self.imaginary[0]) = (matrix[(0, 0)], 0.0);
-        } else if size > 1 && !self.iterate(matrix.as_ref()) && !self.iterate(matrix.transpose()) {
-            return None;
-        }
-        let (real, imaginary) = (&self.real, &self.imaginary);
-        Some((0..size).map(move |at| (real[at], imaginary[at])))
-    }
-
-    fn iterate(&mut self, matrix: MatRef<'_, f64>) -> bool {
-        self.real.column_vector_mut().fill(f64::NAN);
-        let (real, imaginary) = (self.real.as_mut(), self.imaginary.as_mut());
-        let stack = MemStack::new(&mut self.memory);
-        evd_real(matrix, real, imaginary, None, None, Par::Seq, stack, Spec::default()).is_ok()
-            && (0..self.size).all(|at| self.real[at].is_finite())
-    }
+/// (1 − 2·n·nᵀ)·M·(1 − 2·n·nᵀ), where n has the direction of the fractions of multiples of `step`, less a half.
+fn mirrored(matrix: &Matrix, step: f64) -> Matrix {
+    let normal = DVector::from_fn(matrix.nrows(), |at, _| ((at + 1) as f64 * step).fract() - 0.5).normalize();
+    let mirror = Matrix::identity(matrix.nrows(), matrix.nrows()) - &normal * normal.transpose() * 2.0;
+    &mirror * matrix * &mirror
 }
 
 /// Scales rows and columns by powers of two until their sums are alike; eigenvalues stay as they are. `scaled` is told every
@@ -106,7 +80,7 @@ pub(crate) fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
             if column * factor + row / factor < 0.8 * (column + row) {
                 settled = false;
                 scaled(at, factor);
-                for entry in matrix.col_as_slice_mut(at) {
+                for entry in column_mut(matrix, at) {
                     *entry *= factor;
                 }
                 for other in 0..size {

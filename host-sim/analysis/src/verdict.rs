@@ -10,7 +10,7 @@ use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
 use super::lifted::pair::{Joined, is_apart, same_arms, seat};
 use super::lifted::{Lifted, prune, rest};
-use super::spectrum::Spectrum;
+use super::spectrum;
 use haptic_sim::scene::Scene;
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
@@ -196,7 +196,6 @@ impl Analyser {
 struct Solver {
     pruner: prune::Pruner,
     kept: Lifted,
-    spectrum: Spectrum,
 }
 
 impl Solver {
@@ -210,7 +209,7 @@ impl Solver {
         // What nobody holds and nothing damps glides on for ever: 1 to rounding, which decides nothing and would hide how fast
         // everything else settles.
         let glides = |re: f64, im: f64| !held && (re - 1.0).hypot(im) <= ROUNDING;
-        let beside = self.spectrum.radius_beside(&mut self.kept.matrix, glides);
+        let beside = spectrum::radius_beside(&mut self.kept.matrix, glides);
         let (radius, glides) = beside.ok_or(AnalysisError::NoConvergence)?;
         Ok((radius, states, stands + glides))
     }

@@ -23,7 +23,7 @@ use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, Settings};
 
 use super::delay::delays_ticks;
-use crate::matrix::{Matrix, reset};
+use crate::matrix::{Matrix, column_mut, reset};
 use haptic_sim::peers::DynPeer;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
@@ -62,7 +62,7 @@ pub struct Response {
 
 impl Default for Response {
     fn default() -> Self {
-        let [own, heard, sent] = [(); 3].map(|()| Matrix::new());
+        let [own, heard, sent] = [(); 3].map(|()| Matrix::zeros(0, 0));
         Self { own, heard, sent, translation: Vec::new(), translation_sent: Vec::new(), stays: [false; 3] }
     }
 }
@@ -89,8 +89,8 @@ impl Response {
         for at in 0..states {
             seat.rest();
             seat.local[at] = 1.0;
-            seat.send(self.sent.col_as_slice_mut(at));
-            seat.period(self.own.col_as_slice_mut(at));
+            seat.send(column_mut(&mut self.sent, at));
+            seat.period(column_mut(&mut self.own, at));
         }
         for at in 0..packet {
             // What is never sent need not be heard.
@@ -99,7 +99,7 @@ impl Response {
             }
             seat.rest();
             seat.packet[at] = 1.0;
-            seat.period(self.heard.col_as_slice_mut(at));
+            seat.period(column_mut(&mut self.heard, at));
         }
         self.translate(&mut seat);
         Ok(())

@@ -38,6 +38,6 @@ pub struct Lifted {
 
 impl Default for Lifted {
     fn default() -> Self {
-        Self { matrix: Matrix::new(), rest_modes: Vec::new() }
+        Self { matrix: Matrix::zeros(0, 0), rest_modes: Vec::new() }
     }
 }

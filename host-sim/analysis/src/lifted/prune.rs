@@ -9,7 +9,7 @@
 //! Zeros are exact zeros: a product with 0, not a small number.
 
 use super::Lifted;
-use crate::matrix::{Matrix, reset};
+use crate::matrix::{Matrix, column, column_mut, reset};
 
 /// Remembers what was worth keeping: along a sweep the zeros stay where they are.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +22,7 @@ pub(crate) struct Pruner {
 impl Pruner {
     /// What [`kept`] says, found again only where an entry became or ceased to be zero.
     pub(crate) fn kept(&mut self, matrix: &Matrix, anchors: &[usize]) -> &[usize] {
-        let filled = || (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j)).map(|entry| *entry != 0.0);
+        let filled = || matrix.iter().map(|entry| *entry != 0.0);
         if self.anchors != anchors || !filled().eq(self.filled.iter().copied()) {
             self.filled.clear();
             self.filled.extend(filled());
@@ -38,7 +38,7 @@ pub(crate) fn kept(matrix: &Matrix, anchors: &[usize]) -> Vec<usize> {
     let size = matrix.nrows();
     let (mut in_row, mut in_column) = (vec![0_usize; size], vec![0_usize; size]);
     for (j, filled) in in_column.iter_mut().enumerate() {
-        for (i, _) in matrix.col_as_slice(j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        for (i, _) in column(matrix, j).iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
             in_row[i] += 1;
             *filled += 1;
         }
@@ -76,9 +76,9 @@ pub(crate) fn kept(matrix: &Matrix, anchors: &[usize]) -> Vec<usize> {
 /// Copies what is kept of `from` into `to`.
 pub(crate) fn copy(from: &Lifted, kept: &[usize], to: &mut Lifted) {
     reset(&mut to.matrix, kept.len(), kept.len());
-    for (column, j) in kept.iter().enumerate() {
-        let source = from.matrix.col_as_slice(*j);
-        for (out, i) in to.matrix.col_as_slice_mut(column).iter_mut().zip(kept) {
+    for (to_column, j) in kept.iter().enumerate() {
+        let source = column(&from.matrix, *j);
+        for (out, i) in column_mut(&mut to.matrix, to_column).iter_mut().zip(kept) {
             *out = source[*i];
         }
     }

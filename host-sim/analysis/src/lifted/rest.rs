@@ -8,13 +8,14 @@
 //! ([`super::driven`]), and single coordinates that nothing depends on but themselves ([`idle`]).
 
 use super::Lifted;
+use crate::matrix::{Matrix, column, column_mut};
 
 /// Adds to the rest modes every coordinate whose column is exactly its unit vector: where it stands is felt by nothing.
 /// A device in a scene without contact and arm is the example.
 pub(crate) fn idle(lifted: &mut Lifted) {
     let size = lifted.matrix.nrows();
     for at in 0..size {
-        let column = lifted.matrix.col_as_slice(at);
+        let column = column(&lifted.matrix, at);
         let alone = column.iter().enumerate().all(|(i, entry)| *entry == f64::from(u8::from(i == at)));
         // A translation of only this coordinate is already known.
         let known = |mode: &Vec<f64>| mode.iter().enumerate().all(|(i, entry)| (*entry != 0.0) == (i == at));
@@ -35,12 +36,12 @@ pub(crate) fn divide_out(lifted: &mut Lifted) -> usize {
         let Some((pivot, &head)) = largest.filter(|(_, head)| head.abs() > 1e-9) else { continue };
         count += 1;
         let size = lifted.matrix.nrows();
-        let mut quotient = crate::matrix::Matrix::zeros(size - 1, size - 1);
-        for (column, j) in (0..size).filter(|j| *j != pivot).enumerate() {
-            let source = lifted.matrix.col_as_slice(j);
+        let mut quotient = Matrix::zeros(size - 1, size - 1);
+        for (to, j) in (0..size).filter(|j| *j != pivot).enumerate() {
+            let source = column(&lifted.matrix, j);
             let share = source[pivot] / head;
             let rows = (0..size).filter(|i| *i != pivot);
-            for (out, i) in quotient.col_as_slice_mut(column).iter_mut().zip(rows) {
+            for (out, i) in column_mut(&mut quotient, to).iter_mut().zip(rows) {
                 *out = source[i] - mode[i] * share;
             }
         }

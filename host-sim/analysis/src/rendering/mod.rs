@@ -35,7 +35,7 @@ use serde::Serialize;
 
 use super::lifted::{Lifted, rest};
 use super::matrix::reset;
-use super::spectrum::Spectrum;
+use super::spectrum;
 use crate::error::AnalysisError;
 use haptic_sim::plant::Linear;
 
@@ -138,7 +138,6 @@ impl Rendering {
 #[derive(Debug, Default)]
 pub struct Renderer {
     lifted: Lifted,
-    spectrum: Spectrum,
 }
 
 /// One body as the sampled map sees it: whole periods of delay, and the exact step with the rest of it.
@@ -160,7 +159,7 @@ impl Renderer {
     pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
         self.build(rendering, stiffness_n_per_m);
         rest::divide_out(&mut self.lifted);
-        self.spectrum.radius(&mut self.lifted.matrix).ok_or(AnalysisError::NoConvergence)
+        spectrum::radius(&mut self.lifted.matrix).ok_or(AnalysisError::NoConvergence)
     }
 
     /// Writes the sampled map.

@@ -1,6 +1,7 @@
 //! Tests of `src/lifted/prune.rs` from inside.
 
 use super::*;
+use crate::matrix::rows;
 
 #[test]
 fn dead_and_silent_chains_go() {
@@ -21,6 +22,6 @@ fn dead_and_silent_chains_go() {
     let from = Lifted { matrix, rest_modes: vec![vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]] };
     let mut to = Lifted::default();
     copy(&from, &[0, 1], &mut to);
-    assert_eq!(to.matrix, faer::mat![[0.5, 0.5], [0.5, 0.0]]);
+    assert_eq!(to.matrix, rows([[0.5, 0.5], [0.5, 0.0]]));
     assert_eq!(to.rest_modes, [[1.0, 2.0]]);
 }

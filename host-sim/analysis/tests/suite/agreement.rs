@@ -92,7 +92,7 @@ fn the_peer_is_linear_where_it_is_analysed() {
         let packet: Vec<f64> = (0..response.packet()).map(|_| random.unit() - 0.5).collect();
         let driven = Response::drive(&linear, 0, &local, &packet).unwrap();
         let (own, heard) = (apply(&response.own, &local), apply(&response.heard, &packet));
-        let scale = whole.norm_max().max(1.0);
+        let scale = whole.amax().max(1.0);
         for ((driven, own), heard) in driven.iter().zip(&own).zip(&heard) {
             let sum = own + heard;
             assert!((driven - sum).abs() <= 1e-12 * scale || driven == &sum, "scene {seed}: {driven} {sum}");

@@ -55,7 +55,7 @@ pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> 
         period.state.fill(0.0);
         period.state[at] = 1.0;
         period.pass();
-        matrix.col_as_slice_mut(at).copy_from_slice(&period.state);
+        matrix.column_mut(at).copy_from_slice(&period.state);
     }
     // Without a spring to any arm everything together can stand anywhere.
     let free = scene.users.iter().all(|user| user.settings.user.arm_stiffness_n_per_m == 0.0);

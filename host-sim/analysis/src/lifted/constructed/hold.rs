@@ -3,17 +3,14 @@
 //! e^X ≈ q(X/2ˢ)⁻¹·p(X/2ˢ), squared s times, of order (6, 6) with ‖X‖ ≤ ½ after scaling: relative error below 1e-16
 //! (Golub & Van Loan, §9.3).
 
-use faer::linalg::solvers::Solve;
-use faer::{Scale, mat};
-
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, rows};
 
 /// e^matrix.
 pub fn exponential(matrix: &Matrix) -> Matrix {
     let size = matrix.nrows();
-    let norm = (0..size).map(|j| matrix.col_as_slice(j).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+    let norm = matrix.column_iter().map(|column| column.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
     let halvings = if norm > 0.5 { norm.log2().ceil() as i32 + 1 } else { 0 };
-    let scaled = matrix * Scale(0.5_f64.powi(halvings));
+    let scaled = matrix * 0.5_f64.powi(halvings);
     let (mut above, mut below) = (Matrix::identity(size, size), Matrix::identity(size, size));
     let mut power = Matrix::identity(size, size);
     let mut weight = 1.0;
@@ -21,10 +18,10 @@ pub fn exponential(matrix: &Matrix) -> Matrix {
         let order = f64::from(k);
         weight *= (7.0 - order) / (order * (13.0 - order));
         power = &scaled * &power;
-        above += &power * Scale(weight);
-        below += &power * Scale(if k % 2 == 0 { weight } else { -weight });
+        above += &power * weight;
+        below += &power * if k % 2 == 0 { weight } else { -weight };
     }
-    below.partial_piv_lu().solve_in_place(&mut above);
+    below.lu().solve_mut(&mut above);
     for _ in 0..halvings {
         above = &above * &above;
     }
@@ -46,11 +43,11 @@ impl Held {
     /// Exact: the old force for `late` of the period, then the new one. Mass kg, damping N·s/m, stiffness N/m, period s.
     pub(crate) fn exact(mass: f64, damping: f64, stiffness: f64, late: f64, period: f64) -> Self {
         let over = |time: f64| {
-            exponential(&mat![
+            exponential(&rows([
                 [0.0, time, 0.0],
                 [-stiffness / mass * time, -damping / mass * time, time / mass],
                 [0.0, 0.0, 0.0],
-            ])
+            ]))
         };
         let (first, second) = (over(late * period), over((1.0 - late) * period));
         let both = &second * &first;

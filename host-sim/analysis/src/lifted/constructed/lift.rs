@@ -9,10 +9,8 @@
 //! Limit: what the open loop grows by within a packet is lost in digits, however stable the closed loop is. It grows where
 //! forward Euler overshoots its own damping, b_O·T_c > 2·m_O; the driven matrix does not mind.
 
-use faer::linalg::solvers::Solve;
-
 use super::peer::Peer;
-use crate::matrix::{Matrix, add_block};
+use crate::matrix::{Matrix, add_block, column_mut};
 
 /// One packet period of one peer.
 #[derive(Clone, Debug)]
@@ -36,7 +34,7 @@ pub(super) fn close(peer: &Peer, ticks: usize) -> Period {
 
     let mut algebraic = Matrix::identity(u, u);
     add_block(&mut algebraic, 0, 0, &peer.g, -1.0);
-    let algebraic = algebraic.partial_piv_lu();
+    let algebraic = algebraic.lu();
     let mut inputs: Vec<Matrix> = Vec::with_capacity(ticks);
     for k in 0..ticks {
         let mut right = Matrix::zeros(u, z + s);
@@ -45,7 +43,7 @@ pub(super) fn close(peer: &Peer, ticks: usize) -> Period {
         for (l, earlier) in inputs.iter().enumerate() {
             add_block(&mut right, 0, 0, &(&looped[k - 1 - l] * earlier), 1.0);
         }
-        algebraic.solve_in_place(&mut right);
+        algebraic.solve_mut(&mut right);
         inputs.push(right);
     }
 
@@ -54,9 +52,9 @@ pub(super) fn close(peer: &Peer, ticks: usize) -> Period {
     for (k, inputs) in inputs.iter().enumerate() {
         add_block(&mut after, 0, 0, &(&steered[ticks - 1 - k] * inputs), 1.0);
     }
-    let mut period = Period { state: after.get(.., ..z).to_owned(), held: after.get(.., z..).to_owned() };
+    let mut period = Period { state: after.columns(0, z).into_owned(), held: after.columns(z, s).into_owned() };
     if let Some(state) = peer.restarts {
-        period.state.col_as_slice_mut(peer.at(state)).fill(0.0);
+        column_mut(&mut period.state, peer.at(state)).fill(0.0);
     }
     period
 }

@@ -7,7 +7,7 @@
 use super::lift::Period;
 use super::peer::{Peer, State};
 use crate::lifted::Lifted;
-use crate::matrix::{Matrix, add_block};
+use crate::matrix::{Matrix, add_block, column};
 use haptic_sim::scene::Scene;
 
 /// What a state of the pair is.
@@ -48,7 +48,7 @@ pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2], dela
                 None => source,
                 Some(slot) => find(Place::InFlight { to, slot, state }),
             };
-            for (i, entry) in period.held.col_as_slice(held).iter().enumerate() {
+            for (i, entry) in column(&period.held, held).iter().enumerate() {
                 matrix[(start + i, heard)] += entry;
             }
             for slot in 0..delays[to] {

@@ -9,7 +9,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::object::IntegratorName;
 
 use super::hold::{Held, exponential};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, rows};
 use haptic_sim::scene::Scene;
 
 /// What a state of one peer is.
@@ -263,5 +263,5 @@ impl Peer {
 
 /// What is left after one period (s) of a first-order lag with this cutoff (Hz).
 pub(super) fn decay(cutoff_hz: f64, period: f64) -> f64 {
-    exponential(&faer::mat![[-std::f64::consts::TAU * cutoff_hz * period]])[(0, 0)]
+    exponential(&rows([[-std::f64::consts::TAU * cutoff_hz * period]]))[(0, 0)]
 }
