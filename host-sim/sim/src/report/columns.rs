@@ -260,8 +260,8 @@ pub struct Rows<'a, R> {
 
 impl<'a, R> Rows<'a, R> {
     fn with<C: Into<Cell>>(mut self, name: impl Into<String>, digits: Digits, cell: impl Fn(&'a R) -> C) -> Self {
-        let cells = self.rows.iter().map(|row| cell(row).into()).collect();
-        self.columns.push(Column::new(name.into(), digits, Values::Cells(cells)));
+        let rows = self.rows;
+        self.columns.declare(name.into(), digits, rows.len(), &|row| cell(&rows[row]).into());
         self
     }
 
@@ -362,6 +362,11 @@ impl Columns {
     /// Columns of numbers without rows yet, to be filled with [`Self::push_row`].
     pub fn named<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
         Self { columns: names.into_iter().map(|name| Column::numbers(name, Vec::new())).collect() }
+    }
+
+    /// One column more, cell by cell. Not generic: compiled once and not for each of hundreds of columns.
+    fn declare(&mut self, name: String, digits: Digits, rows: usize, cell: &dyn Fn(usize) -> Cell) {
+        self.push(Column::new(name, digits, Values::Cells((0..rows).map(cell).collect())));
     }
 
     /// One column more.
