@@ -12,6 +12,7 @@
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
 use crate::device::encoder::{Encoder, EncoderState};
+use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing};
@@ -109,6 +110,7 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     ladder: Ladder<S>,
     guard: Guard<S>,
     watch: Watch<S>,
+    envelope: Envelope<S>,
     /// Where the axes are when the encoders read zero, m.
     home: [S; AXES],
     // What does.
@@ -123,6 +125,7 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     forces: [S; AXES],
     ledger: Ledger<S>,
     saturated: Patience,
+    load: Load<S>,
     engagement: Engagement,
     /// Since the newest packet came.
     age_ticks: u32,
@@ -173,6 +176,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             ladder,
             guard: Guard::build(settings),
             watch: Watch::build(settings),
+            envelope: Envelope::build(settings),
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
             until_packet: 0,
@@ -188,6 +192,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             forces: [S::ZERO; AXES],
             ledger: Ledger::default(),
             saturated: Patience::default(),
+            load: Load::default(),
             engagement: ladder.engaged(),
             age_ticks: 0,
             delayed: false,
@@ -381,6 +386,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.device = pose.axes;
         let [free, ..] = pose.axes;
         if self.mode != Mode::Armed {
+            self.envelope.rest(&mut self.load);
             let object = Motion::at(self.object.position);
             self.observed = Observed { device: free, object, desired: object, ..Observed::default() };
             return if self.mode == Mode::Probing { self.push() } else { Actuators::default() };
@@ -489,15 +495,29 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 pose
             }
         };
-        for axis in pose.axes.iter().take(self.axes) {
-            if !axis.is_finite() {
-                return Err(Fault::NonFiniteInput);
-            }
-            if self.guard.max_speed < axis.velocity.abs() {
-                return Err(Fault::Overspeed);
+        for (axis, home) in pose.axes.iter().zip(self.home).take(self.axes) {
+            // No number passes neither comparison.
+            let within =
+                axis.velocity.abs() <= self.guard.max_speed && (axis.position - home).abs() <= self.guard.workspace;
+            if !within {
+                self.doubt(*axis)?;
             }
         }
         Ok(pose)
+    }
+
+    /// Of an axis that is too fast, too far from home or nowhere: why it is a fault. Too far is none while the motors are off.
+    #[cold]
+    fn doubt(&self, axis: Motion<S>) -> Result<(), Fault> {
+        if !axis.is_finite() {
+            Err(Fault::NonFiniteInput)
+        } else if axis.velocity.abs() > self.guard.max_speed {
+            Err(Fault::Overspeed)
+        } else if self.mode == Mode::Armed {
+            Err(Fault::OutOfWorkspace)
+        } else {
+            Ok(())
+        }
     }
 
     /// The reaction of the contact on the free axis and the hold of the others, within the limits.
@@ -513,7 +533,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         let mut at_limit = false;
         let mut forces = self.forces;
         for (last, wanted) in forces.iter_mut().zip(wanted).take(self.axes) {
-            at_limit |= self.guard.max_force < wanted.abs();
+            at_limit |= wanted.limit(self.guard.max_force) != wanted;
             *last = self.guard.limit(*last, wanted);
         }
         let mut duties = [Duty::default(); AXES];
@@ -526,10 +546,15 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             self.trip(Fault::ForceSaturated);
             return Actuators::default();
         }
+        let power = envelope::power(forces, pose.axes);
+        if let Some(fault) = self.envelope.exceeded(&mut self.load, forces, power) {
+            self.trip(fault);
+            return Actuators::default();
+        }
         // Exact readings have no encoder to doubt.
         let [first, ..] = &self.joints;
         if first.encoder.primed {
-            if self.watch.is_too_much(forces, pose.axes) {
+            if self.watch.is_too_much(power) {
                 self.trip(Fault::Runaway);
                 return Actuators::default();
             }

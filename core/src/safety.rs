@@ -47,6 +47,9 @@ numbered! {
         8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
         9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
         10 PeerDelayed: "what the other peer said was older than safety.max_delay_s for safety.peer_lost_s",
+        11 ForceTooLong: "the force on the hand was above safety.max_rms_force_n over safety.rms_s",
+        12 PowerTooLong: "the device gave the hand more power than safety.max_rms_power_w over safety.rms_s",
+        13 OutOfWorkspace: "an axis was further than safety.workspace_m from where the encoders were first read",
     }
 }
 
@@ -107,6 +110,8 @@ pub struct Guard<S> {
     pub max_step: S,
     /// Fastest plausible motion, m/s.
     pub max_speed: S,
+    /// Farthest from home, m.
+    pub workspace: S,
     /// Ticks at the limit before a fault.
     pub saturated_ticks: u32,
     /// Packet periods of silence before a fault.
@@ -121,6 +126,7 @@ impl<S: Scalar> Guard<S> {
             max_force: S::from_f64(safety.max_force_n),
             max_step: S::from_f64(safety.max_slew_n_per_s * settings.timing.control_period_s),
             max_speed: S::from_f64(safety.max_speed_m_per_s),
+            workspace: S::from_f64(safety.workspace_m),
             saturated_ticks: safety.saturated_ticks,
             silent_packets: settings.timing.packet_periods(safety.peer_lost_s).max(1),
         }
@@ -130,9 +136,10 @@ impl<S: Scalar> Guard<S> {
     #[inline]
     pub fn limit(&self, last: S, wanted: S) -> S {
         let target = wanted.limit(self.max_force);
-        if target - last > self.max_step {
+        let step = target - last;
+        if step > self.max_step {
             last + self.max_step
-        } else if last - target > self.max_step {
+        } else if step < -self.max_step {
             last - self.max_step
         } else {
             target

@@ -536,6 +536,13 @@ settings! {
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s", "Fastest change of force on any axis.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
             "Fastest plausible motion; above it the peer faults.";
+        workspace_m: f64 = 100.0, number(0.001, 1000.0), "m",
+            "Farthest that an axis may be from where the encoders were first read, while armed.";
+        max_rms_force_n: f64 = 40.0, number(0.01, 200.0), "N",
+            "Largest force on the hand over rms_s, as a leaky root-mean-square over all axes.";
+        max_rms_power_w: f64 = 100.0, number(0.01, 1000.0), "W",
+            "Most power that the device may give the hand over rms_s, as a leaky root-mean-square.";
+        rms_s: f64 = 1.0, number(0.01, 100.0), "s", "Time over which force and power on the hand are averaged.";
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks",
             "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults.";
         fade_s: f64 = 0.024, number(0.0, 100.0), "s",
@@ -547,6 +554,8 @@ settings! {
         max_delay_s: f64 = 0.25, number(0.001, 1.0), "s",
             "Longest delay of the other peer's packets, one way, as measured by half of the way there and back; older ones \
              are as silence.";
+        operator_lost_s: f64 = 1.0, number(0.1, 100.0), "s",
+            "Silence of a board's operator after which its motors go off, unless it was armed alone.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
             "Change of a motor's duty, as a fraction of full scale, under which its encoder must count.";
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",

@@ -135,6 +135,10 @@ impl Console {
     ) -> Result<(), No<'a>> {
         match request {
             Request::Status => self.status(to)?,
+            Request::Arm { alone } => {
+                let armed = status::name(self.arm(alone).await?);
+                write!(to, "ok {armed}{}", if alone { ", alone: the operator may go" } else { "" })?;
+            }
             Request::Command(command) => write!(to, "ok {}", status::name(self.command(command).await?))?,
             Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
             Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
@@ -189,8 +193,28 @@ impl Console {
             Saving::Done => "",
         };
         write!(to, "refused {}; link {stage}; ", signals.refused.get())?;
+        if signals.let_go.get() {
+            to.write_str("motors off: the operator was silent; ")?;
+        } else if mode == Mode::Armed && signals.patience.get() == 0 {
+            to.write_str("armed alone; ")?;
+        }
         write!(to, "settings {} {saves}{saving}; ", self.origin.explain())?;
         write!(to, "started: {}{}", self.cause.stop.explain(), self.cause.place)
+    }
+
+    /// Motors on, for as long as the operator stays or, alone, for longer.
+    async fn arm(&mut self, alone: bool) -> Result<Mode, No<'static>> {
+        // Not before: what refuses to arm changes nothing about motors that are on.
+        self.ready()?;
+        self.hold(alone);
+        self.command(Command::Arm).await
+    }
+
+    /// How long motors that are turned on now stay on without an operator.
+    fn hold(&self, alone: bool) {
+        let ticks = self.applied.settings.safety.operator_lost_s / pace::PERIOD_S;
+        self.signals.patience.set(if alone { 0 } else { (ticks as u32).max(1) });
+        self.signals.let_go.set(false);
     }
 
     /// Carries the command out; the mode that it led to, if that is the one that was asked for.
@@ -246,6 +270,7 @@ impl Console {
     async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
+        self.hold(false);
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
         self.probes.write((number, probe));

@@ -30,10 +30,14 @@ pub struct Kept {
     pub addresses: Addresses,
 }
 
-/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give.
+/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give, and the limits over
+/// time of a device beside a hand.
 pub fn defaults() -> Settings {
     let mut settings = Settings::default();
     settings.axis.velocity = VelocityName::Filtered;
+    settings.safety.workspace_m = 0.2;
+    settings.safety.max_rms_force_n = 10.0;
+    settings.safety.max_rms_power_w = 5.0;
     settings
 }
 

@@ -6,6 +6,7 @@
 pub mod boots;
 pub mod exchange;
 pub mod hedge;
+pub mod hold;
 pub mod kept;
 pub mod operator;
 pub mod record;

@@ -15,7 +15,12 @@ use haptic_core::settings::{Choice, Value};
 pub enum Request<'a> {
     /// Mode, fault, progress.
     Status,
-    /// Motors on or off, a fault forgotten.
+    /// Motors on; `alone` without an operator who stays.
+    Arm {
+        /// They stay on when the operator is gone.
+        alone: bool,
+    },
+    /// Motors off, or a fault forgotten.
     Command(Command),
     /// Do the signs of a joint's motor and encoder agree?
     Check(u32),
@@ -60,7 +65,7 @@ impl Misread {
                  capture"
             }
             Self::Arguments => {
-                "the forms are check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], set key value, get key, \
+                "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], set key value, get key, \
                  stream n, stream off, capture n"
             }
         }
@@ -74,7 +79,10 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         // Whatever else stands in the line: stopping must not fail for a slip of the finger.
         "disarm" => return Ok(Request::Command(Command::Disarm)),
         "status" => Some(Request::Status),
-        "arm" => Some(Request::Command(Command::Arm)),
+        "arm" => match words.next() {
+            None => Some(Request::Arm { alone: false }),
+            Some(word) => (word == "alone").then_some(Request::Arm { alone: true }),
+        },
         "clear" => Some(Request::Command(Command::Clear)),
         "check" => number(&mut words).map(Request::Check),
         "probe" => probe(&mut words).map(Request::Probe),

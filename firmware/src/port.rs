@@ -57,6 +57,8 @@ impl Port {
         if taken != self.taken {
             self.taken = taken;
             self.operator = Some(from);
+            let signals = self.console.signals;
+            signals.heard.set(signals.ticks.get());
         }
         while let Some(notice) = self.link.take_notice() {
             match notice {

@@ -192,6 +192,10 @@ signals! {
         "How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By \
          the network.";
     old: bool, "Flow comes, and is too old to be taken. By the network.";
+    heard: u32, "Tick at which the operator was last heard. By the port.";
+    patience: u32,
+        "Ticks of an operator's silence that motors stay on for; 0: they run without one. By the console, before it arms.";
+    let_go: bool, "The motors went off because the operator was silent. Set by the supervisor, cleared by the console.";
     mode: Mode, "By the tick.";
     ticks: u32, "Ticks since boot. By the tick.";
     overruns: u32, "Ticks that were due before the one before them had ended. By the tick.";

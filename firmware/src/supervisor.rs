@@ -1,4 +1,5 @@
-//! The supervisor: feeds the watchdog while the tick makes progress, shows signs of life, logs what changes.
+//! The supervisor: feeds the watchdog while the tick makes progress, lets go when the operator does, shows signs of life, logs
+//! what changes.
 //!
 //! Every 5 ms it looks at the tick counter. It feeds the watchdog only if the tick advanced by 3 to 7 since the last look:
 //! a tick that stands still, and a supervisor that does, both end in a reset within [`crate::board::WATCHDOG_MS`].
@@ -6,7 +7,7 @@
 use embassy_stm32::gpio::{Level, Output};
 use embassy_stm32::{peripherals::IWDG1, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Ticker};
-use firmware_parts::{signals::Signals, status};
+use firmware_parts::{hold, signals::Signals, status};
 use haptic_core::safety::Mode;
 
 /// Between two looks, ms; and so the ticks expected in between.
@@ -36,6 +37,9 @@ pub(crate) async fn run(
         looks = looks.wrapping_add(1);
         if looks.is_multiple_of(100) {
             alive.toggle();
+        }
+        if hold::let_go(signals) {
+            defmt::warn!("tick {=u32}: the operator is silent: motors off", now);
         }
         let new = signals.mode.get();
         if new != mode {

@@ -7,6 +7,7 @@
 //! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
 //! | [`constraint`] | the force that holds an unused axis on its line |
 //! | [`motor`] | joint force → duty |
+//! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
 //! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
 //!
@@ -15,6 +16,7 @@
 
 pub mod constraint;
 pub mod encoder;
+pub mod envelope;
 pub mod kinematics;
 pub mod motor;
 pub mod probe;

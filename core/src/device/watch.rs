@@ -16,14 +16,14 @@
 //! acts. And a device pressed against a stop harder than `safety.stuck_duty`, or struck with more power than
 //! `safety.max_hand_power_w`, looks broken without being so.
 
-use crate::num::{Motion, Scalar};
-use crate::{device::AXES, device::motor::Duty, settings::Settings};
+use crate::{device::motor::Duty, num::Scalar, settings::Settings};
 
 /// What is not believed.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch<S> {
     stuck_codes: i32,
-    max_power: S,
+    /// That the device gives the hand, W: the most that a hand can feed it, negative.
+    least_power: S,
 }
 
 /// One joint since its encoder last counted.
@@ -40,7 +40,7 @@ impl<S: Scalar> Watch<S> {
         let safety = &settings.safety;
         Self {
             stuck_codes: (safety.stuck_duty * f64::from(Duty::FULL_SCALE)) as i32,
-            max_power: S::from_f64(safety.max_hand_power_w),
+            least_power: S::from_f64(-safety.max_hand_power_w),
         }
     }
 
@@ -55,9 +55,9 @@ impl<S: Scalar> Watch<S> {
         i32::from(still.high) - i32::from(still.low) > self.stuck_codes
     }
 
-    /// The axes' forces (N) and motions, every tick: the hand seems to feed the device more power than it can.
+    /// The power (W) that the device gives the hand, every tick: whether the hand seems to feed it more than a hand can.
     #[inline]
-    pub fn is_too_much(&self, [fx, fy]: [S; AXES], [x, y]: [Motion<S>; AXES]) -> bool {
-        -(fx * x.velocity + fy * y.velocity) > self.max_power
+    pub fn is_too_much(&self, power: S) -> bool {
+        power < self.least_power
     }
 }

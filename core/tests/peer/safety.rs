@@ -111,7 +111,7 @@ fn a_force_too_long_at_its_limit() {
     let mut last = Actuators::default();
     let mut ticks = 0;
     while bench.peer.mode() == Mode::Armed && ticks < 1000 {
-        last = bench.at(1.0, 0.0);
+        last = bench.at(0.1, 0.0);
         ticks += 1;
     }
     assert_eq!(ticks, settings.safety.saturated_ticks);
@@ -211,8 +211,11 @@ fn fault_numbers_never_change() {
         Fault::EncoderStuck,
         Fault::Runaway,
         Fault::PeerDelayed,
+        Fault::ForceTooLong,
+        Fault::PowerTooLong,
+        Fault::OutOfWorkspace,
     ];
-    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

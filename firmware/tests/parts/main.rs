@@ -2,6 +2,7 @@
 
 mod exchange;
 mod hedge;
+mod hold;
 mod kept;
 mod operator;
 mod record;

@@ -7,7 +7,9 @@ use haptic_core::settings::Value;
 
 #[test]
 fn lines_are_read_as_written() {
-    assert_eq!(parse("arm\n"), Ok(Request::Command(Command::Arm)));
+    assert_eq!(parse("arm\n"), Ok(Request::Arm { alone: false }));
+    assert_eq!(parse("arm alone"), Ok(Request::Arm { alone: true }));
+    assert_eq!(parse("clear"), Ok(Request::Command(Command::Clear)));
     assert_eq!(parse(" status "), Ok(Request::Status));
     assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
     assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
@@ -39,6 +41,7 @@ fn stopping_is_never_misread_for_what_follows_it() {
 }
 
 #[test]
-fn arming_takes_no_arguments() {
+fn arming_takes_one_word_at_the_most() {
+    assert_eq!(parse("arm alone please"), Err(Misread::Arguments));
     assert_eq!(parse("arm everything"), Err(Misread::Arguments));
 }

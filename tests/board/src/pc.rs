@@ -42,12 +42,19 @@ pub struct Pc {
     pub answers: [Vec<String>; 2],
     /// Ticks of each board, oldest first.
     pub records: [Vec<Record>; 2],
+    /// Says nothing to anybody.
+    pub away: bool,
 }
 
 impl Default for Pc {
     fn default() -> Self {
         let session = |number| Session::new(key(), number, [16 + number; Key::LEN]).expect("a good key");
-        Self { sessions: [session(1), session(2)], answers: Default::default(), records: Default::default() }
+        Self {
+            sessions: [session(1), session(2)],
+            answers: Default::default(),
+            records: Default::default(),
+            away: false,
+        }
     }
 }
 
@@ -101,6 +108,9 @@ impl Pc {
     /// What the PC has to say to the first `boards` boards now, as frames.
     pub fn talk(&mut self, now_ns: u64, boards: usize) -> Vec<Vec<u8>> {
         let mut frames = Vec::new();
+        if self.away {
+            return frames;
+        }
         for (number, session) in (1..=boards).zip(&mut self.sessions) {
             let mut out = [0; MAX_DATAGRAM];
             while let Some(length) = session.poll(now_ns / 1000, &mut out) {

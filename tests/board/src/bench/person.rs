@@ -18,12 +18,12 @@ use super::{Bench, PERIOD_NS};
 
 /// The lines that bring a board from whatever it has to `settings`.
 fn lines(settings: &Settings) -> Vec<String> {
-    let defaults = Settings::default();
+    let defaults = firmware_parts::kept::defaults();
     let mut lines = vec!["defaults".to_owned()];
     for key in Settings::keys() {
         let (wanted, default) = (settings.get(key.name), defaults.get(key.name));
-        // The board's own default differs from the scene's in this one.
-        if key.name == "contact.side" || wanted == default && key.name != "axis.velocity" {
+        // The side is by the strap.
+        if key.name == "contact.side" || wanted == default {
             continue;
         }
         lines.push(match wanted.expect("a listed key has a value") {

@@ -33,6 +33,8 @@ struct Expected {
     reported: &'static str,
     /// The board starts anew.
     reset: bool,
+    /// Arming takes `clear` first.
+    latched: bool,
 }
 
 /// Something done to board 1, at a stop. Done again every millisecond until the outputs are off, with the number of it.
@@ -82,10 +84,15 @@ impl Campaign {
             bench.align(&self.firmware);
         }
         bench.meet(1);
+        if expected.reset {
+            // Its settings are the defaults again, and nobody held the device meanwhile.
+            assert!(bench.ask(1, "set safety.workspace_m 100").starts_with("ok"));
+            assert_eq!(bench.ask(1, "apply"), "ok applied");
+        }
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");
         let mut refusal = "-".to_owned();
-        if expected.off_within_ms.is_some() {
+        if expected.latched {
             let answer = bench.ask(1, "arm");
             assert!(answer.starts_with("error"), "{what}: {answer}");
             refusal = answer.trim_start_matches("error ").to_owned();
@@ -144,8 +151,14 @@ fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
 #[test]
 fn outputs_go_off_and_stay_off() {
     let mut campaign = Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new() };
-    let faulted = |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: false };
-    let restarted = |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: true };
+    let faulted = |off_within_ms, reported| Expected {
+        off_within_ms: Some(off_within_ms),
+        reported,
+        reset: false,
+        latched: true,
+    };
+    let restarted =
+        |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: true, latched: true };
 
     let jumped = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if ms == 1 {
@@ -184,6 +197,11 @@ fn outputs_go_off_and_stay_off() {
     let put_in = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(true);
     campaign.inject("cable out (12 packets, as set)", 2, &faulted(112, "fault 5"), &pulled, &put_in);
 
+    let away = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = true;
+    let back = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = false;
+    let let_go = Expected { latched: false, ..faulted(1006, "motors off: the operator was silent") };
+    campaign.inject("operator silent (1 s)", 1, &let_go, &away, &back);
+
     let mut bytes = [0; Flow::LEN];
     let flow = Flow { engaged: true, tick: 1 << 20, ..Flow::default() };
     flow.emit(&mut bytes).expect("it fits");
@@ -194,7 +212,7 @@ fn outputs_go_off_and_stay_off() {
             bench.input(1).frames.push(frame);
         }
     };
-    let on = Expected { off_within_ms: None, reported: "refused 1", reset: false };
+    let on = Expected { off_within_ms: None, reported: "refused 1", reset: false, latched: false };
     campaign.inject("packet with a NaN, not sealed (refused on arrival)", 1, &on, &not_a_number, &nothing);
 
     // For longer than a session lives that nothing is heard in.
@@ -207,7 +225,7 @@ fn outputs_go_off_and_stay_off() {
             assert!(impostor.seal(bench, &bytes), "there is a session");
         }
     };
-    let on = Expected { off_within_ms: None, reported: "refused 20", reset: false };
+    let on = Expected { off_within_ms: None, reported: "refused 20", reset: false, latched: false };
     campaign.inject("20 packets with a NaN, sealed under the key (refused on arrival)", 1, &on, &sealed, &nothing);
     let Impostor { sent, called, .. } = impostor.into_inner();
     assert_eq!((sent, called), (20, 0), "the board took the keys for good, and the packets for the other peer's");
