@@ -51,6 +51,7 @@ const MULTIPLY_EVERY_US: u64 = 50_000;
 
 /// What a peer needs to greet and to judge greetings.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Handshake {
     ends: Ends,
     line: u32,
@@ -197,3 +198,7 @@ impl Handshake {
         Ok(Session::new(&self.shared, self.ends, [self.local, remote], &agreed, &self.parameters.hashes(), now))
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/handshake.rs"]
+mod tests;

@@ -143,6 +143,7 @@ pub struct Counts {
 
 /// One peer's end of the wire to another.
 #[derive(Debug)]
+#[cfg_attr(test, derive(Clone))]
 pub struct Link {
     ends: Ends,
     period_us: u32,
@@ -438,3 +439,7 @@ impl Link {
 
 // A link on a microcontroller: everything it will ever need, at once.
 const _: () = assert!(size_of::<Link>() <= 4096 && Greeting::TAGGED == size_of::<Datagram>());
+
+#[cfg(test)]
+#[path = "../tests/inside/search/mod.rs"]
+mod search;

@@ -36,6 +36,7 @@ pub(crate) struct Offer {
 /// What both ends of a session were told, as a greeting carries it.
 pub(crate) type Agreed = (u8, [TableHash; TABLES]);
 
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Session {
     ends: Ends,
     pub(crate) remote: Offer,
@@ -198,6 +199,7 @@ impl Session {
 pub(crate) const EPOCH_BITS: u32 = 20;
 
 #[derive(Debug, Default)]
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Counter {
     next: u64,
 }
@@ -219,6 +221,7 @@ impl Counter {
     }
 }
 
+#[cfg_attr(test, derive(Clone))]
 pub(crate) struct Direction {
     base: Key,
     epoch: u64,

@@ -30,7 +30,7 @@ impl Link {
     }
 
     /// A greeting, by the three rules of [`crate::handshake`].
-    fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
+    pub(super) fn greeted(&mut self, now: u64, datagram: &[u8]) -> Result<(), Error> {
         let greeting = self.handshake.open(datagram)?;
         let fresh = self.handshake.is_fresh(now, &greeting);
         if let Some(session) = self.session.as_ref().filter(|session| session.is_named_by(&greeting)) {
@@ -63,7 +63,7 @@ impl Link {
         accepted
     }
 
-    fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
+    pub(super) fn open(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         let (header, head, sealed) = Header::parse(datagram)?;
         self.ends.check(header.from, header.to)?;
         let life_us = self.life_us();
@@ -89,7 +89,7 @@ impl Link {
     }
 
     /// The other end has the keys: the challenge has done its work.
-    fn confirm(&mut self, now: u64, incarnation: u64) {
+    pub(super) fn confirm(&mut self, now: u64, incarnation: u64) {
         self.handshake.renew();
         self.next_probe_us = now;
         if self.peer != Some(incarnation) {
@@ -107,7 +107,7 @@ impl Link {
     }
 
     /// What the link itself needs it keeps; the rest is the caller's.
-    fn take(&mut self, now: u64, sequence: u64, age_us: u64, message: Message) -> Option<Message> {
+    pub(super) fn take(&mut self, now: u64, sequence: u64, age_us: u64, message: Message) -> Option<Message> {
         match message {
             Message::Flow(_) => {
                 if self.newest_flow.is_some_and(|newest| sequence < newest) {

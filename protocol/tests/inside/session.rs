@@ -20,3 +20,10 @@ fn what_is_missing_is_known_after_years() {
     session.taken = (1 << 32) + 7;
     assert_eq!((session.taken(), session.missing()), (u32::MAX, 3));
 }
+
+impl Session {
+    /// A mistake, for the search ([`crate::link`]): which sequence numbers have been taken is forgotten.
+    pub(crate) fn forget_what_was_taken(&mut self) {
+        self.window = Window::default();
+    }
+}
