@@ -27,7 +27,7 @@ use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, is_stable};
 use crate::error::AnalysisError;
 use haptic_sim::pair::Pair;
-use haptic_sim::run::{Options, Outcome, run};
+use haptic_sim::run::{Options, Outcome, Run, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
@@ -211,7 +211,7 @@ fn rounded_down(value: f64) -> f64 {
 
 /// Runs the scene with the proposal, as it is, gaps, encoders and all; users who do nothing get the pushes and pulses of
 /// the cooperation paper's §5.1, 1 N and 1 N on top for 25 ms.
-pub fn try_out<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
+pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
     let mut scene = proposal.applied(scene, 1.0)?;
     let idle = |user: &User| {
         let does = &user.settings.user;

@@ -160,6 +160,9 @@ macro_rules! numbers {
 }
 numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double);
 
+/// Those of core. A static: peers of every law and number type are compiled here, and not in every program that names it.
+static BUILT_IN: [Maker; 1] = [Maker::of::<BuiltIn>()];
+
 /// The laws that a scene may name: those of core, and those that a program adds at its start.
 #[derive(Clone, Copy, Debug)]
 pub struct Laws {
@@ -176,7 +179,7 @@ impl Default for Laws {
 impl Laws {
     /// Those of core.
     pub const fn built_in() -> Self {
-        Self { schema: Schema::BUILT_IN, makers: &[const { Maker::of::<BuiltIn>() }] }
+        Self { schema: Schema::BUILT_IN, makers: &BUILT_IN }
     }
 
     /// These and one more. What there is to know about laws is kept for the life of the program.

@@ -14,6 +14,7 @@ mod outcome;
 mod reason;
 
 use haptic_core::contact::{Impacts, RenderingName};
+use haptic_core::num::Fixed;
 use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
@@ -21,6 +22,7 @@ pub use self::outcome::{Options, Outcome};
 pub use self::reason::{APART_MM, Reason, Verdict};
 pub use crate::measure::port::PortEnergy;
 
+use crate::double_double::DoubleDouble;
 use crate::pair::{HASH_SEED, Pair};
 use crate::peers::Number;
 use crate::scene::Scene;
@@ -28,8 +30,30 @@ use crate::scene::Scene;
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
+/// A number type in which scenes are run.
+pub trait Run: Number {
+    /// [`run`] in this type. Compiled here, once and optimised, and not wherever it is called.
+    #[doc(hidden)]
+    fn run(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>>;
+}
+
+macro_rules! runs {
+    ($($Number:ty),+) => {
+        $(impl Run for $Number {
+            fn run(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
+                run_in::<Self>(scene, options, progress)
+            }
+        })+
+    };
+}
+runs!(f32, f64, Fixed, DoubleDouble);
+
 /// Runs the scene with peers that compute in `S`.
-pub fn run<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
+pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
+    S::run(scene, options, progress)
+}
+
+fn run_in<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
     let mut account = Account::new(scene, ticks, options);
