@@ -365,9 +365,15 @@ macro_rules! settings {
         }
 
         impl $crate::settings::Tables for $Settings {
-            const KEYS: &'static [$crate::settings::Key] = &[$($( $crate::settings::Key::of_table(
-                concat!(stringify!($table), ".", stringify!($key)), $allowed, $unit, $key_doc,
-            ), )+)+];
+            const KEYS: &'static [$crate::settings::Key] = {
+                // A static is in an image once; a constant would be once for each part of it that names it.
+                static KEYS: [$crate::settings::Key; [$($( stringify!($key) ),+),+].len()] = [
+                    $($( $crate::settings::Key::of_table(
+                        concat!(stringify!($table), ".", stringify!($key)), $allowed, $unit, $key_doc,
+                    ), )+)+
+                ];
+                &KEYS
+            };
 
             fn get(&self, name: &str) -> Option<$crate::settings::Value<'static>> {
                 $($(

@@ -1,16 +1,17 @@
-//! Boots: how often the board has started since it was given its key, kept in flash.
+//! Boots: how often the board has started since it was given its keys, kept in flash.
 //!
-//! The key's sector is blank behind the key. Every start programs the first blank word there, before anything is drawn from the
+//! The keys' sector is blank behind the keys. Every start programs the first blank word there, before anything is drawn from the
 //! generator of random numbers; how many words are not blank is the number of the start. Nothing is ever erased but by giving the
-//! board a key, which begins the count anew with it.
+//! board keys, which begins the count anew with them.
 //!
 //! **Limits**: after [`MOST`] starts, 11 years of one a day, the number stands. A word that power left half-programmed counts,
 //! unless it reads as blank; then nothing had been drawn in that start.
 
+use crate::keys;
 use crate::store::{Broken, SECTOR, Word};
 
-/// First word of the count, behind the key's.
-pub const FIRST: u32 = 2;
+/// First word of the count, behind the keys'.
+pub const FIRST: u32 = keys::WORDS;
 /// Most starts that are told apart.
 pub const MOST: u32 = SECTOR - FIRST;
 

@@ -4,11 +4,14 @@
 //! checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary if it is disarmed, and to
 //! the link, which from then on wants a peer that was told the same. Arming is refused while anything stands against it,
 //! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
-//! encoders, mechanism and motors that are set now.
+//! encoders, mechanism and motors that are set now. Limits are lowered from afar, and raised only while somebody at the board holds
+//! its blue button ([`firmware_parts::ceiling`]).
 
 use core::fmt::{self, Write};
 
+use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Timer};
+use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::operator::{self, Misread, Request};
 use firmware_parts::signals::{Saving, Signals};
@@ -31,6 +34,9 @@ pub(crate) struct Console {
     pub(crate) cause: Cause,
     pub(crate) unacknowledged: bool,
     pub(crate) origin: Origin,
+    /// What the board started with, or what was applied last with its button held.
+    pub(crate) ceiling: &'static mut Settings,
+    pub(crate) button: Input<'static>,
     pub(crate) applied: Kept,
     pub(crate) draft: Kept,
     /// [`Plan::device`] of what the tick runs.
@@ -87,6 +93,8 @@ enum No<'a> {
     Key(&'a str),
     /// A value that is not allowed, or that this board does not run.
     Refused(Refused<'a>),
+    /// A limit that only who is at the board may raise.
+    Above(Above),
     Mode(Mode),
     Clear(&'static str),
     Because(&'static str),
@@ -100,6 +108,7 @@ impl fmt::Display for No<'_> {
             Self::Misread(misread) => f.write_str(misread.explain()),
             Self::Key(key) => write!(f, "there is no key {key}"),
             Self::Refused(refused) => refused.fmt(f),
+            Self::Above(above) => above.fmt(f),
             Self::Mode(mode) => write!(f, "{}, fault {}", status::name(*mode), status::fault(*mode)),
             Self::Clear(why) => write!(f, "clear first: {why}"),
             Self::Because(why) => f.write_str(why),
@@ -319,6 +328,12 @@ impl Console {
     fn apply(&mut self) -> Result<(), No<'static>> {
         self.disarmed()?;
         let plan = plan(&self.draft.settings, self.number).map_err(No::Refused)?;
+        let at_the_board = self.button.is_high();
+        if at_the_board {
+            *self.ceiling = self.draft.settings;
+        } else {
+            ceiling::check(&self.draft.settings, self.ceiling).map_err(No::Above)?;
+        }
         let (before, now) = (&self.applied.settings, &self.draft.settings);
         let same = (before.axis.count == now.axis.count)
             && (before.encoder, before.kinematics, before.motor) == (now.encoder, now.kinematics, now.motor);

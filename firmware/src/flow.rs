@@ -33,13 +33,15 @@ pub(crate) fn tell(settings: Settings) {
 }
 
 /// A link to the other peer that begins to call; `None` without randomness.
-pub(crate) fn connect(key: &Key, number: Number, settings: &Settings) -> Option<Link> {
+pub(crate) fn connect(key: &Key, seed: &Key, number: Number, settings: &Settings) -> Option<Link> {
     let ends = Ends { local: number.peer(), remote: number.other().peer() };
-    open(settings, key.clone(), ends, random::draw(key, number)?).ok()
+    open(settings, key.clone(), ends, random::draw(seed, number)?).ok()
 }
 
 pub(crate) struct Flow {
+    /// The peers', and what random bytes are mixed with.
     pub(crate) key: Key,
+    pub(crate) seed: Key,
     pub(crate) number: Number,
     pub(crate) link: &'static mut Link,
     pub(crate) peer: IpEndpoint,
@@ -106,7 +108,7 @@ impl Flow {
     #[inline(never)]
     fn told(&mut self, settings: &Settings) {
         self.signals.life.count();
-        if let Some(link) = connect(&self.key, self.number, settings) {
+        if let Some(link) = connect(&self.key, &self.seed, self.number, settings) {
             *self.link = link;
             self.outdated = false;
         } else {

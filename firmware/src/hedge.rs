@@ -1,8 +1,8 @@
 //! Hedge: random bytes that do not repeat themselves though the source of noise does.
 //!
-//! What the links draw their ephemerals and challenges from is a hash under the installation's key of the noise and of all that is
+//! What the links draw their ephemerals and challenges from is a hash under a secret of the board's ([`crate::keys::Keys::seed`]) of the noise and of all that is
 //! different from draw to draw: which board, which start, which draw of that start, and when. So a source that gives the same at
-//! every start gives other bytes all the same, which who does not hold the key cannot foresee. One that works is as good as without
+//! every start gives other bytes all the same, which who does not hold both of its keys cannot foresee. One that works is as good as without
 //! this.
 
 use haptic_protocol::key::Key;
@@ -12,7 +12,7 @@ use haptic_protocol::key::Key;
 pub struct Sources {
     /// What the source of noise gave.
     pub noise: [u8; 32],
-    /// The board's number; with the key it tells boards apart.
+    /// The board's number; with the keys it tells boards apart.
     pub board: u8,
     /// Number of the start ([`crate::boots`]).
     pub boot: u32,
@@ -24,9 +24,9 @@ pub struct Sources {
 
 impl Sources {
     /// 32 bytes for a link's configuration.
-    pub fn mixed(&self, key: &Key) -> [u8; Key::LEN] {
+    pub fn mixed(&self, seed: &Key) -> [u8; Key::LEN] {
         let Self { noise, board, boot, draw, uptime_us } = self;
         let parts = [&noise[..], &[*board], &boot.to_le_bytes(), &draw.to_le_bytes(), &uptime_us.to_le_bytes()];
-        key.hedged(&parts)
+        seed.hedged(&parts)
     }
 }

@@ -4,10 +4,12 @@
 #![no_std]
 
 pub mod boots;
+pub mod ceiling;
 pub mod exchange;
 pub mod hedge;
 pub mod hold;
 pub mod kept;
+pub mod keys;
 pub mod operator;
 pub mod record;
 pub mod signals;

@@ -40,6 +40,7 @@ mod image {
     use firmware_parts::exchange::{Latest, Queue};
     use firmware_parts::{kept::Kept, record::Record, signals::Signals};
     use haptic_core::device::probe::{Outcome, Probe};
+    use haptic_core::settings::Settings;
     use static_cell::StaticCell;
 
     use crate::board::{self, pace};
@@ -108,11 +109,14 @@ mod image {
         let supervisor = SUPERVISOR.start(interrupt::UART4);
         supervisor.spawn(defmt::unwrap!(supervisor::run(board.watchdog, board.alive, board.armed, &SIGNALS)));
 
+        static CEILING: StaticCell<Settings> = StaticCell::new();
         let console = Console {
             number: board.number,
             cause,
             unacknowledged: cause.stop.latches(),
             origin,
+            ceiling: CEILING.init(kept.settings),
+            button: board.button,
             applied: kept,
             draft: kept,
             device: 0,

@@ -1,13 +1,15 @@
 //! Network: the stack on its address, and everything that talks over it.
 //!
 //! Addresses are by the strap (board 1 is 192.168.77.1, board 2 192.168.77.2) or as set (`network.*`,
-//! [`firmware_parts::kept`]). A board without a key, or without randomness, does not open the network at all.
+//! [`firmware_parts::kept`]). A board without its two keys, or without randomness, does not open the network at all.
 
 use embassy_executor::Spawner;
 use embassy_net::{DhcpConfig, IpEndpoint, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Addresses;
-use haptic_protocol::link::Link;
+use firmware_parts::keys::Keyless;
+use haptic_core::settings::Settings;
+use haptic_protocol::{key::Key, link::Link};
 use static_cell::StaticCell;
 
 use crate::board::{Number, ethernet, flash, random};
@@ -29,28 +31,57 @@ pub(crate) async fn start(
     telemetry: Telemetry,
     console: Console,
 ) {
-    let Some(key) = flash::key() else {
-        defmt::error!("no key: this board talks to nobody and cannot be armed; cargo xtask provision gives it one");
-        return;
-    };
-    let (settings, addresses, signals) = (console.applied.settings, console.applied.addresses, console.signals);
-    static OPERATOR: StaticCell<Link> = StaticCell::new();
-    static PEER: StaticCell<Link> = StaticCell::new();
-    let operator = place(&OPERATOR, || port::link(&key, number, random::draw(&key, number)?));
-    let link = place(&PEER, || flow::connect(&key, number, &settings));
-    let (Some(operator), Some(link)) = (operator, link) else {
-        defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");
-        return;
-    };
+    let (addresses, signals) = (console.applied.addresses, console.signals);
+    let Some(Links { key, seed, operator, peer: link }) = links(number, &console.applied.settings) else { return };
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.
     // SAFETY: this future is polled by the executor of a task, which never ends.
     let spawner = unsafe { Spawner::for_current_executor() }.await;
     let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), flow::PORT);
-    let flow = Flow { key, number, link, peer, outgoing, incoming, signals, apart: false, outdated: false };
+    let flow = Flow { key, seed, number, link, peer, outgoing, incoming, signals, apart: false, outdated: false };
     spawner.spawn(defmt::unwrap!(flow::run(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
     spawner.spawn(defmt::unwrap!(port::run(stack, console, operator, telemetry)));
+}
+
+/// The board's two links, the peers' key, and what random bytes are mixed with.
+struct Links {
+    key: Key,
+    seed: Key,
+    operator: &'static mut Link,
+    peer: &'static mut Link,
+}
+
+/// Makes the links, or says why this board talks to nobody.
+#[inline(never)]
+fn links(number: Number, settings: &Settings) -> Option<Links> {
+    static OPERATOR: StaticCell<Link> = StaticCell::new();
+    static PEER: StaticCell<Link> = StaticCell::new();
+    let keys = match flash::keys() {
+        Ok(keys) => keys,
+        Err(why) => {
+            match why {
+                Keyless::NoPeers => defmt::error!("no peers' key: this board talks to nobody and cannot be armed"),
+                Keyless::NoOperator => {
+                    defmt::error!("no operator's key: this board talks to nobody and cannot be armed")
+                }
+                Keyless::Single => {
+                    defmt::error!("one key for peers and operator, of a version before: this board talks to nobody");
+                }
+                Keyless::Same => defmt::error!("peers' key and operator's are the same: this board talks to nobody"),
+            }
+            defmt::error!("cargo xtask provision gives a board its two keys");
+            return None;
+        }
+    };
+    let seed = keys.seed();
+    let operator = place(&OPERATOR, || port::link(&keys.operator, number, random::draw(&seed, number)?));
+    let peer = place(&PEER, || flow::connect(&keys.peers, &seed, number, settings));
+    let (Some(operator), Some(peer)) = (operator, peer) else {
+        defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");
+        return None;
+    };
+    Some(Links { key: keys.peers, seed, operator, peer })
 }
 
 /// The stack on its address, and what runs it.

@@ -1,9 +1,9 @@
-//! The operator's port: a sealed link to whoever holds the key, lines in, answers and records out.
+//! The operator's port: a sealed link to whoever holds the operator's key, lines in, answers and records out.
 //!
 //! A [`Link`] of its own on UDP 7702: the operator has number 0, this board its own. The board never calls: it answers the
 //! address that the last authentic datagram came from, so that an operator may come from anywhere and a stranger finds
-//! nothing here. The last operator to prove that he holds the key and is there now takes the link over; what was half
-//! said to the one before is dropped, and records are no longer sent.
+//! nothing here; nor does the other peer, whose key is another. The last operator to prove that he holds the key and is there
+//! now takes the link over; what was half said to the one before is dropped, and records are no longer sent.
 //!
 //! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so
 //! that whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.

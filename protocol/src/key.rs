@@ -1,4 +1,4 @@
-//! Keys: the one both peers hold, and every other one derived from it.
+//! Keys: the one both peers hold, the operator's, and every other one derived from them.
 //!
 //! One primitive does it all: BLAKE2s (RFC 7693) with a key is a pseudo-random function, so `derive` gives keys that say
 //! nothing about each other, and `tag` authenticates what is not sealed. A label of 16 bytes keeps the uses apart.
@@ -17,6 +17,25 @@ use zeroize::Zeroize;
 
 /// Bytes of the authentication tag that ends every datagram.
 pub const TAG_LEN: usize = 16;
+
+/// What a key is for. A board has one of each, drawn by itself: who holds one has nothing of the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Links between peers, or of one line to a hub or server.
+    Peers,
+    /// The operator's link to a board.
+    Operator,
+}
+
+impl Role {
+    /// What an image of such a key begins with.
+    fn mark(self) -> &'static [u8; 8] {
+        match self {
+            Self::Peers => b"haptpeer",
+            Self::Operator => b"haptoper",
+        }
+    }
+}
 
 /// 32 secret bytes.
 #[derive(Clone)]
@@ -54,23 +73,21 @@ impl Key {
     /// Bytes of [`Key::image`].
     pub const IMAGE: usize = 64;
 
-    /// The key as a microcontroller keeps it in flash: `haptkey1`, 8 zeros, a tag by which the key vouches for itself, the
-    /// key. Flash that was never written, or not wholly, is no image.
-    pub fn image(&self) -> [u8; Self::IMAGE] {
+    /// The key as a microcontroller keeps it in flash: `haptpeer` or `haptoper`, by its role, 8 zeros, a tag by which the key
+    /// vouches for itself in that role, the key. Flash that was never written, or not wholly, is no image.
+    pub fn image(&self, role: Role) -> [u8; Self::IMAGE] {
         let mut image = [0; Self::IMAGE];
-        let tag = self.tag(Self::MARK);
-        let parts = [&Self::MARK[..], &[0; 8], &tag, &self.0].into_iter().flatten();
+        let tag = self.tag(role.mark());
+        let parts = [&role.mark()[..], &[0; 8], &tag, &self.0].into_iter().flatten();
         image.iter_mut().zip(parts).for_each(|(to, from)| *to = *from);
         image
     }
 
-    /// The key of an image.
-    pub fn from_image(image: &[u8; Self::IMAGE]) -> Option<Self> {
+    /// The key of an image, if it is for this role.
+    pub fn from_image(image: &[u8; Self::IMAGE], role: Role) -> Option<Self> {
         let key = Self(*image.last_chunk()?);
-        (!key.is_zero() && key.image() == *image).then_some(key)
+        (!key.is_zero() && key.image(role) == *image).then_some(key)
     }
-
-    const MARK: &[u8; 8] = b"haptkey1";
 
     /// The bytes, for the cipher, or for the key file of one line.
     pub fn bytes(&self) -> &[u8; Self::LEN] {

@@ -136,12 +136,13 @@ panic planted outside ITCM, which must fail on both counts.",
     },
     Chore {
         name: "provision",
-        options: " --key-file FILE [--probe VID:PID[:SERIAL]]",
-        does: "Gives a board the key that it shares with its peer and its operator, over the debug probe",
-        more: "Puts the key (`host-sim key generate` makes one) into the flash sector that memory.x calls KEY and starts the board
-anew. Flashing an image leaves it there.
-  --key-file  the key
-  --probe     which board, where two are connected (`probe-rs list` names them)",
+        options: " --key-file FILE --operator-key-file FILE [--probe VID:PID[:SERIAL]]",
+        does: "Gives a board its two keys over the debug probe: the one it shares with its peer, and its operator's",
+        more: "Puts the keys into the flash sector that memory.x calls KEY and starts the board anew. Flashing an image leaves them
+there. Two files with one key are refused: who holds the peers' could arm the board.
+  --key-file           the peers' key, or that of the board's line to a hub (`host-sim key generate`)
+  --operator-key-file  the operator's key (`host-sim key generate --operator`)
+  --probe              which board, where two are connected (`probe-rs list` names them)",
         run: probe::provision,
     },
     Chore {

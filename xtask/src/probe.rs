@@ -2,9 +2,9 @@
 //!
 //! `cargo xtask log`: what a running board says, to the terminal and to a file.
 //!
-//! `cargo xtask provision`: gives a board the key that it shares with its peer and its operator. The key goes into a flash
-//! sector of its own, at the address that memory.x calls KEY; flashing an image leaves it there. The image of the key
-//! exists as a file only for as long as that takes.
+//! `cargo xtask provision`: gives a board the key that it shares with its peer, and its operator's. They go into a flash sector
+//! of their own, at the address that memory.x calls KEY; flashing an image leaves them there. Their image exists as a file
+//! only for as long as that takes.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -51,9 +51,10 @@ pub(crate) fn log() -> Result<(), Failure> {
     }
 }
 
-/// Makes the image of the key, puts it on the board and starts the board anew.
+/// Makes the image of the keys, puts it on the board and starts the board anew.
 pub(crate) fn provision(given: &Options<'_>) -> Result<(), Failure> {
-    let key_file = given.value("--key-file").ok_or_else(|| Failure::usage("--key-file FILE is needed"))?;
+    let file = |option| given.value(option).ok_or_else(|| Failure::usage(format!("{option} FILE is needed")));
+    let (peers, operator) = (file("--key-file")?, file("--operator-key-file")?);
     let (mut download, mut reset) = (probe_rs("download")?, probe_rs("reset")?);
     for command in [&mut download, &mut reset] {
         command.args(given.value("--probe").into_iter().flat_map(|probe| ["--probe", probe]));
@@ -62,12 +63,13 @@ pub(crate) fn provision(given: &Options<'_>) -> Result<(), Failure> {
     let here = std::env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
     let image = Image(run::root().join("target").join(format!("key-{}.bin", std::process::id())));
     let mut make = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--", "key", "image"]);
-    run(make.arg(here.join(key_file)).arg(&image.0))?;
+    make.arg("--key-file").arg(here.join(peers)).arg("--operator-key-file").arg(here.join(operator));
+    run(make.arg(&image.0))?;
     run(download.args(["--verify", "--binary-format", "bin", "--base-address", &address]).arg(&image.0))?;
     run(&mut reset)
 }
 
-/// A file with a key in it, gone when dropped.
+/// A file with keys in it, gone when dropped.
 struct Image(PathBuf);
 
 impl Drop for Image {
@@ -76,7 +78,7 @@ impl Drop for Image {
     }
 }
 
-/// Where memory.x puts the key.
+/// Where memory.x puts the keys.
 fn address() -> Result<String, Failure> {
     let text = run::read(&run::root().join("memory.x"))?;
     let line = text.lines().find(|line| line.trim_start().starts_with("KEY ") && line.contains("ORIGIN"));

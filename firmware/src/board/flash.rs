@@ -1,4 +1,4 @@
-//! Flash bank 2: what the store and the key are kept in, beside the program in bank 1.
+//! Flash bank 2: what the store and the keys are kept in, beside the program in bank 1.
 //!
 //! Either bank has a controller of its own, and one is read while the other programs or erases (RM0433 §4.3.4, table 15): the
 //! program runs on from bank 1, the tick from ITCM anyway, and vectors are in bank 1 (banks are never swapped). An erase
@@ -18,8 +18,8 @@ use embassy_stm32::pac::flash::regs::{Ccr, Sr};
 use embassy_stm32::{Peri, pac, peripherals::FLASH};
 use embassy_time::{Duration, Timer};
 use firmware_parts::boots;
+use firmware_parts::keys::{Keyless, Keys};
 use firmware_parts::store::{Broken, Medium, SECTOR, Word};
-use haptic_protocol::key::Key;
 
 /// First byte of the bank.
 const BANK: u32 = 0x0810_0000;
@@ -70,14 +70,10 @@ fn read(address: u32) -> Option<Word> {
     (!lost).then_some(bytes)
 }
 
-/// The key that the peers share, if the board was given one.
-pub(crate) fn key() -> Option<Key> {
+/// The keys that the board was given, or why it has none.
+pub(crate) fn keys() -> Result<Keys, Keyless> {
     let start = &raw const _key_start as u32;
-    let mut image = [0; Key::IMAGE];
-    for (nth, bytes) in (0..).zip(image.chunks_exact_mut(size_of::<Word>())) {
-        bytes.copy_from_slice(&read(start + WORD * nth)?);
-    }
-    Key::from_image(&image)
+    Keys::read(|at| read(start + WORD * at))
 }
 
 /// Unlocks the bank, every error of before forgotten; locks it again when dropped.
@@ -124,7 +120,7 @@ impl Settings {
         &raw const _store_start as u32
     }
 
-    /// Counts this start, behind the key.
+    /// Counts this start, behind the keys.
     pub(crate) fn count_boot(&mut self) -> u32 {
         let start = &raw const _key_start as u32;
         boots::count(|at| read(start + WORD * at), |at, word| program(start + WORD * at, word))
@@ -137,7 +133,7 @@ fn program(address: u32, word: &Word) -> Result<(), Broken> {
     bank().cr().modify(|w| w.set_pg(true));
     cortex_m::asm::dsb();
     for (nth, bytes) in (0..).zip(word.as_chunks().0) {
-        // SAFETY: within the sectors of the settings or behind the key, which hold nothing that Rust knows of.
+        // SAFETY: within the sectors of the settings or behind the keys, which hold nothing that Rust knows of.
         unsafe { ((address + 4 * nth) as *mut u32).write_volatile(u32::from_le_bytes(*bytes)) };
     }
     cortex_m::asm::dsb();

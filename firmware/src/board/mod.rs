@@ -52,6 +52,8 @@ pub(crate) struct Board {
     pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
     pub(crate) flash: flash::Settings,
     pub(crate) ethernet: ethernet::Pins,
+    /// The blue one; high while pressed.
+    pub(crate) button: Input<'static>,
     /// Blinks while the supervisor runs.
     pub(crate) alive: Output<'static>,
     /// Lit while the motors are on.
@@ -100,6 +102,8 @@ pub(crate) fn init() -> Board {
             tx_en: p.PG11,
             tx_d0: p.PG13,
         },
+        // Pulled down on the Nucleo, too: without it nothing is pressed.
+        button: Input::new(p.PC13, Pull::Down),
         alive: Output::new(p.PB0, Level::Low, Speed::Low),
         armed: Output::new(p.PB14, Level::Low, Speed::Low),
     }

@@ -63,8 +63,8 @@ fn words() -> Option<[u32; 8]> {
     Some(words)
 }
 
-/// 32 random bytes for board `number`, which holds this key; `None` if the source has failed. For the tasks of one executor.
-pub(crate) fn draw(key: &Key, number: Number) -> Option<[u8; 32]> {
+/// 32 random bytes for board `number`, whose keys make this seed; `None` if the source has failed. For the tasks of one executor.
+pub(crate) fn draw(seed: &Key, number: Number) -> Option<[u8; 32]> {
     for _ in 0..3 {
         if let Some(words) = words() {
             let mut noise = [0; 32];
@@ -73,7 +73,7 @@ pub(crate) fn draw(key: &Key, number: Number) -> Option<[u8; 32]> {
             }
             let (board, boot) = (number as u8, BOOT.load(Ordering::Relaxed));
             let (draw, uptime_us) = (DRAWN.fetch_add(1, Ordering::Relaxed), Instant::now().as_micros());
-            return Some(Sources { noise, board, boot, draw, uptime_us }.mixed(key));
+            return Some(Sources { noise, board, boot, draw, uptime_us }.mixed(seed));
         }
         restart();
     }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use firmware_parts::boots::{self, FIRST, MOST};
 use firmware_parts::hedge::Sources;
+use firmware_parts::keys::Keys;
 use firmware_parts::store::{Broken, SECTOR, Word};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
@@ -11,7 +12,7 @@ use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::wire::{Flow, Header, MAX_DATAGRAM, PeerId};
 
-/// The key's sector: the key's image, and behind it nothing.
+/// The keys' sector: their images, and behind them nothing.
 fn sector() -> Vec<Option<Word>> {
     (0..SECTOR).map(|at| Some(if at < FIRST { [0x11; 32] } else { [0xFF; 32] })).collect()
 }
@@ -41,7 +42,7 @@ fn every_start_has_a_number_of_its_own_while_there_is_room() {
         assert_eq!(start(&mut flash, true), number);
     }
     assert_eq!((start(&mut flash, true), start(&mut flash, true)), (MOST, MOST));
-    assert_eq!(flash[..FIRST as usize], sector()[..FIRST as usize], "the key is as it was");
+    assert_eq!(flash[..FIRST as usize], sector()[..FIRST as usize], "the keys are as they were");
 }
 
 #[test]
@@ -53,27 +54,27 @@ fn a_word_that_is_lost_counts_and_one_that_was_not_taken_does_not() {
     assert_eq!((start(&mut flash, false), start(&mut flash, true)), (3, 3));
 }
 
-fn link(key: &Key, board: u8, boot: u32) -> Link {
+fn link(keys: &Keys, board: u8, boot: u32) -> Link {
     // All that a draw right after the start would find, but for the number of the start.
     let sources = Sources { noise: [0xA5; 32], board, boot, draw: 0, uptime_us: 12_345 };
     Link::new(Config {
-        key: key.clone(),
+        key: keys.peers.clone(),
         ends: Ends { local: PeerId(board), remote: PeerId(3 - board) },
         packet_period_us: 8_000,
         parameters: Parameters::new(),
-        entropy: sources.mixed(key),
+        entropy: sources.mixed(&keys.seed()),
     })
     .expect("a sound configuration")
 }
 
 #[test]
 fn constant_noise_repeats_no_key_and_no_nonce_from_start_to_start() {
-    let key = Key::new([7; 32]);
+    let keys = Keys { peers: Key::new([7; 32]), operator: Key::new([8; 32]) };
     let mut flashes = [sector(), sector()];
     let (mut greetings, mut nonces, mut sessions) = (HashSet::new(), HashSet::new(), HashSet::new());
     for _ in 0..50 {
         let boots = flashes.each_mut().map(|flash| start(flash, true));
-        let mut links = [link(&key, 1, boots[0]), link(&key, 2, boots[1])];
+        let mut links = [link(&keys, 1, boots[0]), link(&keys, 2, boots[1])];
         let mut out = [0; MAX_DATAGRAM];
         let mut ephemerals = HashSet::new();
         for now in (0..400_000).step_by(4_000) {
@@ -102,7 +103,8 @@ fn constant_noise_repeats_no_key_and_no_nonce_from_start_to_start() {
 
 #[test]
 fn every_source_makes_a_difference() {
-    let (key, same) = (Key::new([7; 32]), Sources { noise: [1; 32], board: 0, boot: 1, draw: 0, uptime_us: 5 });
+    let keys = |peers, operator| Keys { peers: Key::new([peers; 32]), operator: Key::new([operator; 32]) }.seed();
+    let (seed, same) = (keys(7, 8), Sources { noise: [1; 32], board: 0, boot: 1, draw: 0, uptime_us: 5 });
     let all = [
         same,
         Sources { noise: [2; 32], ..same },
@@ -111,7 +113,9 @@ fn every_source_makes_a_difference() {
         Sources { draw: 1, ..same },
         Sources { uptime_us: 6, ..same },
     ];
+    // A board that is given keys anew begins its count anew: either key makes a difference, too.
+    let anew = [keys(9, 8), keys(7, 9), keys(8, 7), Key::new([7; 32]), Key::new([8; 32])];
     let drawn: HashSet<_> =
-        all.iter().map(|sources| sources.mixed(&key)).chain([same.mixed(&Key::new([8; 32]))]).collect();
-    assert_eq!(drawn.len(), all.len() + 1);
+        all.iter().map(|sources| sources.mixed(&seed)).chain(anew.iter().map(|seed| same.mixed(seed))).collect();
+    assert_eq!(drawn.len(), all.len() + anew.len());
 }

@@ -1,9 +1,11 @@
 //! The parts of the image that need no chip, from outside.
 
+mod ceiling;
 mod exchange;
 mod hedge;
 mod hold;
 mod kept;
+mod keys;
 mod operator;
 mod record;
 mod signals;

@@ -1,4 +1,7 @@
-//! The key that two peers share: 32 random bytes as 64 hexadecimal digits in a file that only its owner may read.
+//! Key files: 32 random bytes as 64 hexadecimal digits in a file that only its owner may read.
+//!
+//! **Roles**: a file of peers, or of one line to a hub or server, has the digits alone; the operator's of a board says `operator`
+//! before them. Whoever reads one says which it has to be, and the other is refused by name.
 //!
 //! **Reading** takes no more than [`LONGEST`] bytes, whatever the file is, and judges owner and mode of the file that was
 //! read, not of whatever its name means a moment later. **Writing** is all or nothing: the name is there once every byte is
@@ -8,10 +11,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::{fs::File, io::Read, io::Write, path::Path};
 
-use haptic_protocol::key::Key;
+use haptic_protocol::key::{Key, Role};
 
-/// Longest key file, bytes: the digits, and some space around them.
+/// Longest key file, bytes: the digits, what they are for, and some space around them.
 pub const LONGEST: usize = 2 * Key::LEN + 64;
+/// What stands before the digits of the operator's.
+const OPERATOR: &str = "operator ";
 
 /// Randomness from the system, mixed with what differs from draw to draw, so that a source that repeats itself repeats nothing here.
 pub fn entropy() -> Result<[u8; Key::LEN], String> {
@@ -29,14 +34,15 @@ fn hedged(noise: [u8; Key::LEN]) -> [u8; Key::LEN] {
 }
 
 /// Makes a new key file; an existing file is never overwritten.
-pub fn generate(path: &Path) -> Result<(), String> {
-    write(path, &Key::new(entropy()?))
+pub fn generate(path: &Path, role: Role) -> Result<(), String> {
+    write(path, role, &Key::new(entropy()?))
 }
 
 /// Writes a key to a new file that only its owner may read; an existing file is never overwritten.
-pub fn write(path: &Path, key: &Key) -> Result<(), String> {
+pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), String> {
     let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
-    write_secret(path, format!("{digits}\n").as_bytes())
+    let word = if role == Role::Operator { OPERATOR } else { "" };
+    write_secret(path, format!("{word}{digits}\n").as_bytes())
 }
 
 /// The same for a key in another form.
@@ -52,24 +58,38 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Reads a key file.
-pub fn read(path: &Path) -> Result<Key, String> {
+/// Reads the key file of a role.
+pub fn read(path: &Path, role: Role) -> Result<Key, String> {
     let place = path.display();
     let failed = |cause: std::io::Error| format!("cannot read the key file {place}: {cause}");
     let file = File::open(path).map_err(failed)?;
     let mut bytes = Vec::with_capacity(LONGEST + 1);
     Read::take(&file, LONGEST as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
-    let key = parse(&bytes).ok_or_else(|| {
+    let (is, key) = parse(&bytes).ok_or_else(|| {
         format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them")
     })?;
+    if is != role {
+        return Err(match role {
+            Role::Peers => format!(
+                "{place} is an operator's key file, and one of peers is needed here: `host-sim key generate` makes them"
+            ),
+            Role::Operator => format!(
+                "{place} is a key file of peers, and the operator's is needed here: `host-sim key generate --operator` makes them"
+            ),
+        });
+    }
     #[cfg(unix)]
     own(path, &file.metadata().map_err(failed)?)?;
     Ok(key)
 }
 
-/// The key in a file of these bytes.
-fn parse(bytes: &[u8]) -> Option<Key> {
-    let digits = std::str::from_utf8(bytes).ok().filter(|_| bytes.len() <= LONGEST)?.trim();
+/// The key in a file of these bytes, and what it is for.
+fn parse(bytes: &[u8]) -> Option<(Role, Key)> {
+    let text = std::str::from_utf8(bytes).ok().filter(|_| bytes.len() <= LONGEST)?.trim();
+    let (role, digits) = match text.strip_prefix(OPERATOR) {
+        Some(digits) => (Role::Operator, digits),
+        None => (Role::Peers, text),
+    };
     if digits.len() != 2 * Key::LEN || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
         return None;
     }
@@ -77,7 +97,7 @@ fn parse(bytes: &[u8]) -> Option<Key> {
     for (byte, at) in key.iter_mut().zip((0..).step_by(2)) {
         *byte = u8::from_str_radix(digits.get(at..at + 2)?, 16).ok()?;
     }
-    Some(Key::new(key))
+    Some((role, Key::new(key)))
 }
 
 /// Nobody else can read the file, or put another key into it.

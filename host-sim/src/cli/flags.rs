@@ -6,7 +6,7 @@ use std::{net::SocketAddr, ops::RangeInclusive, path::PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
 use haptic_core::names::Choice;
-use haptic_protocol::key::Key;
+use haptic_protocol::key::{Key, Role};
 use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
 
 pub(super) use super::ui::Out;
@@ -162,7 +162,7 @@ pub(super) struct KeyFile {
 
 impl KeyFile {
     pub(super) fn read(&self) -> Result<Key, String> {
-        key_file::read(&self.key_file)
+        key_file::read(&self.key_file, Role::Peers)
     }
 }
 

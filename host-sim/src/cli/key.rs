@@ -7,14 +7,15 @@ use serde_json::json;
 
 use super::{Failure, Ui};
 use crate::shared::world::host::MOST_LINES;
+use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 
 super::commands! {
     Key {
-        /// Make a key file: for two peers, or for one line of a server or hub.
+        /// Make a key file: for two peers, for one line of a server or hub, or for the operator of a board.
         #[command(alias = "keygen")]
         Generate(Generate),
-        /// The key as a board keeps it in flash, for `cargo xtask provision`.
+        /// A board's two keys as it keeps them in flash, for `cargo xtask provision`.
         #[command(alias = "key-image")]
         Image(Image),
     }
@@ -31,6 +32,9 @@ pub(in crate::cli) struct Generate {
     /// The server's or hub's key file.
     #[arg(long, value_name = "FILE", requires = "line")]
     of: Option<PathBuf>,
+    /// The key of a board's operator, which no peer is to hold.
+    #[arg(long, conflicts_with_all = ["line", "of"])]
+    operator: bool,
 }
 
 impl Generate {
@@ -38,11 +42,18 @@ impl Generate {
         let file = self.file.display();
         match (self.line, &self.of) {
             (Some(line), Some(of)) => {
-                key_file::write(&self.file, &key_file::read(of)?.line(line))?;
+                key_file::write(&self.file, Role::Peers, &key_file::read(of, Role::Peers)?.line(line))?;
                 writeln!(ui, "wrote {file}: for line {line}; copy it there over a way that you trust");
             }
+            _ if self.operator => {
+                key_file::generate(&self.file, Role::Operator)?;
+                writeln!(
+                    ui,
+                    "wrote {file}: who has it can arm the boards that are given it; keep it on the operator's PC"
+                );
+            }
             _ => {
-                key_file::generate(&self.file)?;
+                key_file::generate(&self.file, Role::Peers)?;
                 writeln!(ui, "wrote {file}: copy it to the other peer over a way that you trust");
             }
         }
@@ -52,18 +63,30 @@ impl Generate {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Image {
-    /// Key file (`host-sim key generate`).
-    #[arg(value_name = "FILE")]
+    /// Key file of the peers, or of the board's line to a hub (`host-sim key generate`).
+    #[arg(long, value_name = "FILE")]
     key_file: PathBuf,
-    /// File to make, as secret as the key; an existing one is left alone.
+    /// Key file of the operator (`host-sim key generate --operator`).
+    #[arg(long, value_name = "FILE")]
+    operator_key_file: PathBuf,
+    /// File to make, as secret as the keys; an existing one is left alone.
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
 }
 
 impl Image {
-    /// Writes the key as a board keeps it in flash; `cargo xtask provision` puts it there.
+    /// Writes the keys as a board keeps them in flash; `cargo xtask provision` puts them there.
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        key_file::write_secret(&self.image, &key_file::read(&self.key_file)?.image())?;
+        let peers = key_file::read(&self.key_file, Role::Peers)?;
+        let operator = key_file::read(&self.operator_key_file, Role::Operator)?;
+        if peers == operator {
+            let (one, other) = (self.key_file.display(), self.operator_key_file.display());
+            return Err(format!(
+                "{one} and {other} hold the same key: who has the peers' could arm the board; `host-sim key generate` makes another"
+            )
+            .into());
+        }
+        key_file::write_secret(&self.image, &[peers.image(Role::Peers), operator.image(Role::Operator)].concat())?;
         ui.document(&json!({ "files": [&self.image] }))
     }
 }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 use std::{net::SocketAddr, path::Path};
 
+use haptic_protocol::key::Role;
 use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::board::calibrate::board::{Board, Tick};
@@ -80,9 +81,9 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// Gets in touch with the board at `board`, whichever it is, under the key of `key_file`.
+    /// Gets in touch with the board at `board`, whichever it is, under the operator's key of `key_file`.
     pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
-        let key = key_file::read(key_file)?;
+        let key = key_file::read(key_file, Role::Operator)?;
         let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
         let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
         // Either board may be there: both are called, and the one that is there answers.

@@ -238,7 +238,9 @@ fn old_names_work_and_name_the_new_ones() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     now(&format!("keygen {}", file("key")), "key generate", 0);
-    now(&format!("key-image {} {}", file("key"), file("image")), "key image", 0);
+    now(&format!("keygen {} --operator", file("operator")), "key generate", 0);
+    let keys = format!("--key-file {} --operator-key-file {}", file("key"), file("operator"));
+    now(&format!("key-image {keys} {}", file("image")), "key image", 0);
     now("keys", "cooperate --keys", 0);
     now(&format!("trace --duration-s 1 {}", file("trace.csv")), "network trace", 0);
     now(&format!("record --built-in matched-line --duration-s 0.1 {}", file("recording")), "board record", 0);

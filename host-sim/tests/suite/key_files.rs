@@ -73,10 +73,13 @@ fn a_full_disk_leaves_nothing_that_blocks_the_next_attempt() {
     assert_eq!(there(), 0);
     assert!(limited("-f 100", &["key", "generate", &key]).status.success());
     let before = std::fs::read(&key).expect("a key file");
-    refusal(&limited("-f 0", &["key", "image", &key, &image]));
-    assert_eq!(there(), 1);
+    let operator = folder.join("operator.key").display().to_string();
+    assert!(limited("-f 100", &["key", "generate", &operator, "--operator"]).status.success());
+    let both = ["key", "image", "--key-file", &key, "--operator-key-file", &operator, &image];
+    refusal(&limited("-f 0", &both));
+    assert_eq!(there(), 2);
     // And what is there stays as it is.
     let error = refusal(&limited("-f 100", &["key", "generate", &key]));
     assert!(error.contains("exists"), "{error}");
-    assert_eq!((std::fs::read(&key).expect("a key file"), there()), (before, 1));
+    assert_eq!((std::fs::read(&key).expect("a key file"), there()), (before, 2));
 }

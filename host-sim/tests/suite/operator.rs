@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use haptic_protocol::ends::Ends;
-use haptic_protocol::key::Key;
+use haptic_protocol::key::{Key, Role};
 use haptic_protocol::lines::{Heard, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -98,9 +98,9 @@ impl Drop for Board {
 fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let folder = folder("operator");
     let (right, wrong) = (folder.join("right.key"), folder.join("wrong.key"));
-    key_file::generate(&right).unwrap();
-    key_file::generate(&wrong).unwrap();
-    let board = Board::start(key_file::read(&right).unwrap(), 1.0);
+    key_file::generate(&right, Role::Operator).unwrap();
+    key_file::generate(&wrong, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&right, Role::Operator).unwrap(), 1.0);
 
     let mut operator = Operator::connect(board.address, &right).unwrap();
     assert_eq!(operator.number(), 2);
@@ -143,8 +143,8 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
 fn a_recording_outlives_the_cable() {
     let folder = folder("operator-cable");
     let (key, file) = (folder.join("a.key"), folder.join("ticks.csv"));
-    key_file::generate(&key).unwrap();
-    let board = Board::start(key_file::read(&key).unwrap(), 1.0);
+    key_file::generate(&key, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
     let record = |seconds: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
         command.args([
@@ -199,24 +199,90 @@ fn a_recording_outlives_the_cable() {
 #[test]
 fn a_board_that_takes_other_commands_is_named() {
     let key = folder("operator-version").join("a.key");
-    key_file::generate(&key).unwrap();
-    let board = Board::start(key_file::read(&key).unwrap(), 2.0);
+    key_file::generate(&key, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let error = Operator::connect(board.address, &key).map(|_| ()).unwrap_err();
     assert!(error.contains("takes other commands than this program"), "{error}");
 }
 
+/// What `key image` says of these two files, and whether it made the image.
+fn image(peers: &Path, operator: &Path, image: &Path) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(["key", "image", "--key-file"]).arg(peers).arg("--operator-key-file").arg(operator);
+    let output = command.arg(image).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
 #[test]
-fn a_key_image_is_the_keys_and_is_never_overwritten() {
+fn a_key_image_is_both_keys_and_is_never_overwritten() {
     let folder = folder("key-image");
-    let (key, image) = (folder.join("a.key"), folder.join("a.bin"));
-    key_file::generate(&key).unwrap();
-    let make = || {
-        Command::new(env!("CARGO_BIN_EXE_host-sim"))
-            .args(["key".as_ref(), "image".as_ref(), key.as_os_str(), image.as_os_str()])
-            .output()
+    let [peers, operator, file] = ["bench.key", "operator.key", "board.bin"].map(|name| folder.join(name));
+    key_file::generate(&peers, Role::Peers).unwrap();
+    key_file::generate(&operator, Role::Operator).unwrap();
+    assert_eq!(image(&peers, &operator, &file), (Some(0), String::new()));
+    let bytes = std::fs::read(&file).unwrap();
+    let halves = [(&bytes[..64], &peers, Role::Peers), (&bytes[64..], &operator, Role::Operator)];
+    for (half, file, role) in halves {
+        assert_eq!(Key::from_image(half.try_into().unwrap(), role), key_file::read(file, role).ok(), "{role:?}");
+    }
+    assert_eq!(image(&peers, &operator, &file).0, Some(2));
+    assert_eq!(std::fs::read(&file).unwrap(), bytes);
+}
+
+/// Why: with one key for both, whoever holds the peers' can arm the board.
+#[test]
+fn one_key_in_two_files_is_no_pair_for_a_board() {
+    let folder = folder("key-same");
+    let [peers, operator, file] = ["bench.key", "operator.key", "board.bin"].map(|name| folder.join(name));
+    let key = Key::new([7; Key::LEN]);
+    key_file::write(&peers, Role::Peers, &key).unwrap();
+    key_file::write(&operator, Role::Operator, &key).unwrap();
+    let (status, why) = image(&peers, &operator, &file);
+    assert!(status == Some(2) && why.contains("hold the same key") && why.lines().count() == 1, "{why}");
+    assert!(!file.exists());
+}
+
+/// A key in the wrong place is refused by name, by every command, before anything is sent.
+#[test]
+fn a_key_file_of_the_other_role_is_refused_by_name() {
+    let folder = folder("key-roles");
+    let [peers, operator, file] = ["bench.key", "operator.key", "board.bin"].map(|name| folder.join(name));
+    let text = |path: &Path| path.display().to_string();
+    let run = |words: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(words).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };
-    assert!(make().unwrap().status.success());
-    let bytes = std::fs::read(&image).unwrap();
-    assert_eq!(Key::from_image(&bytes.try_into().unwrap()), key_file::read(&key).ok());
-    assert_eq!(make().unwrap().status.code(), Some(2));
+    assert_eq!(run(&["key", "generate", &text(&peers)]).0, Some(0));
+    assert_eq!(run(&["key", "generate", &text(&operator), "--operator"]).0, Some(0));
+    let is_of_peers = format!("{} is a key file of peers, and the operator's is needed here", text(&peers));
+    let is_operators = format!("{} is an operator's key file, and one of peers is needed here", text(&operator));
+    let nobody = UdpSocket::bind("127.0.0.1:0").unwrap();
+    nobody.set_nonblocking(true).unwrap();
+    let address = nobody.local_addr().unwrap().to_string();
+    let (peers, operator, file, settings) =
+        (text(&peers), text(&operator), text(&file), text(&folder.join("left.toml")));
+    for (words, why) in [
+        (&["board", "operator", "--board", &address, "--key-file", &peers, "disarm"][..], &is_of_peers),
+        (
+            &["board", "calibrate", "sign", "--board", &address, "--key-file", &peers, "--settings", &settings],
+            &is_of_peers,
+        ),
+        (
+            &["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &operator],
+            &is_operators,
+        ),
+        (&["hub", "--users", "2", "--listen", "127.0.0.1:0", "--key-file", &operator], &is_operators),
+        (&["key", "generate", &file, "--line", "1", "--of", &operator], &is_operators),
+        (&["key", "image", "--key-file", &operator, "--operator-key-file", &peers, &file], &is_operators),
+        (&["key", "image", "--key-file", &peers, "--operator-key-file", &peers, &file], &is_of_peers),
+    ] {
+        let (status, said) = run(words);
+        assert_eq!((status, said.lines().count()), (Some(2), 1), "{words:?}: {said}");
+        assert!(said.contains(why), "{words:?}: {said}");
+    }
+    assert!(!Path::new(&file).exists());
+    assert_eq!(nobody.recv_from(&mut [0; 64]).map_err(|cause| cause.kind()), Err(std::io::ErrorKind::WouldBlock));
+    // A line of a hub's is never an operator's.
+    let (status, said) = run(&["key", "generate", &file, "--operator", "--line", "1", "--of", &peers]);
+    assert!(status == Some(2) && said.contains("--operator"), "{said}");
 }

@@ -2,7 +2,7 @@
 //! encoding only, and nothing that is out of range.
 
 use blake2::digest::{KeyInit, Mac};
-use haptic_protocol::key::Key;
+use haptic_protocol::key::{Key, Role};
 use haptic_protocol::world::{Object, Region, Shape};
 
 /// The bytes as a record of `N` whose checksum is right, as FORMAT.md says.
@@ -36,7 +36,9 @@ pub(super) fn run(bytes: &[u8]) {
         assert!(region.holds(region.bounds.min) && !region.holds(region.bounds.max));
     }
     let image = record(bytes);
-    if let Some(key) = Key::from_image(&image) {
-        assert_eq!(key.image(), image);
+    for role in [Role::Peers, Role::Operator] {
+        if let Some(key) = Key::from_image(&image, role) {
+            assert_eq!(key.image(role), image);
+        }
     }
 }

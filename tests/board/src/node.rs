@@ -26,6 +26,8 @@ pub struct Inputs {
     pub counts: Option<[i64; 2]>,
     /// The emergency stop is pressed (or released).
     pub press: Option<bool>,
+    /// The blue button is pressed (or released).
+    pub button: Option<bool>,
     /// The cable is in (or out).
     pub cable: Option<bool>,
     /// The noise source of the random number generator works (or fails).
@@ -113,6 +115,9 @@ impl Driver<Nucleo> for Stepper {
         }
         if let Some(pressed) = inputs.press {
             part.press_stop(stop.at, pressed);
+        }
+        if let Some(pressed) = inputs.button {
+            part.press_button(stop.at, pressed);
         }
         if let Some(works) = inputs.noise {
             part.noise(stop.at, works);

@@ -7,7 +7,7 @@ use haptic_protocol::key::Key;
 use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 
-use crate::pc::{board_ip, board_mac, key, resolved, udp};
+use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
 
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;
@@ -30,7 +30,7 @@ impl Partner {
     /// # Errors
     /// What host-sim refuses.
     pub fn new(scene: &Scene, number: usize) -> Result<Self, String> {
-        let node = Node::new(scene, number as u8, key(), [0x77; Key::LEN])?;
+        let node = Node::new(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0 })
     }
 

@@ -3,7 +3,7 @@
 //! The least that carries it: Ethernet II, ARP, IPv4 without options, UDP without checksum.
 
 use firmware_parts::record::{CODE, Record};
-use haptic_protocol::key::Key;
+use haptic_protocol::key::{Key, Role};
 use haptic_protocol::wire::MAX_DATAGRAM;
 use haptic_sim::board::operator::{PORT, Session};
 
@@ -23,14 +23,20 @@ pub const fn board_ip(number: usize) -> [u8; 4] {
     [192, 168, 77, number as u8]
 }
 
-/// The key that boards and PC share on the bench.
-pub fn key() -> Key {
+/// The key that the boards share on the bench.
+pub fn peers_key() -> Key {
     Key::new(core::array::from_fn(|at| 3 * at as u8 + 1))
 }
 
-/// Where a board keeps it (memory.x), as `cargo xtask provision` puts it there: address and value.
-pub fn key_in_flash(key: &Key) -> Vec<(u64, u32)> {
-    let words = key.image().as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
+/// The key that boards and PC share.
+pub fn operator_key() -> Key {
+    Key::new(core::array::from_fn(|at| 5 * at as u8 + 2))
+}
+
+/// Where a board keeps its two keys (memory.x), as `cargo xtask provision` puts them there: address and value.
+pub fn keys_in_flash(peers: &Key, operator: &Key) -> Vec<(u64, u32)> {
+    let images = [peers.image(Role::Peers), operator.image(Role::Operator)].concat();
+    let words = images.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
     (0x081A_0000..).step_by(4).zip(words).collect()
 }
 
@@ -48,13 +54,7 @@ pub struct Pc {
 
 impl Default for Pc {
     fn default() -> Self {
-        let session = |number| Session::new(key(), number, [16 + number; Key::LEN]).expect("a good key");
-        Self {
-            sessions: [session(1), session(2)],
-            answers: Default::default(),
-            records: Default::default(),
-            away: false,
-        }
+        Self::holding(&operator_key())
     }
 }
 
@@ -92,6 +92,20 @@ pub fn resolved(frame: &[u8], mac: [u8; 6], ip: [u8; 4]) -> Option<Vec<u8>> {
 }
 
 impl Pc {
+    /// A PC that calls boards under this key.
+    ///
+    /// # Panics
+    /// The key is none.
+    pub fn holding(key: &Key) -> Self {
+        let session = |number| Session::new(key.clone(), number, [16 + number; Key::LEN]).expect("a good key");
+        Self {
+            sessions: [session(1), session(2)],
+            answers: Default::default(),
+            records: Default::default(),
+            away: false,
+        }
+    }
+
     /// Says `line` to a board (1 or 2).
     ///
     /// # Panics

@@ -1,8 +1,9 @@
 //! The operator's end of a board's command port: one line of text there, one answer back, and what the board's ticks saw.
 //!
 //! A sealed link of its own beside the flow between the peers: the operator has number 0, the board its own (1 or 2), the key
-//! is the one that all three hold. Lines and answers are reliable events, records are samples (haptic-protocol). What a
-//! line may say is in firmware/src/operator.rs; the last operator to come is the one the board listens to.
+//! is the operator's, which no peer but this board holds. Lines and answers are reliable events, records are samples
+//! (haptic-protocol). What a line may say is in firmware/src/operator.rs; the last operator to come is the one the board
+//! listens to.
 //!
 //! [`Session`] is sans-IO: whoever has a socket and a clock drives it, tests in virtual time.
 

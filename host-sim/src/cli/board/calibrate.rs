@@ -54,7 +54,7 @@ pub(in crate::cli) struct At {
     /// The board's address; its port is 7702 unless another is given. Or `simulated`: a software device, to practise.
     #[arg(long, value_name = "ADDRESS[:PORT]")]
     board: String,
-    /// The key file that the board was provisioned with.
+    /// The operator's key file that the board was provisioned with (`host-sim key generate --operator`).
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
     /// Which joint, 1 or 2.
@@ -110,8 +110,10 @@ impl At {
             );
         }
         let address: SocketAddr = operator::address(&self.board)?;
-        let key_file =
-            self.key_file.as_ref().ok_or("--key-file is missing: the file that the board was provisioned with")?;
+        let key_file = self
+            .key_file
+            .as_ref()
+            .ok_or("--key-file is missing: the operator's, that the board was provisioned with")?;
         if std::io::stdin().is_terminal() {
             eprintln!("motors will move: keep the emergency stop at hand");
         }

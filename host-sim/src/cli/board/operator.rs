@@ -20,6 +20,7 @@ const LOOK: Duration = Duration::from_millis(20);
 #[command(mut_arg("scene", |arg| {
     arg.help("Scene file (TOML) or the name of a built-in scene: what it says of a board is given to the board first; the rest stays")
 }))]
+#[command(mut_arg("key_file", |arg| arg.help("The operator's key file that the board was provisioned with (`host-sim key generate --operator`)")))]
 #[command(mut_arg("seconds", |arg| arg.default_value("10").value_parser(number(0.1..=3600.0, "s"))))]
 pub(in crate::cli) struct Operate {
     /// The board's address; its port is 7702 unless another is given.

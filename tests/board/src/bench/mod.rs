@@ -21,7 +21,7 @@ use crate::cost::Meter;
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::partner::Partner;
-use crate::pc::{Pc, key, key_in_flash};
+use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use crate::twin::Armed;
 use crate::wire::{Line, PC, Wire};
 
@@ -78,7 +78,7 @@ impl Bench {
         Self::start_with(firmware, boards, line, &[])
     }
 
-    /// The same, with words in every board's flash that were there before, beside the key: address and value.
+    /// The same, with words in every board's flash that were there before, beside the keys: address and value.
     ///
     /// # Panics
     /// As [`Bench::start`].
@@ -104,8 +104,8 @@ impl Bench {
             begun: None,
             ticks: 0,
         };
-        let paint =
-            STACK.step_by(4).map(|address| (address, PAINT)).chain(key_in_flash(&key())).chain(flash.iter().copied());
+        let keys = keys_in_flash(&peers_key(), &operator_key());
+        let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(keys).chain(flash.iter().copied());
         bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
         bench.run_to(58_000_000);
         bench.align(firmware);

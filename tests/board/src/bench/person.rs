@@ -59,7 +59,12 @@ impl Bench {
         self.talk();
     }
 
-    /// Brings every board to the scene and puts a device on it; disarmed still.
+    /// Holds the blue button of every board down, or lets go of it; takes effect at the next stop.
+    pub fn hold_buttons(&mut self, held: bool) {
+        self.inputs.iter_mut().for_each(|inputs| inputs.button = Some(held));
+    }
+
+    /// Brings every board to the scene, at the board, and puts a device on it; disarmed still.
     ///
     /// # Errors
     /// What a board says against a setting.
@@ -70,6 +75,7 @@ impl Bench {
         for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
             inputs.counts = Some(device.turn());
         }
+        self.hold_buttons(true);
         for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
             for line in lines(settings) {
                 let answer = self.ask(index + 1, &line);
@@ -78,6 +84,7 @@ impl Bench {
                 }
             }
         }
+        self.hold_buttons(false);
         // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
         self.settle()

@@ -6,7 +6,7 @@
 //! | [`encoder`] | a timer with a quadrature encoder on its pins, edges spread over time |
 //! | [`iwdg`] | the independent watchdog |
 //!
-//! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact.
+//! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the blue button.
 
 pub mod encoder;
 pub mod ethernet;
@@ -69,6 +69,7 @@ pub struct Part {
     pub encoders: [EncoderTimer; 2],
     slots: Slots,
     stop_released: bool,
+    button_pressed: bool,
     strap_to_ground: bool,
     noise_works: bool,
 }
@@ -79,6 +80,7 @@ struct Slots {
     dma: usize,
     iwdg: usize,
     encoders: [usize; 2],
+    gpio_c: usize,
     gpio_e: usize,
     gpio_g: usize,
     tim1: usize,
@@ -98,6 +100,7 @@ impl Part {
             dma: slot("Ethernet_DMA")?,
             iwdg: slot("IWDG")?,
             encoders: [slot("TIM3")?, slot("TIM4")?],
+            gpio_c: slot("GPIOC")?,
             gpio_e: slot("GPIOE")?,
             gpio_g: slot("GPIOG")?,
             tim1: slot("TIM1")?,
@@ -113,6 +116,7 @@ impl Part {
             encoders,
             slots,
             stop_released: true,
+            button_pressed: false,
             strap_to_ground,
             noise_works: true,
         };
@@ -125,13 +129,19 @@ impl Part {
 
     /// Puts on the pins what the wiring holds there.
     fn wire(&mut self, at: VirtualNanos) {
-        let Slots { gpio_e, gpio_g, tim1, .. } = self.slots;
+        let Slots { gpio_c, gpio_e, gpio_g, tim1, .. } = self.slots;
         // An open strap is pulled up by the chip; ground is ground.
         let strap = self.strap_to_ground.then_some(Level::Low);
         let mut port = core::mem::take(&mut self.chip.gpio[6]);
         let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_g);
         port.drive(pin(12), strap, registers, &mut context);
         self.chip.gpio[6] = port;
+        // The blue button connects to 3.3 V while it is pressed, and is pulled down while it is not.
+        let button = if self.button_pressed { Level::High } else { Level::Low };
+        let mut port = core::mem::take(&mut self.chip.gpio[2]);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_c);
+        port.drive(pin(13), Some(button), registers, &mut context);
+        self.chip.gpio[2] = port;
         // The contact of the emergency stop connects to 3.3 V while it is not pressed.
         let stop = if self.stop_released { Level::High } else { Level::Low };
         let mut port = core::mem::take(&mut self.chip.gpio[4]);
@@ -148,6 +158,12 @@ impl Part {
     /// Presses or releases the emergency stop.
     pub fn press_stop(&mut self, at: VirtualNanos, pressed: bool) {
         self.stop_released = !pressed;
+        self.wire(at);
+    }
+
+    /// Presses or releases the blue button.
+    pub fn press_button(&mut self, at: VirtualNanos, pressed: bool) {
+        self.button_pressed = pressed;
         self.wire(at);
     }
 

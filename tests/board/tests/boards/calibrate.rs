@@ -90,6 +90,8 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.let_go(Some(&truth));
+    // What the device is, is said at the board.
+    bench.hold_buttons(true);
     let bench = Rc::new(RefCell::new(bench));
     let mut board = Table { bench: bench.clone(), truth: truth.clone(), taken: Rc::default() };
     let mut person = board.clone();

@@ -86,8 +86,10 @@ impl Campaign {
         bench.meet(1);
         if expected.reset {
             // Its settings are the defaults again, and nobody held the device meanwhile.
+            bench.hold_buttons(true);
             assert!(bench.ask(1, "set safety.workspace_m 100").starts_with("ok"));
             assert_eq!(bench.ask(1, "apply"), "ok applied");
+            bench.hold_buttons(false);
         }
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");

@@ -1,7 +1,7 @@
-//! A peer 2 that holds the key, joins as any other, and then says what no link would: by a second implementation of the format.
+//! A peer 2 that holds the peers' key, joins as any other, and then says what no link would: by a second implementation of the format.
 
 use board_bench::bench::Bench;
-use board_bench::pc::{board_ip, board_mac, key, resolved, udp};
+use board_bench::pc::{board_ip, board_mac, peers_key, resolved, udp};
 
 use format::{GREETING, Session, hello};
 
@@ -48,8 +48,8 @@ impl Impostor {
             self.called += u64::from(self.sent > 3);
             // The same ephemeral: the same session.
             if self.joined.as_ref().is_none_or(|(joined, _)| joined[48..80] != heard[48..80]) {
-                let hello = hello(key().bytes(), heard, SECRET);
-                self.joined = Some((heard.to_vec(), Session::of(key().bytes(), heard, &hello, SECRET)));
+                let hello = hello(peers_key().bytes(), heard, SECRET);
+                self.joined = Some((heard.to_vec(), Session::of(peers_key().bytes(), heard, &hello, SECRET)));
                 say(bench, &hello);
             }
         }

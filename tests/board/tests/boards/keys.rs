@@ -1,11 +1,12 @@
-//! Who does not hold the key gets nothing: a board without one, with a broken one, with another one, without randomness.
+//! Who does not hold the key gets nothing: a board without its two, with a broken one, with one for both, without randomness; and
+//! whoever holds the peers' key, or none, at the operator's port.
 
 use std::sync::Arc;
 
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
-use board_bench::pc::{Pc, board_ip, board_mac, key, key_in_flash, udp};
+use board_bench::pc::{Pc, board_ip, board_mac, keys_in_flash, operator_key, peers_key, udp};
 use board_bench::wire::{Line, PC, Wire};
 use board_bench::{log, reviewed};
 use haptic_protocol::key::Key;
@@ -50,22 +51,87 @@ fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usiz
     (frames, pc.reaches(1), log)
 }
 
+/// The sector as a version before wrote it for [`peers_key`]: its one image, and the first word of the count of starts.
+fn single() -> Vec<(u64, u32)> {
+    const TAG: [u8; 16] =
+        [0xA8, 0xF5, 0x46, 0xFE, 0x31, 0xF3, 0x87, 0x3F, 0x3B, 0xED, 0x9A, 0x97, 0x31, 0x30, 0x78, 0xFF];
+    let bytes = [&b"haptkey1"[..], &[0; 8], &TAG, peers_key().bytes(), &[0; 32]].concat();
+    let words = bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
+    (0x081A_0000..).step_by(4).zip(words).collect()
+}
+
 #[test]
 fn without_key_or_randomness_a_board_says_nothing_at_all() {
     let firmware = Arc::new(Firmware::release());
-    let (frames, reached, _) = start(&firmware, key_in_flash(&key()), true);
+    let both = || keys_in_flash(&peers_key(), &operator_key());
+    let (frames, reached, _) = start(&firmware, both(), true);
     assert!(frames > 20 && reached, "with both it talks: {frames} frames");
-    let mut broken = key_in_flash(&key());
-    broken[9].1 ^= 1 << 5;
+    let broken = |word: usize| {
+        let mut flash = both();
+        flash[word].1 ^= 1 << 5;
+        flash
+    };
+    /// Words of one key's image.
+    const ONE: usize = Key::IMAGE / 4;
+    let same = keys_in_flash(&operator_key(), &operator_key());
     for (what, flash, works, why) in [
-        ("flash was never written", Vec::new(), true, "no key: this board talks to nobody and cannot be armed"),
-        ("one bit of the key is wrong", broken, true, "no key: this board talks to nobody and cannot be armed"),
-        ("the noise source fails", key_in_flash(&key()), false, "no randomness: this board talks to nobody"),
+        ("flash was never written", Vec::new(), true, "no peers' key: this board talks to nobody and cannot be armed"),
+        ("one bit of the peers' key is wrong", broken(9), true, "no peers' key: this board talks to nobody"),
+        (
+            "one bit of the operator's key is wrong",
+            broken(ONE + 9),
+            true,
+            "no operator's key: this board talks to nobody",
+        ),
+        (
+            "it was given the peers' key alone",
+            both()[..ONE].to_vec(),
+            true,
+            "no operator's key: this board talks to nobody",
+        ),
+        (
+            "a version before gave it one key",
+            single(),
+            true,
+            "one key for peers and operator, of a version before: this board talks to nobody",
+        ),
+        ("both are the same", same, true, "peers' key and operator's are the same: this board talks to nobody"),
+        ("the noise source fails", both(), false, "no randomness: this board talks to nobody"),
     ] {
         let (frames, reached, log) = start(&firmware, flash, works);
         assert_eq!((frames, reached), (0, false), "{what}");
         assert!(log.iter().any(|said| said.starts_with(why)), "{what}: {log:#?}");
     }
+}
+
+/// Why: one key made both links, so that the other peer, or who owns the hub, could arm a board and raise its limits.
+#[test]
+fn who_holds_the_peers_key_is_no_operator() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    assert_eq!(bench.check(1), Ok(()));
+    for line in ["arm", "set safety.max_force_n 200", "disarm", "status"] {
+        let operator = std::mem::replace(&mut bench.pc, Pc::holding(&peers_key()));
+        bench.pc.say(1, line);
+        // Until the board knows that its operator has gone.
+        bench.run_for_ms(1500);
+        for _ in 0..1000 {
+            bench.step();
+            // It calls the operator that it had, and answers nobody: every datagram of the port's is a hello.
+            let of_port = |frame: &[u8]| frame.get(34..36) == Some(&7702_u16.to_be_bytes());
+            assert!(bench.stopped[0].frames.iter().all(|(_, frame)| !of_port(frame) || frame.get(43) == Some(&1)));
+        }
+        assert!(!bench.pc.reaches(1) && bench.pc.answers[0].is_empty(), "{line:?}: {:?}", bench.pc.answers[0]);
+        assert!(!bench.stopped[0].bridges.on(), "{line:?}");
+        bench.pc = operator;
+        bench.meet(1);
+        assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0"), "{line:?}");
+        assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 40");
+    }
+    // Its operator can.
+    assert_eq!(bench.ask(1, "set safety.max_force_n 20"), "ok safety.max_force_n = 20");
+    assert_eq!(bench.ask(1, "arm"), "ok armed");
+    bench.finish();
 }
 
 #[test]

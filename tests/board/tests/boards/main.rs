@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`one_board`] | does it start with its outputs off, answer, arm, stop? |
 //! | [`keys`] | does it talk only to who holds the key? |
+//! | [`ceiling`] | are limits raised by who is at the board only? |
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
 //! | [`same_bits`], [`papers_comms`] | do two boards compute what host-sim computes? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
@@ -16,6 +17,7 @@ mod bad_wire;
 mod budgets;
 mod cable;
 mod calibrate;
+mod ceiling;
 mod faults;
 mod impostor;
 mod keys;

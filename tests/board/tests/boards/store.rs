@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
-use board_bench::pc::{Pc, key, key_in_flash};
+use board_bench::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use board_bench::power::{STORE, board};
 use board_bench::reviewed;
 
@@ -32,7 +32,7 @@ fn first_words(firmware: &Arc<Firmware>, settings: &[&str], asked: [u8; 4]) -> V
     bench.run_for_ms(1100);
     let mut flash = bench.flash(1, STORE);
     bench.finish();
-    flash.extend(key_in_flash(&key()));
+    flash.extend(keys_in_flash(&peers_key(), &operator_key()));
 
     let node = Node::new(firmware.clone(), 1);
     let mut inputs = Inputs { poke: flash, ..Inputs::default() };

@@ -8,6 +8,7 @@ use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};
 use crate::shared::world::visitor::{Party, Setup};
 use crate::{live::endpoint::Stop, live::visit, shared::world::host::MOST_LINES};
+use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 
 #[derive(Debug, Args)]
@@ -88,7 +89,7 @@ impl Visit {
             (Some((line, _)), _) if line == self.line => {
                 return Err(format!("--friend {line} is not allowed: that is this client's own line").into());
             }
-            (Some((line, _)), Some(file)) => Some((line, key_file::read(file)?)),
+            (Some((line, _)), Some(file)) => Some((line, key_file::read(file, Role::Peers)?)),
             _ => None,
         };
         let setup = Setup {

@@ -1,0 +1,73 @@
+//! From afar limits are lowered only, whatever the operator says; who holds the board's button raises them.
+
+use std::sync::Arc;
+
+use board_bench::bench::Bench;
+use board_bench::image::Firmware;
+use board_bench::power::{STORE, board};
+
+/// The answer to `apply` with one more key set.
+fn apply(bench: &mut Bench, key: &str, value: &str) -> String {
+    let answer = bench.ask(1, &format!("set {key} {value}"));
+    assert!(answer.starts_with("ok"), "{answer}");
+    bench.ask(1, "apply")
+}
+
+/// The same for `safety.max_force_n`, and whether it was applied.
+fn force(bench: &mut Bench, newtons: &str) -> bool {
+    let answer = apply(bench, "safety.max_force_n", newtons);
+    let refused = format!("error safety.max_force_n = {newtons} is above what this board was set to, ");
+    assert!(answer == "ok applied" || answer.starts_with(&refused), "{answer}");
+    answer == "ok applied"
+}
+
+fn hold_button(bench: &mut Bench, held: bool) {
+    bench.hold_buttons(held);
+    bench.run_for_ms(5);
+}
+
+#[test]
+fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = board(&firmware, &[]);
+    let whole = "error safety.max_force_n = 200 is above what this board was set to, 40: hold the blue button while saying apply";
+    assert_eq!(apply(&mut bench, "safety.max_force_n", "200"), whole);
+    // Lowered, it may be raised again as far as it was when the board started.
+    for (newtons, fits) in [("20", true), ("40", true), ("41", false), ("30", true)] {
+        assert_eq!(force(&mut bench, newtons), fits, "{newtons} N");
+    }
+    let other_motor = apply(&mut bench, "motor.newton_or_newton_metre_per_a", "0.01");
+    assert!(
+        other_motor.contains(" = 0.01 is not what this board was set to, 8: hold the blue button"),
+        "{other_motor}"
+    );
+    assert_eq!(apply(&mut bench, "motor.newton_or_newton_metre_per_a", "8"), "ok applied");
+
+    hold_button(&mut bench, true);
+    assert!(force(&mut bench, "60"));
+    hold_button(&mut bench, false);
+    for (newtons, fits) in [("61", false), ("60", true), ("25", true), ("59", true), ("25", true)] {
+        assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 60 N at the board");
+    }
+
+    // Saved, what was applied is the ceiling of the next start; `defaults` does not lead beyond it.
+    assert!(bench.ask(1, "save").starts_with("ok"));
+    bench.run_for_ms(1100);
+    let flash = bench.flash(1, STORE);
+    bench.finish();
+    let mut bench = board(&firmware, &flash);
+    assert!(bench.ask(1, "status").contains("settings stored 1;"));
+    for (newtons, fits) in [("26", false), ("40", false), ("25", true), ("5", true), ("25", true)] {
+        assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 25 N were saved");
+    }
+    assert_eq!(bench.ask(1, "defaults"), "ok the draft holds the defaults");
+    assert!(bench.ask(1, "apply").starts_with("error safety.max_force_n = 40 is above "));
+    // What was refused is not in force, and not saved.
+    assert!(bench.ask(1, "save").starts_with("ok"));
+    bench.run_for_ms(1100);
+    let flash = bench.flash(1, STORE);
+    bench.finish();
+    let mut bench = board(&firmware, &flash);
+    assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 25");
+    bench.finish();
+}
