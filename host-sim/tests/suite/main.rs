@@ -1,6 +1,7 @@
 //! host-sim as a user runs it, and what it offers beside its command line. One program for all, so that they are linked once.
 
 mod accuracy;
+mod another_language;
 mod architectures;
 mod bad_input;
 mod campaign;
