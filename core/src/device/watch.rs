@@ -1,9 +1,10 @@
 //! Watching encoders while the motors are on: does the device answer its motors, and not against all physics?
 //!
 //! **Stuck.** A device at rest under a constant force cannot be told from an encoder that is stuck, and does no harm. But
-//! a force that changes must move what it acts on, if only by a count. So: since a joint's encoder last counted, the
-//! duties of its motor may not have ranged over more than `safety.stuck_duty`. What follows: with a stuck encoder the force
-//! changes by no more than that before the motors go off. Looked at once a packet period, in the tick before the packet is
+//! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
+//! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
+//! have ranged over more than `safety.stuck_duty`. What follows: with a stuck encoder the force changes by no more than
+//! that before the motors go off. Looked at once a packet period, in the tick before the packet is
 //! due: motion that comes back to the very count by then is not seen, force that changes more slowly is.
 //!
 //! **Runaway.** With an encoder that counts the wrong way, what the controller brakes gets faster. The hand then seems to
@@ -26,7 +27,10 @@ pub struct Watch<S> {
     least_power: S,
 }
 
-/// One joint since its encoder last counted.
+/// Counts that an encoder may go to and fro by without having moved.
+const DITHER: u32 = 2;
+
+/// One joint since its encoder last counted further than it dithers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Still {
     counts: i32,
@@ -47,8 +51,8 @@ impl<S: Scalar> Watch<S> {
     /// A joint's counts and duty, once a packet period: its force has changed too much for an encoder that does not count.
     #[inline]
     pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {
-        *still = if counts == still.counts {
-            Still { counts, low: still.low.min(duty), high: still.high.max(duty) }
+        *still = if counts.abs_diff(still.counts) <= DITHER {
+            Still { counts: still.counts, low: still.low.min(duty), high: still.high.max(duty) }
         } else {
             Still { counts, low: duty, high: duty }
         };

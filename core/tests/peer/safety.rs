@@ -247,8 +247,14 @@ fn an_encoder_that_is_stuck() {
     assert!((9.0..12.0).contains(&largest), "{largest} N");
     let last = bench.read(Reading::Counts([Counts(7), Counts(0)]));
     bench.assert_stopped(last, Fault::EncoderStuck);
-    // One count now and then is a device that is there.
-    let (bench, largest) = stuck_at(&|tick| 7 + tick / 32 % 2);
+    // With one wire cut, every edge of the other goes one to and fro, however fast or slowly.
+    for every in [1, 3, 32, 100] {
+        let (bench, largest) = stuck_at(&|tick| 7 + tick / every % 2);
+        assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::EncoderStuck), "every {every} ticks");
+        assert!((9.0..12.0).contains(&largest), "every {every} ticks: {largest} N");
+    }
+    // A few counts on now and then is a device that is there.
+    let (bench, largest) = stuck_at(&|tick| 7 + 3 * (tick / 32));
     assert_eq!(bench.peer.mode(), Mode::Armed);
     assert!(largest > 15.0, "{largest} N");
 }

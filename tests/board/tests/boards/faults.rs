@@ -181,6 +181,18 @@ fn outputs_go_off_and_stay_off() {
     };
     campaign.inject("encoder stuck (force changed by 0.8 N, as set)", 2, &faulted(4000, "fault 8"), &stuck, &nothing);
 
+    let cut = |bench: &mut Bench, _: &Firmware, ms: u64| {
+        if let Some(counts) = &mut bench.input(1).counts {
+            if ms == 1 {
+                stood.set(counts[0]);
+            }
+            // Every edge of the wire that is left is one count on or back.
+            counts[0] = stood.get() + (counts[0] - stood.get()).rem_euclid(2);
+        }
+    };
+    let what = "one wire of an encoder cut (force changed by 0.8 N, as set)";
+    campaign.inject(what, 2, &faulted(4000, "fault 8"), &cut, &nothing);
+
     let mirrored = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if let Some(counts) = &mut bench.input(1).counts {
             if ms == 1 {
