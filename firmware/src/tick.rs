@@ -159,9 +159,11 @@ impl Loop {
 
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun };
         let actuators = self.peer.tick(&sensors);
-        self.driving = actuators.enable;
         if actuators.enable {
             bridges::drive(actuators.duties);
+            if !self.driving {
+                bridges::on();
+            }
             flags |= record::ENABLED;
             if self.peer.is_engaged() {
                 flags |= record::ENGAGED;
@@ -170,6 +172,7 @@ impl Loop {
             bridges::off();
             self.judge();
         }
+        self.driving = actuators.enable;
 
         self.side.signals.mode.set(self.peer.mode());
         self.side.signals.ticks.set(self.tick);

@@ -7,7 +7,7 @@
 //! Off is the default three times over: the enable line is low (and pulled down on the wiring while the chip is in reset),
 //! the timer's outputs are off (MOE) and then held at their inactive level (OSSI), and the emergency stop's contact opens
 //! the timer's break input, which clears MOE in hardware with no software in between. The break pin is pulled down: a
-//! cut wire is a pressed button. MOE comes back only when the tick arms again.
+//! cut wire is a pressed button. MOE comes back only when the tick begins to drive again ([`on`]).
 //!
 //! [`OFF`] is the same in two stores, for handlers that cannot trust their stack.
 
@@ -87,12 +87,18 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     core::mem::forget(stop);
 }
 
-/// Duties onto the bridges, and the bridges on.
+/// Duties onto the bridges.
 #[inline(always)]
 pub(crate) fn drive(duties: [Duty; AXES]) {
     for (channel, duty) in duties.into_iter().enumerate() {
         pac::TIM1.ccr(channel).write(|w| w.set_ccr(compare(duty)));
     }
+}
+
+/// The bridges on, once, when they begin to be driven: nothing else undoes what the emergency stop did, however briefly it was
+/// pressed. While it is pressed the timer does not take it.
+#[inline(always)]
+pub(crate) fn on() {
     pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_ON));
     pac::GPIOF.bsrr().write(|w| w.0 = ENABLE_SET);
 }

@@ -50,6 +50,12 @@ pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
     address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1"))
 }
 
+/// Whether the motors are on, as far as these answers tell, and stay on only while an operator does.
+fn left_armed(answers: &[String]) -> bool {
+    let said = |answer: &&String| answer.starts_with("ok armed") || answer.starts_with("ok disarmed");
+    answers.iter().rev().find(said).is_some_and(|last| last == "ok armed")
+}
+
 impl Operate {
     /// Gives the scene, says the lines and prints the answers, and records.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
@@ -86,6 +92,9 @@ impl Operate {
         }
         if let Some(file) = &self.record {
             self.record(ui, &mut operator, file)?;
+        }
+        if left_armed(&answers) {
+            ui.status("no operator stays: the motors go off after safety.operator_lost_s (`arm alone` keeps them on)");
         }
         ui.document(&json!({ "answers": answers, "files": self.record.as_slice() }))
     }

@@ -195,6 +195,17 @@ impl Bench {
         }
     }
 
+    /// One period in which devices stand still and a board's (1 or 2) emergency stop is pressed, so long after its beginning and for
+    /// so long, ns. The tick comes in the middle of it.
+    pub fn press_for(&mut self, number: usize, after_ns: u64, length_ns: u64) {
+        let end_ns = self.now_ns + PERIOD_NS;
+        self.run_to(self.now_ns + after_ns);
+        self.input(number).press = Some(true);
+        self.run_to(self.now_ns + length_ns);
+        self.input(number).press = Some(false);
+        self.run_to(end_ns);
+    }
+
     /// One period of boards and devices.
     pub fn step(&mut self) {
         self.run_to(self.now_ns + PERIOD_NS);

@@ -10,7 +10,7 @@
 //! | [`same_bits`], [`papers_comms`] | do two boards compute what host-sim computes? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
-//! | [`faults`] (one of them an [`impostor`]), [`store`] | do outputs go off, and settings stay whole? |
+//! | [`faults`] (one of them an [`impostor`]), [`stop`], [`store`] | do outputs go off, and settings stay whole? |
 //! | [`budgets`], [`static_stack`] | do flash, memory, stack and instructions keep to their budgets? |
 
 mod bad_wire;
@@ -26,4 +26,5 @@ mod papers_comms;
 mod partner;
 mod same_bits;
 mod static_stack;
+mod stop;
 mod store;
