@@ -148,7 +148,15 @@ impl Console {
                 let armed = status::name(self.arm(alone).await?);
                 write!(to, "ok {armed}{}", if alone { ", alone: the operator may go" } else { "" })?;
             }
-            Request::Command(command) => write!(to, "ok {}", status::name(self.command(command).await?))?,
+            Request::Disarm => {
+                self.disarm().await?;
+                write!(to, "ok disarmed")?;
+            }
+            Request::Clear => {
+                self.unacknowledged = false;
+                self.signals.emergency.set(false);
+                write!(to, "ok {}", status::name(self.order(Command::Clear, Mode::Disarmed).await?))?;
+            }
             Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
             Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
             Request::Probed => self.probed(to)?,
@@ -213,10 +221,20 @@ impl Console {
 
     /// Motors on, for as long as the operator stays or, alone, for longer.
     async fn arm(&mut self, alone: bool) -> Result<Mode, No<'static>> {
-        // Not before: what refuses to arm changes nothing about motors that are on.
         self.ready()?;
+        if !self.signals.checked.get() {
+            let why = "check first: the signs of motor and encoder were not checked, every joint in use";
+            return Err(No::Because(why));
+        }
+        // Not before: what refuses to arm changes nothing about motors that are on.
         self.hold(alone);
-        self.command(Command::Arm).await
+        self.order(Command::Arm, Mode::Armed).await
+    }
+
+    /// Motors off at the next tick.
+    async fn disarm(&self) -> Result<(), No<'static>> {
+        self.signals.disarm.release(true);
+        self.carried_out(|| !self.signals.disarm.acquire()).await
     }
 
     /// How long motors that are turned on now stay on without an operator.
@@ -226,30 +244,9 @@ impl Console {
         self.signals.let_go.set(false);
     }
 
-    /// Carries the command out; the mode that it led to, if that is the one that was asked for.
-    async fn command(&mut self, command: Command) -> Result<Mode, No<'static>> {
+    /// Has the tick carry the command out; the mode that it led to, if that is the one that was asked for.
+    async fn order(&self, command: Command, wanted: Mode) -> Result<Mode, No<'static>> {
         let signals = self.signals;
-        let wanted = match command {
-            Command::Disarm => {
-                signals.disarm.release(true);
-                self.carried_out(|| !signals.disarm.acquire()).await?;
-                return Ok(Mode::Disarmed);
-            }
-            Command::Clear => {
-                self.unacknowledged = false;
-                signals.emergency.set(false);
-                Mode::Disarmed
-            }
-            Command::Arm => {
-                self.ready()?;
-                if !signals.checked.get() {
-                    return Err(No::Because(
-                        "check first: the signs of motor and encoder were not checked, every joint in use",
-                    ));
-                }
-                Mode::Armed
-            }
-        };
         let order = signals.order.get().next(command);
         signals.order.release(order);
         self.carried_out(|| signals.done.acquire() == order).await?;

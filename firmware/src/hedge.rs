@@ -1,9 +1,9 @@
 //! Hedge: random bytes that do not repeat themselves though the source of noise does.
 //!
-//! What the links draw their ephemerals and challenges from is a hash under a secret of the board's ([`crate::keys::Keys::seed`]) of the noise and of all that is
-//! different from draw to draw: which board, which start, which draw of that start, and when. So a source that gives the same at
-//! every start gives other bytes all the same, which who does not hold both of its keys cannot foresee. One that works is as good as without
-//! this.
+//! What the links draw their ephemerals and challenges from is a hash, under a secret of the board's ([`crate::keys::Keys::seed`]),
+//! of the noise and of all that is different from draw to draw: which board, which start, which draw of that start, and when. So
+//! a source that gives the same at every start gives other bytes all the same, which who does not hold both of its keys cannot
+//! foresee. One that works is as good as without this.
 
 use haptic_protocol::key::Key;
 

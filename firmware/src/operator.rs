@@ -7,7 +7,6 @@
 use core::str::FromStr;
 
 use haptic_core::device::probe::{self, Shape};
-use haptic_core::safety::Command;
 use haptic_core::settings::{Choice, Value};
 
 /// What a line asks for.
@@ -20,8 +19,10 @@ pub enum Request<'a> {
         /// They stay on when the operator is gone.
         alone: bool,
     },
-    /// Motors off, or a fault forgotten.
-    Command(Command),
+    /// Motors off.
+    Disarm,
+    /// A fault forgotten; the motors stay off.
+    Clear,
     /// Do the signs of a joint's motor and encoder agree?
     Check(u32),
     /// A motor pushed open loop.
@@ -65,8 +66,8 @@ impl Misread {
                  capture"
             }
             Self::Arguments => {
-                "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], set key value, get key, \
-                 stream n, stream off, capture n"
+                "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], \
+                 set key value, get key, stream n, stream off, capture n"
             }
         }
     }
@@ -77,13 +78,13 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
     let request = match words.next().ok_or(Misread::Empty)? {
         // Whatever else stands in the line: stopping must not fail for a slip of the finger.
-        "disarm" => return Ok(Request::Command(Command::Disarm)),
+        "disarm" => return Ok(Request::Disarm),
         "status" => Some(Request::Status),
         "arm" => match words.next() {
             None => Some(Request::Arm { alone: false }),
             Some(word) => (word == "alone").then_some(Request::Arm { alone: true }),
         },
-        "clear" => Some(Request::Command(Command::Clear)),
+        "clear" => Some(Request::Clear),
         "check" => number(&mut words).map(Request::Check),
         "probe" => probe(&mut words).map(Request::Probe),
         "probed" => Some(Request::Probed),
@@ -102,7 +103,7 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
 
 /// Whether a line is taken however long ago it was said: what stops, and harms nobody if it comes late.
 pub fn is_timeless(line: &str) -> bool {
-    parse(line) == Ok(Request::Command(Command::Disarm))
+    parse(line) == Ok(Request::Disarm)
 }
 
 fn number<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Option<T> {

@@ -4,8 +4,8 @@
 //! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
 //! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
 //! have ranged over more than `safety.stuck_duty`. What follows: with a stuck encoder the force changes by no more than
-//! that before the motors go off. Looked at once a packet period, in the tick before the packet is
-//! due: motion that comes back to the very count by then is not seen, force that changes more slowly is.
+//! that before the motors go off. Looked at once a packet period, in the tick before the packet is due: motion that comes
+//! back by then is not seen, force that changes more slowly is.
 //!
 //! **Runaway.** With an encoder that counts the wrong way, what the controller brakes gets faster. The hand then seems to
 //! feed the device a power P = −F·v that no hand has: more than `safety.max_hand_power_w` is not believed. Every tick.

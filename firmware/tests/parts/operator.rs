@@ -2,14 +2,13 @@
 
 use firmware_parts::operator::{Misread, Request, parse};
 use haptic_core::device::probe::{self, Shape};
-use haptic_core::safety::Command;
 use haptic_core::settings::Value;
 
 #[test]
 fn lines_are_read_as_written() {
     assert_eq!(parse("arm\n"), Ok(Request::Arm { alone: false }));
     assert_eq!(parse("arm alone"), Ok(Request::Arm { alone: true }));
-    assert_eq!(parse("clear"), Ok(Request::Command(Command::Clear)));
+    assert_eq!(parse("clear"), Ok(Request::Clear));
     assert_eq!(parse(" status "), Ok(Request::Status));
     assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
     assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
@@ -37,7 +36,7 @@ fn what_is_no_line_says_why() {
 #[test]
 fn stopping_is_never_misread_for_what_follows_it() {
     assert_eq!(parse("disarm!"), Err(Misread::Word));
-    assert_eq!(parse("disarm now please"), Ok(Request::Command(Command::Disarm)));
+    assert_eq!(parse("disarm now please"), Ok(Request::Disarm));
 }
 
 #[test]

@@ -35,8 +35,12 @@ pub fn operator_key() -> Key {
 
 /// Where a board keeps its two keys (memory.x), as `cargo xtask provision` puts them there: address and value.
 pub fn keys_in_flash(peers: &Key, operator: &Key) -> Vec<(u64, u32)> {
-    let images = [peers.image(Role::Peers), operator.image(Role::Operator)].concat();
-    let words = images.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
+    in_key_sector(&[peers.image(Role::Peers), operator.image(Role::Operator)].concat())
+}
+
+/// Bytes at the beginning of the sector of keys, whole words of them.
+pub fn in_key_sector(bytes: &[u8]) -> Vec<(u64, u32)> {
+    let words = bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
     (0x081A_0000..).step_by(4).zip(words).collect()
 }
 

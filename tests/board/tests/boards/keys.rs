@@ -6,7 +6,7 @@ use std::sync::Arc;
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
-use board_bench::pc::{Pc, board_ip, board_mac, keys_in_flash, operator_key, peers_key, udp};
+use board_bench::pc::{Pc, board_ip, board_mac, in_key_sector, keys_in_flash, operator_key, peers_key, udp};
 use board_bench::wire::{Line, PC, Wire};
 use board_bench::{log, reviewed};
 use haptic_protocol::key::Key;
@@ -55,9 +55,7 @@ fn start(firmware: &Arc<Firmware>, flash: Vec<(u64, u32)>, works: bool) -> (usiz
 fn single() -> Vec<(u64, u32)> {
     const TAG: [u8; 16] =
         [0xA8, 0xF5, 0x46, 0xFE, 0x31, 0xF3, 0x87, 0x3F, 0x3B, 0xED, 0x9A, 0x97, 0x31, 0x30, 0x78, 0xFF];
-    let bytes = [&b"haptkey1"[..], &[0; 8], &TAG, peers_key().bytes(), &[0; 32]].concat();
-    let words = bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect::<Vec<_>>();
-    (0x081A_0000..).step_by(4).zip(words).collect()
+    in_key_sector(&[&b"haptkey1"[..], &[0; 8], &TAG, peers_key().bytes(), &[0; 32]].concat())
 }
 
 #[test]
