@@ -534,6 +534,16 @@ settings! {
         max_duty: f64 = 0.95, number(0.01, 1.0), "",
             "Largest duty the amplifier may be given, as a fraction of full scale.";
         reversed: bool = false, Allowed::Flag, "", "Positive duty pushes against the axis.";
+        resistance_ohm: f64 = 4.8, number(0.001, 1e4), "Ω", "Resistance R of the winding, for the current loop.";
+        inductance_h: f64 = 0.0005, number(1e-6, 10.0), "H", "Inductance L of the winding, for the current loop.";
+        current_loop_hz: f64 = 1000.0, number(50.0, 2000.0), "Hz",
+            "Crossover of the current loop; phase margin 63° at 1000, 36° at 2000.";
+        back_emf_forward: bool = false, Allowed::Flag, "",
+            "The current loop adds the voltage that the motor makes by moving, from the joint's speed.";
+        sense_a: f64 = 5.5, number(1e-3, 1e3), "A",
+            "Current at which its sensor is at the end of its range, either way; at least 1.1 times the largest asked for.";
+        continuous_a: f64 = 2.0, number(1e-3, 1e3), "A", "Current that the winding bears for ever.";
+        thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
     }
 
     /// Limits that hold whatever the rest says.

@@ -7,6 +7,8 @@
 //! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
 //! | [`constraint`] | the force that holds an unused axis on its line |
 //! | [`motor`] | joint force → duty |
+//! | [`current`] | duty, which is a current, → voltage of the motor: 20 000 times a second |
+//! | [`thermal`] | how warm a motor's winding is |
 //! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
 //! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
@@ -15,11 +17,13 @@
 //! direction of the task: always m, m/s, N. Positions are zero where the encoders were when they were first read.
 
 pub mod constraint;
+pub mod current;
 pub mod encoder;
 pub mod envelope;
 pub mod kinematics;
 pub mod motor;
 pub mod probe;
+pub mod thermal;
 pub mod velocity;
 pub mod watch;
 

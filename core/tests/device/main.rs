@@ -2,6 +2,7 @@
 //! differences, closed forms.
 
 mod check;
+mod current;
 mod encoder;
 mod kinematics;
 mod motor;
