@@ -16,13 +16,14 @@ haptic_core::numbered! {
         35 Watchdog: "the tick or the supervisor made no progress",
         36 BrownOut: "the supply was too low",
         37 Request: "a reset was asked for",
+        38 TickMissed: "no tick came for 2 ms",
     }
 }
 
 impl Stop {
     /// Whether a person has to acknowledge it before the board may be armed.
     pub fn latches(self) -> bool {
-        matches!(self, Self::Panic | Self::HardFault | Self::Watchdog | Self::BrownOut)
+        matches!(self, Self::Panic | Self::HardFault | Self::Watchdog | Self::BrownOut | Self::TickMissed)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! **Deadline**: 1 ms from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
 //! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
-//! never ends is the watchdog's.
+//! lasts for two periods is ended by a reset ([`crate::board::deadman`]).
 //!
 //! **Rules**: the highest priority there is, above every critical section; code in ITCM, data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.

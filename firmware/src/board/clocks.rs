@@ -14,6 +14,8 @@ use embassy_stm32::rcc::{
 use embassy_stm32::{Config, time::Hertz};
 
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
+/// Of the buses that peripherals are on, PCLK1 to PCLK4.
+pub(crate) const PERIPHERALS_HZ: u32 = TIMERS_HZ / 2;
 
 pub(crate) fn config() -> Config {
     let mut config = Config::default();

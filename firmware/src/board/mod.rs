@@ -7,6 +7,7 @@
 
 pub(crate) mod bridges;
 pub(crate) mod clocks;
+pub(crate) mod deadman;
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
 pub(crate) mod flash;

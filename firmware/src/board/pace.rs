@@ -8,7 +8,7 @@ use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::{Peri, pac, peripherals::TIM6, timer::low_level::Timer};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 
-use super::clocks::TIMERS_HZ;
+use super::{clocks::TIMERS_HZ, deadman};
 
 /// The control period that the timer makes, s.
 pub(crate) const PERIOD_S: f64 = 0.001;
@@ -20,7 +20,7 @@ const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_H
 /// A packet went out, or a record is there.
 static BELL: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
-/// Starts the tick: from here on the interrupt runs.
+/// Starts the tick: from here on the interrupt runs, and has to.
 pub(crate) fn start(timer: Peri<'static, TIM6>) {
     core::mem::forget(Timer::new(timer));
     interrupt::UART8.set_priority(Priority::P1);
@@ -36,12 +36,14 @@ pub(crate) fn start(timer: Peri<'static, TIM6>) {
         interrupt::UART8.enable();
         interrupt::TIM6_DAC.enable();
     }
+    deadman::start();
     tim.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Takes note that the tick began.
 #[inline(always)]
 pub(crate) fn acknowledge() {
+    deadman::wind();
     pac::TIM6.sr().write(|w| w.set_uif(false));
 }
 

@@ -7,7 +7,9 @@ use firmware_parts::status::Stop;
 pub(crate) fn cause() -> Stop {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
-    if flags.iwdg1rstf() || flags.wwdg1rstf() {
+    if flags.wwdg1rstf() {
+        Stop::TickMissed
+    } else if flags.iwdg1rstf() {
         Stop::Watchdog
     } else if flags.porrstf() {
         Stop::PowerOn

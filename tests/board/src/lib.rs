@@ -19,7 +19,7 @@
 //! | [`docs`] | tables of docs/hardware.md that tests write |
 //! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
-//! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdog and encoders in it |
+//! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdogs and encoders in it |
 //!
 //! What is emulated and what is not: instructions, interrupts, priorities, timers and their filters, flash and memory
 //! protection are; cycles, caches and bus contention are not. So bits, instruction counts and logic are evidence here, and

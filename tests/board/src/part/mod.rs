@@ -1,16 +1,18 @@
-//! The chip and the board around it: rigless' STM32H743 with our models in front of four of its slots.
+//! The chip and the board around it: rigless' STM32H743 with our models in front of some of its slots.
 //!
 //! | module | models |
 //! |---|---|
 //! | [`ethernet`] | MAC with address filter, DMA rings, MDIO and the PHY behind it |
 //! | [`encoder`] | a timer with a quadrature encoder on its pins, edges spread over time |
 //! | [`iwdg`] | the independent watchdog |
+//! | [`wwdg`] | the window watchdog |
 //!
 //! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the blue button.
 
 pub mod encoder;
 pub mod ethernet;
 pub mod iwdg;
+pub mod wwdg;
 
 use std::num::{NonZeroU32, NonZeroU64};
 
@@ -30,6 +32,7 @@ use rigless::time::VirtualNanos;
 use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
 use iwdg::Iwdg;
+use wwdg::Wwdg;
 
 /// Core clock, Hz; one instruction a cycle is assumed.
 pub const CORE_HZ: u64 = 480_000_000;
@@ -63,8 +66,10 @@ pub struct Part {
     pub mac: Mac,
     /// Descriptor rings.
     pub dma: Dma,
-    /// Watchdog.
+    /// Watchdog on its own clock.
     pub iwdg: Iwdg,
+    /// Watchdog on the bus's.
+    pub wwdg: Wwdg,
     /// TIM3 and TIM4 with an encoder each.
     pub encoders: [EncoderTimer; 2],
     slots: Slots,
@@ -79,6 +84,7 @@ struct Slots {
     mac: usize,
     dma: usize,
     iwdg: usize,
+    wwdg: usize,
     encoders: [usize; 2],
     gpio_c: usize,
     gpio_e: usize,
@@ -99,6 +105,7 @@ impl Part {
             mac: slot("Ethernet_MAC")?,
             dma: slot("Ethernet_DMA")?,
             iwdg: slot("IWDG")?,
+            wwdg: slot("WWDG")?,
             encoders: [slot("TIM3")?, slot("TIM4")?],
             gpio_c: slot("GPIOC")?,
             gpio_e: slot("GPIOE")?,
@@ -113,6 +120,7 @@ impl Part {
             mac,
             dma,
             iwdg: Iwdg::default(),
+            wwdg: Wwdg::default(),
             encoders,
             slots,
             stop_released: true,
@@ -220,6 +228,7 @@ impl Mcu for Part {
         Device::reset(&mut self.mac);
         Device::reset(&mut self.dma);
         Device::reset(&mut self.iwdg);
+        Device::reset(&mut self.wwdg);
         for encoder in &mut self.encoders {
             Device::reset(encoder);
         }
@@ -240,6 +249,7 @@ impl Mcu for Part {
             s if s == self.slots.mac => &mut self.mac,
             s if s == self.slots.dma => &mut self.dma,
             s if s == self.slots.iwdg => &mut self.iwdg,
+            s if s == self.slots.wwdg => &mut self.wwdg,
             s if s == self.slots.encoders[0] => one,
             s if s == self.slots.encoders[1] => two,
             _ => return self.chip.split(slot),

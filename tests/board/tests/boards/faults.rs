@@ -263,7 +263,7 @@ fn outputs_go_off_and_stay_off() {
     );
     campaign.break_code("stack overflow in a task", &restarted(6, "refused an instruction"), "UART4", &[OVERFLOW]);
     campaign.break_code("supervisor hangs", &restarted(32, "no progress"), "UART4", &[FOR_EVER]);
-    campaign.break_code("tick hangs", &restarted(32, "no progress"), "TIM6_DAC", &[FOR_EVER]);
+    campaign.break_code("tick hangs", &restarted(2, "no tick came"), "TIM6_DAC", &[FOR_EVER]);
 
     let words = board_bench::power::cuts(&campaign.firmware);
     campaign.rows.push(format!(
