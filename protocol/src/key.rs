@@ -17,6 +17,8 @@ use zeroize::Zeroize;
 
 /// Bytes of the authentication tag that ends every datagram.
 pub const TAG_LEN: usize = 16;
+/// Bytes of the number that a key seals with once and never again.
+pub const NONCE_LEN: usize = 12;
 
 /// What a key is for. A board has one of each, drawn by itself: who holds one has nothing of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

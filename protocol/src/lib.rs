@@ -85,6 +85,7 @@
 )]
 
 mod bytes;
+pub mod cipher;
 pub mod clock;
 pub mod ends;
 mod engagement;

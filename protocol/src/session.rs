@@ -10,7 +10,7 @@
 //! ([`Stamps`]). So the receiver knows how old it is at the most, the way there and back and what the sender waited, from its own
 //! clock alone; an echo also says that the other end opens what is sealed here.
 //!
-//! **Sealing** is ChaCha20-Poly1305 (RFC 8439). Each direction has its own keys, so that what a peer sent is never opened by
+//! **Sealing** is ChaCha20-Poly1305 ([`crate::cipher`]). Each direction has its own keys, so that what a peer sent is never opened by
 //! itself. The sequence number is the nonce and also picks the key: every 2²⁰ datagrams (2.3 h at one each 8 ms) both ends move on
 //! to the next traffic key without a word about it. The header is authenticated, the message encrypted, both or neither.
 //!
@@ -19,12 +19,14 @@
 
 use core::fmt;
 
-use chacha20poly1305::aead::{AeadInOut, KeyInit};
-use chacha20poly1305::{ChaCha20Poly1305, aead::array::Array};
-
+use crate::cipher::Cipher;
 use crate::replay::{SEQUENCE_LIMIT, Window};
 use crate::wire::{self, Ephemeral, Greeting, Header, Message, PeerId, Stamps, TABLES, TAG_LEN, TableHash, VERSION};
-use crate::{ends::Ends, error::Refusal, key::Key};
+use crate::{
+    ends::Ends,
+    error::Refusal,
+    key::{Key, NONCE_LEN},
+};
 
 /// What one end puts into a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -225,7 +227,7 @@ impl Counter {
 pub(crate) struct Direction {
     base: Key,
     epoch: u64,
-    cipher: ChaCha20Poly1305,
+    cipher: Cipher,
 }
 
 impl Direction {
@@ -236,13 +238,12 @@ impl Direction {
         Self { base, epoch: 0, cipher }
     }
 
-    fn traffic(base: &Key, epoch: u64) -> ChaCha20Poly1305 {
-        let key = base.derive("epoch").with(&epoch.to_le_bytes()).end();
-        ChaCha20Poly1305::new(&Array(*key.bytes()))
+    fn traffic(base: &Key, epoch: u64) -> Cipher {
+        Cipher::new(&base.derive("epoch").with(&epoch.to_le_bytes()).end())
     }
 
-    fn nonce(sequence: u64) -> [u8; 12] {
-        let mut nonce = [0; 12];
+    fn nonce(sequence: u64) -> [u8; NONCE_LEN] {
+        let mut nonce = [0; NONCE_LEN];
         if let Some(low) = nonce.last_chunk_mut() {
             *low = sequence.to_le_bytes();
         }
@@ -271,9 +272,7 @@ impl Direction {
         let len = stamped + message.emit(rest.get_mut(stamped..).unwrap_or_default())?;
         let (body, rest) = rest.split_at_mut_checked(len).ok_or(too_short)?;
         let end = rest.first_chunk_mut::<TAG_LEN>().ok_or(too_short)?;
-        let nonce = Array(Self::nonce(header.sequence));
-        let tag = self.cipher.encrypt_inout_detached(&nonce, head, body.into()).map_err(|_| Refusal::Forged)?;
-        *end = tag.0;
+        *end = self.cipher.seal(Self::nonce(header.sequence), head, body)?;
         Ok(Header::LEN + len + TAG_LEN)
     }
 
@@ -286,13 +285,13 @@ impl Direction {
     ) -> Result<&'a [u8], Refusal> {
         let length = wire::Error::Length { message: "sealed", wanted: TAG_LEN, got: sealed.len() };
         let (body, tag) = sealed.split_last_chunk_mut::<TAG_LEN>().ok_or(length)?;
-        let (nonce, tag) = (Array(Self::nonce(header.sequence)), Array(*tag));
+        let (nonce, tag) = (Self::nonce(header.sequence), *tag);
         let epoch = header.sequence >> EPOCH_BITS;
         if epoch == self.epoch {
-            self.cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Refusal::Forged)?;
+            self.cipher.open(nonce, head, body, tag)?;
         } else {
             let cipher = Self::traffic(&self.base, epoch);
-            cipher.decrypt_inout_detached(&nonce, head, (&mut *body).into(), &tag).map_err(|_| Refusal::Forged)?;
+            cipher.open(nonce, head, body, tag)?;
             // Only the owner of the key gets here, so only it can move the epoch.
             if epoch > self.epoch {
                 self.cipher = cipher;
