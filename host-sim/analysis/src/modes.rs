@@ -20,7 +20,7 @@ use super::delays::delays;
 use super::lifted::delay::delays_ticks;
 use super::verdict::{Analyser, Verdict};
 use crate::error::AnalysisError;
-use haptic_sim::scene::{Jitter, Scene};
+use haptic_sim::scene::{DriveName, Jitter, Scene};
 
 /// Whose hands are on their devices, in contact with the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -127,6 +127,7 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
     let (peer, plant, network) = (&scene.peer, &scene.world.plant, &scene.world.network);
     let (contact, law) = (&peer.contact, &peer.coordination);
     let recorded = scene.network_trace.is_some();
+    let wound = plant.motor && plant.winding;
     let drawn = |of_table: bool| of_table && !recorded;
     let every_delay = delays(scene, &scene.linear()).1;
     let all = [
@@ -136,6 +137,11 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (plant.encoder, "steps of the encoder"),
         (plant.coulomb_n > 0.0, "friction of the device"),
         (plant.motor, "steps and saturation of the motor"),
+        (wound && plant.drive == DriveName::Voltage, "the windings of the motors, which no current loop drives"),
+        (
+            wound && plant.drive == DriveName::Current,
+            "the current loop, but for its lag and what back-EMF it lets through",
+        ),
         (peer.axis.velocity == VelocityName::Adaptive, "the velocity window that adapts"),
         (peer.axis.count > 1, "the axes that are held on their line"),
         (peer.kinematics.model != KinematicsName::Direct, "the geometry of the mechanism"),

@@ -23,6 +23,12 @@ impl Rng {
         (self.0.next_u64() >> 11) as f64 * (-53.0_f64).exp2()
     }
 
+    /// Normal, of mean 0 and variance 1 (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let radius = libm::sqrt(-2.0 * libm::log1p(-self.unit()));
+        radius * libm::cos(core::f64::consts::TAU * self.unit())
+    }
+
     /// True this often.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability

@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use haptic_core::contact::{RenderingName, Side};
 use haptic_core::device::AXES;
+use haptic_core::device::current::{self, CurrentLoop};
 use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
@@ -37,6 +39,20 @@ impl Choice for Jitter {
     const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma, Self::Pareto];
 }
 
+/// What makes a motor's current.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveName {
+    /// The duty is a share of the supply.
+    Voltage,
+    /// The duty is the reference of core's current loop.
+    Current,
+}
+
+impl Choice for DriveName {
+    const NAMES: &'static [&'static str] = &["voltage", "current"];
+    const ALL: &'static [Self] = &[Self::Voltage, Self::Current];
+}
+
 haptic_core::settings! {
     /// The world around the peers.
     pub struct World;
@@ -58,6 +74,20 @@ haptic_core::settings! {
             "The device is driven by motor duties (table motor), saturation included, instead of the exact force.";
         pwm_steps: u32 = 0, Allowed::Whole { min: 0, max: 32767 }, "",
             "PWM steps from zero to full duty, with plant.motor; 0 is as fine as the duty register.";
+        winding: bool = false, Allowed::Flag, "",
+            "The motors have windings (R, L and back-EMF of table motor) behind a bridge that is a voltage, with plant.motor; the delay \
+             of the force is theirs then, and device.force_delay_ticks says nothing.";
+        drive: DriveName = DriveName::Voltage, Allowed::Names(DriveName::NAMES), "",
+            "What a duty is to a winding: a share of the supply, or the reference of the current loop.";
+        supply_v: f64 = 24.0, number(6.0, 60.0), "V", "Supply of the bridges.";
+        dead_time_s: f64 = 0.0, number(0.0, 5e-6), "s", "Time at each edge in which neither switch of a leg is on.";
+        resistance_ratio: f64 = 1.0, number(0.5, 2.0), "",
+            "Resistance of the windings over motor.resistance_ohm; 1.24 is 60 K warmer copper.";
+        current_bits: u32 = 12, Allowed::Whole { min: 8, max: 16 }, "bits",
+            "Converter of the current, from -motor.sense_a to motor.sense_a.";
+        current_noise_a: f64 = 0.0032, number(0.0, 1.0), "A", "Noise of the current's sensor, root mean square.";
+        loop_delay_periods: f64 = 1.5, number(1.0, 1.5), "",
+            "PWM periods of 50 µs from a sample of the current to the middle of the voltage that comes of it.";
     }
 
     /// The network between the peers.
@@ -86,6 +116,17 @@ haptic_core::settings! {
         playout_packets: u32 = 0, Allowed::Whole { min: 0, max: 32 }, "packets",
             "Play-out buffer: packets wait until they are this much later than the fastest, so that the delay is constant.";
         seed: u32 = 1, Allowed::Whole { min: 0, max: u32::MAX }, "", "Seed of everything random in a run.";
+    }
+}
+
+impl PlantSettings {
+    /// Counts of the timer that are all of the supply, or full duty.
+    pub fn timer_counts(&self) -> u16 {
+        match self.pwm_steps {
+            0 => Duty::FULL_SCALE.unsigned_abs(),
+            // At most 15 bits.
+            steps => steps as u16,
+        }
     }
 }
 
@@ -310,7 +351,57 @@ impl Scene {
                  one of \"difference\", \"filtered\", \"adaptive\"",
             ));
         }
-        self.check_mass().map_err(|said| SceneError::at(place, said))
+        self.check_mass().and_then(|()| self.check_winding()).map_err(|said| SceneError::at(place, said))
+    }
+
+    /// A winding is driven by duties, in whole PWM periods, and the loop around it fast enough to be told as a delay.
+    fn check_winding(&self) -> Result<(), String> {
+        let plant = &self.world.plant;
+        if !plant.winding {
+            return Ok(());
+        }
+        if !plant.motor {
+            return Err(
+                "plant.winding = true is not allowed with plant.motor = false: a winding is driven by motor duties"
+                    .into(),
+            );
+        }
+        current::periods_per_tick(&self.peer).map_err(|refused| refused.to_string())?;
+        if plant.drive == DriveName::Voltage {
+            return Ok(());
+        }
+        CurrentLoop::build(&self.peer, plant.timer_counts()).map_err(|refused| refused.to_string())?;
+        match self.force_delay_ticks() {
+            ticks if ticks <= 1.0 => Ok(()),
+            ticks => Err(format!(
+                "motor.current_loop_hz = {} is not allowed with timing.control_period_s = {}: its current comes {ticks:.2} control \
+                 periods after the force was sensed, it must be at most 1",
+                self.peer.motor.current_loop_hz, self.peer.timing.control_period_s
+            )),
+        }
+    }
+
+    /// How much heavier a device in a current loop feels, kg: while the back-EMF grows the loop lacks force, k²/(ω_c·R) for each m/s². None
+    /// where it is sent forward, where the duty is no reference, and of mechanisms other than slides, whose pose it depends on.
+    pub fn back_emf_mass_kg(&self) -> f64 {
+        let (plant, motor) = (&self.world.plant, &self.peer.motor);
+        let slide = self.peer.kinematics.model == KinematicsName::Direct;
+        if !plant.winding || plant.drive == DriveName::Voltage || motor.back_emf_forward || !slide {
+            return 0.0;
+        }
+        let crossover = std::f64::consts::TAU * motor.current_loop_hz;
+        motor.newton_or_newton_metre_per_a.powi(2) / (crossover * motor.resistance_ohm)
+    }
+
+    /// Control periods from sensing to the force that comes of it: `device.force_delay_ticks`, or, with a winding in a current loop, the
+    /// PWM period that the tick takes and the lag of the loop.
+    pub fn force_delay_ticks(&self) -> f64 {
+        let plant = &self.world.plant;
+        if plant.winding && plant.drive == DriveName::Current {
+            (current::PWM_PERIOD_S + current::lag_s(&self.peer)) / self.peer.timing.control_period_s
+        } else {
+            self.world.device.force_delay_ticks
+        }
     }
 
     /// An impact of a device that is thought heavier than what moves with it makes energy: a share
@@ -351,6 +442,8 @@ impl Scene {
         linear.peer.coordination.drift_correction = false;
         linear.peer.axis.count = 1;
         linear.peer.kinematics.model = KinematicsName::Direct;
+        linear.world.device.force_delay_ticks = self.force_delay_ticks();
+        linear.world.device.mass_kg += self.back_emf_mass_kg();
         linear.world.plant = PlantSettings::default();
         linear.users = Default::default();
         // Constant delay: what the analysis of one packet period can hold. Play-out is that and nothing else.

@@ -12,3 +12,4 @@ mod oracle;
 mod random;
 mod self_timed;
 mod theory;
+mod winding;

@@ -65,14 +65,44 @@ impl Joints {
         self.inverse(axes).map(|joint| Counts((joint * self.counts_per_unit).floor() as i64 as u16))
     }
 
-    /// Forces on the axes (N) that the duties give: Jᵀ·F = τ solved for F.
+    /// Forces on the axes (N) that the duties give.
     pub(super) fn forces(&self, axes: [Motion<f64>; AXES], duties: [Duty; AXES]) -> [f64; AXES] {
         let torques = duties.map(|duty| {
             let stepped = (f64::from(duty.0) / self.duty_step).round() * self.duty_step;
             self.motor.joint_force(Duty(stepped as i16))
         });
-        let [[a, b], [c, d]] = self.kinematics.forward(self.inverse(axes).map(Motion::at)).jacobian;
-        solve([[a, c], [b, d]], torques)
+        self.pose(axes).forces(torques)
+    }
+
+    /// How joints and axes move each other where the axes are now.
+    pub(super) fn pose(&self, axes: [Motion<f64>; AXES]) -> Pose {
+        Pose(self.kinematics.forward(self.inverse(axes).map(Motion::at)).jacobian)
+    }
+
+    /// Positions of the joints (m or rad) as the peer knows them.
+    pub(super) fn seen(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
+        let joints = self.inverse(axes);
+        if !self.encoder {
+            return joints;
+        }
+        joints.map(|joint| (joint * self.counts_per_unit).floor() / self.counts_per_unit)
+    }
+}
+
+/// The Jacobian of one pose.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose([[f64; AXES]; AXES]);
+
+impl Pose {
+    /// Speeds of the joints, m/s or rad/s, of axes that move: J·q̇ = ẋ solved for q̇.
+    pub(super) fn speeds(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
+        solve(self.0, axes.map(|axis| axis.velocity))
+    }
+
+    /// Forces on the axes (N) that those of the joints give: Jᵀ·F = τ solved for F.
+    pub(super) fn forces(&self, joints: [f64; AXES]) -> [f64; AXES] {
+        let [[a, b], [c, d]] = self.0;
+        solve([[a, c], [b, d]], joints)
     }
 }
 

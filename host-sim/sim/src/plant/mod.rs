@@ -6,19 +6,34 @@
 //! computes in: the world does not round.
 //!
 //! Imperfections, each only when the scene asks: Coulomb friction, encoder counts, motor duty and its saturation, PWM
-//! steps. Mass and damping are the same along all axes and in every pose (a Cartesian device); a five-bar's joints are
+//! steps, windings behind a bridge (`drive`, `winding`): then the tick is advanced PWM period by PWM period, each with the
+//! mean force that flowed, the back-EMF at its start, and the geometry of the tick's start. Mass and damping are the same along all axes and in every pose (a Cartesian device); a five-bar's joints are
 //! found by inverse kinematics.
 
+mod drive;
 mod joints;
 mod linear;
+mod winding;
 
-use haptic_core::device::{AXES, Reading};
+use haptic_core::device::{AXES, Reading, current::periods_per_tick};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 
 use crate::{scene::Scene, user::User};
+pub use drive::{Converter, Drive};
 use joints::Joints;
 pub use linear::Linear;
+pub use winding::{Flow, Winding};
+
+/// The motors of a device that has windings.
+#[derive(Clone, Debug)]
+struct Windings {
+    drives: [Drive; AXES],
+    /// PWM periods in a control period.
+    periods: u32,
+    /// Joint positions that the last tick read, m or rad.
+    seen: [f64; AXES],
+}
 
 /// A device, its user's hand on it.
 #[derive(Clone, Debug)]
@@ -27,7 +42,10 @@ pub struct Plant {
     /// +1 where toward the other peer is toward positive x.
     toward: f64,
     period_s: f64,
+    /// What `linear` advances by: a control period, or a PWM period.
+    step_s: f64,
     linear: Linear,
+    windings: Option<Windings>,
     axes_in_use: usize,
     friction_n: f64,
     moving_mass_kg: f64,
@@ -45,21 +63,38 @@ impl Plant {
         let (device, profile, world) = (&scene.world.device, &user.settings.user, &scene.world);
         let toward = if index == 0 { 1.0 } else { -1.0 };
         let moving_mass_kg = device.mass_kg + profile.arm_mass_kg;
+        let settings = &scene.peers()[index];
+        let joints = (world.plant.encoder || world.plant.motor).then(|| Joints::new(settings, &world.plant));
+        let windings = (joints.as_ref()).filter(|_| world.plant.winding).map(|joints| Windings {
+            drives: [0, 1].map(|joint| {
+                let seed = u64::from(world.network.seed) << 8 | (index * AXES + joint) as u64;
+                Drive::new(settings, &world.plant, seed).expect("a scene that was checked")
+            }),
+            periods: periods_per_tick(settings).expect("a scene that was checked"),
+            seen: joints.seen(scene.start(index)),
+        });
+        let period_s = scene.peer.timing.control_period_s;
+        // With windings the steps are PWM periods, and nothing else is late.
+        let (step_s, late) = match &windings {
+            Some(windings) => (period_s / f64::from(windings.periods), 0.0),
+            None => (period_s, device.force_delay_ticks),
+        };
         Self {
             toward,
-            period_s: scene.peer.timing.control_period_s,
+            period_s,
+            step_s,
             linear: Linear::new(
                 moving_mass_kg,
                 device.damping_n_s_per_m + profile.arm_damping_n_s_per_m,
                 profile.arm_stiffness_n_per_m,
-                device.force_delay_ticks,
-                scene.peer.timing.control_period_s,
+                late,
+                step_s,
             ),
+            windings,
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
             moving_mass_kg,
-            joints: (world.plant.encoder || world.plant.motor)
-                .then(|| Joints::new(&scene.peers()[index], &world.plant)),
+            joints,
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
             motions: scene.start(index),
@@ -79,6 +114,9 @@ impl Plant {
             motion.velocity = 0.0;
         }
         self.motor_before = [0.0; AXES];
+        if let Some(windings) = &mut self.windings {
+            windings.drives.iter_mut().for_each(Drive::off);
+        }
     }
 
     /// What the peer's sensors say now.
@@ -95,11 +133,6 @@ impl Plant {
 
     /// One control period from `time_s` on, under what the peer commands.
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
-        let commanded = actuators.forces.map(S::to_f64);
-        let motor = match &self.joints {
-            Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),
-            _ => commanded,
-        };
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {
@@ -108,23 +141,55 @@ impl Plant {
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
         let pushes = [push, profile.side_push_n];
+        let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
+            let motor = match &self.joints {
+                Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),
+                _ => actuators.forces.map(S::to_f64),
+            };
+            self.advance(self.motor_before, motor, pushes);
+            self.motor_before = motor;
+            return;
+        };
+        let (pose, before) = (joints.pose(self.motions), windings.seen);
+        windings.seen = joints.seen(self.motions);
+        for (joint, drive) in windings.drives.iter_mut().enumerate() {
+            if actuators.enable {
+                drive.command(actuators.duties[joint], (windings.seen[joint] - before[joint]) / self.period_s);
+            } else {
+                drive.off();
+            }
+        }
+        self.motor_before = [0.0; AXES];
+        for _ in 0..windings.periods {
+            let speeds = pose.speeds(self.motions);
+            let joints = [0, 1].map(|joint: usize| windings.drives[joint].period(speeds[joint]));
+            let motor = pose.forces(joints);
+            self.advance(motor, motor, pushes);
+            for (mean, force) in self.motor_before.iter_mut().zip(motor) {
+                *mean += force / f64::from(windings.periods);
+            }
+        }
+        self.windings = Some(windings);
+    }
+
+    /// Moves the axes by one step under the motors' forces before and now, and the user's.
+    fn advance(&mut self, before: [f64; AXES], now: [f64; AXES], pushes: [f64; AXES]) {
         for axis in 0..self.axes_in_use {
-            let (before, now) = (self.motor_before[axis] + pushes[axis], motor[axis] + pushes[axis]);
+            let (before, now) = (before[axis] + pushes[axis], now[axis] + pushes[axis]);
             let mut next = self.linear.advance(self.motions[axis], before, now);
             if self.friction_n > 0.0 {
-                // The impulse of friction brakes what moves and holds what it can stop within the tick.
-                let brake = self.friction_n * self.period_s / self.moving_mass_kg;
+                // The impulse of friction brakes what moves and holds what it can stop within the step.
+                let brake = self.friction_n * self.step_s / self.moving_mass_kg;
                 let taken = next.velocity.clamp(-brake, brake);
                 next.velocity -= taken;
-                next.position -= 0.5 * taken * self.period_s;
+                next.position -= 0.5 * taken * self.step_s;
             }
             self.motions[axis] = next;
         }
-        self.motor_before = motor;
     }
 
     /// State of the plant as the analyser needs it: motion of the free axis and the motor force of the tick before, N, which still
-    /// acts.
+    /// acts; of windings, the mean force of the tick before, which is over.
     pub fn free_axis(&mut self) -> (&mut Motion<f64>, &mut f64) {
         (&mut self.motions[0], &mut self.motor_before[0])
     }

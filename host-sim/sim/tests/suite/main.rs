@@ -13,3 +13,4 @@ mod precision;
 mod recording;
 mod report;
 mod self_timed;
+mod winding;

@@ -1,0 +1,153 @@
+//! What turns a duty into a motor's current: a bridge alone, or core's current loop around it.
+//!
+//! One [`Drive`] a joint. The tick says [`Drive::command`] once, then [`Drive::period`] runs as often as there are PWM periods in a
+//! control period; that is all that a virtual board's power stage has to call too, with the voltage from its timer instead
+//! ([`Winding::period`], [`Converter::read`]).
+//!
+//! **Time**: what the tick computes is there when its first PWM period ends. The bridge alone takes it for the second; the loop
+//! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third. Sampled in
+//! the middle of a period instead, `plant.loop_delay_periods` = 1, the same voltage comes of a newer current.
+//!
+//! Off, a bridge lets go: the current is gone at once.
+
+use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
+use haptic_core::device::motor::Duty;
+use haptic_core::settings::{Refused, Settings};
+
+use super::winding::{Flow, Winding};
+use crate::rng::Rng;
+use crate::scene::{DriveName, PlantSettings};
+
+/// The converter that a current is read by, with its noise.
+#[derive(Clone, Debug)]
+pub struct Converter {
+    /// Steps of either half.
+    half: f64,
+    sense_a: f64,
+    noise_a: f64,
+    rng: Rng,
+}
+
+impl Converter {
+    /// As `motor.sense_a` and the table `plant` say; its noise is a stream of its own for each seed.
+    pub fn new(settings: &Settings, plant: &PlantSettings, seed: u64) -> Self {
+        Self {
+            half: f64::from(1_u32 << (plant.current_bits - 1)),
+            sense_a: settings.motor.sense_a,
+            noise_a: plant.current_noise_a,
+            rng: Rng::new(seed),
+        }
+    }
+
+    /// What it reads at this current.
+    pub fn read(&mut self, current_a: f64) -> u16 {
+        let noise_a = if self.noise_a > 0.0 { self.noise_a * self.rng.normal() } else { 0.0 };
+        let steps = self.half + (current_a + noise_a) / self.sense_a * self.half;
+        // At most 16 bits.
+        steps.round().clamp(0.0, 2.0 * self.half - 1.0) as u16
+    }
+}
+
+/// Core's loop around a bridge.
+#[derive(Clone, Debug)]
+struct Closed {
+    design: CurrentLoop,
+    gains: Gains,
+    controller: Controller,
+    sensor: Sensor,
+    converter: Converter,
+    supply_mv: u32,
+    /// When in a period the current is sampled, s.
+    sample_s: f64,
+}
+
+/// The power stage and the motor of one joint.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    winding: Winding,
+    /// Newtons or newton metres per ampere along the joint: also volts per metre or radian per second.
+    force_per_a: f64,
+    /// Counts of the timer that are all of the supply.
+    counts: f64,
+    closed: Option<Closed>,
+    /// The duty that acts, and the one that does from the next period on, each with the back-EMF that is expected, counts.
+    now: (Duty, i32),
+    next: (Duty, i32),
+    /// Voltage of this period, counts.
+    voltage: i32,
+    current_a: f64,
+}
+
+impl Drive {
+    /// The stage that the tables `motor` and `plant` describe.
+    ///
+    /// # Errors
+    /// What [`CurrentLoop::build`] refuses, where there is a loop.
+    pub fn new(settings: &Settings, plant: &PlantSettings, seed: u64) -> Result<Self, Refused<'static>> {
+        let motor = &settings.motor;
+        let counts = plant.timer_counts();
+        let supply_mv = (1e3 * plant.supply_v).round() as u32;
+        let closed = match plant.drive {
+            DriveName::Voltage => None,
+            DriveName::Current => {
+                let design = CurrentLoop::build(settings, counts)?;
+                Some(Closed {
+                    gains: design.gains(supply_mv),
+                    design,
+                    controller: Controller::default(),
+                    sensor: Sensor::build(settings, plant.current_bits),
+                    converter: Converter::new(settings, plant, seed),
+                    supply_mv,
+                    sample_s: (1.5 - plant.loop_delay_periods) * PWM_PERIOD_S,
+                })
+            }
+        };
+        Ok(Self {
+            winding: Winding {
+                resistance_ohm: motor.resistance_ohm * plant.resistance_ratio,
+                inductance_h: motor.inductance_h,
+                supply_v: plant.supply_v,
+                dead_time_s: plant.dead_time_s,
+            },
+            force_per_a: motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
+            counts: f64::from(counts),
+            closed,
+            now: (Duty::OFF, 0),
+            next: (Duty::OFF, 0),
+            voltage: 0,
+            current_a: 0.0,
+        })
+    }
+
+    /// The bridge lets go, and the loop forgets.
+    pub fn off(&mut self) {
+        (self.now, self.next, self.voltage, self.current_a) = ((Duty::OFF, 0), (Duty::OFF, 0), 0, 0.0);
+        if let Some(closed) = &mut self.closed {
+            closed.controller = Controller::default();
+        }
+    }
+
+    /// What a tick has computed: a duty, and the speed of the joint as the peer knows it (m/s or rad/s).
+    pub fn command(&mut self, duty: Duty, joint_speed: f64) {
+        let forward = |closed: &Closed| closed.design.forward(joint_speed as f32, closed.supply_mv);
+        self.next = (duty, self.closed.as_ref().map_or(0, forward));
+    }
+
+    /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.
+    pub fn period(&mut self, joint_speed: f64) -> f64 {
+        let sample_s = self.closed.as_ref().map_or(0.0, |closed| closed.sample_s);
+        let share = f64::from(self.voltage) / self.counts;
+        let Flow { sampled_a, mean_a, end_a } =
+            self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s);
+        self.current_a = end_a;
+        let (duty, forward) = self.now;
+        self.now = self.next;
+        self.voltage = match &mut self.closed {
+            Some(Closed { gains, controller, sensor, converter, .. }) => {
+                controller.step(gains, duty, sensor.codes(converter.read(sampled_a)), forward)
+            }
+            None => (f64::from(self.now.0.0) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32,
+        };
+        self.force_per_a * mean_a
+    }
+}
