@@ -506,17 +506,18 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         Ok(pose)
     }
 
-    /// Of an axis that is too fast, too far from home or nowhere: why it is a fault. Too far is none while the motors are off.
+    /// Of an axis that is too fast, too far from home or nowhere: why it is a fault. Too fast or too far is none while nothing is
+    /// rendered; a probe has limits of its own.
     #[cold]
     fn doubt(&self, axis: Motion<S>) -> Result<(), Fault> {
         if !axis.is_finite() {
             Err(Fault::NonFiniteInput)
+        } else if self.mode != Mode::Armed {
+            Ok(())
         } else if axis.velocity.abs() > self.guard.max_speed {
             Err(Fault::Overspeed)
-        } else if self.mode == Mode::Armed {
-            Err(Fault::OutOfWorkspace)
         } else {
-            Ok(())
+            Err(Fault::OutOfWorkspace)
         }
     }
 

@@ -108,7 +108,7 @@ pub struct Guard<S> {
     pub max_force: S,
     /// Largest change of force in one tick, N.
     pub max_step: S,
-    /// Fastest plausible motion, m/s.
+    /// Fastest motion while armed, m/s.
     pub max_speed: S,
     /// Farthest from home, m.
     pub workspace: S,

@@ -512,6 +512,8 @@ settings! {
         counts_per_rev: f64 = 8192.0, number(16.0, 1e7), "counts/rev",
             "Counts per revolution, where a joint turns (every other kinematics).";
         reversed: bool = false, Allowed::Flag, "", "Counts grow against the axis.";
+        max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
+            "Fastest that the device can move; an encoder that goes further between two readings has jumped.";
     }
 
     /// From joints to the axes of the task and back.
@@ -551,7 +553,7 @@ settings! {
         max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis.";
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s", "Fastest change of force on any axis.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
-            "Fastest plausible motion; above it the peer faults.";
+            "Fastest that the device may move while armed; above it the peer faults.";
         workspace_m: f64 = 100.0, number(0.001, 1000.0), "m",
             "Farthest that an axis may be from where the encoders were first read, while armed.";
         max_rms_force_n: f64 = 40.0, number(0.01, 200.0), "N",

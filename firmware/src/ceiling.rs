@@ -22,8 +22,10 @@ const DEVICE: [&str; 3] = ["encoder.", "kinematics.", "motor."];
 /// A value that only who is at the board may have taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Above {
-    key: &'static str,
-    value: Value<'static>,
+    /// The key.
+    pub key: &'static str,
+    /// What it would be.
+    pub value: Value<'static>,
     ceiling: Value<'static>,
 }
 
@@ -44,18 +46,15 @@ fn is_limit(key: &str) -> bool {
     LIMITS.iter().any(|limits| key.starts_with(limits))
 }
 
-/// Whether these settings may be taken without anybody at the board, which was set to `ceiling`; otherwise the first that may not.
-pub fn check(wanted: &Settings, ceiling: &Settings) -> Result<(), Above> {
+/// What only who is at the board, which was set to `ceiling`, may have taken of these settings.
+pub fn above<'a>(wanted: &'a Settings, ceiling: &'a Settings) -> impl Iterator<Item = Above> + 'a {
     let guarded = |key: &str| is_limit(key) || DEVICE.iter().any(|device| key.starts_with(device));
-    for key in Settings::keys().map(|key| key.name).filter(|key| guarded(key)) {
-        let (Some(value), Some(ceiling)) = (wanted.get(key), ceiling.get(key)) else { continue };
+    Settings::keys().map(|key| key.name).filter(move |key| guarded(key)).filter_map(|key| {
+        let (value, ceiling) = (wanted.get(key)?, ceiling.get(key)?);
         let lower = match (value, ceiling) {
             (Value::Number(value), Value::Number(ceiling)) => is_limit(key) && value <= ceiling,
             _ => false,
         };
-        if !lower && value != ceiling {
-            return Err(Above { key, value, ceiling });
-        }
-    }
-    Ok(())
+        (!lower && value != ceiling).then_some(Above { key, value, ceiling })
+    })
 }

@@ -326,10 +326,15 @@ impl Console {
         self.disarmed()?;
         let plan = plan(&self.draft.settings, self.number).map_err(No::Refused)?;
         let at_the_board = self.button.is_high();
+        for above in ceiling::above(&self.draft.settings, self.ceiling) {
+            if !at_the_board {
+                return Err(No::Above(above));
+            }
+            let value = defmt::Display2Format(&above.value);
+            defmt::warn!("set at the board, beyond what it was: {=str} = {}", above.key, value);
+        }
         if at_the_board {
             *self.ceiling = self.draft.settings;
-        } else {
-            ceiling::check(&self.draft.settings, self.ceiling).map_err(No::Above)?;
         }
         let (before, now) = (&self.applied.settings, &self.draft.settings);
         let same = (before.axis.count == now.axis.count)

@@ -30,11 +30,16 @@ pub struct Kept {
     pub addresses: Addresses,
 }
 
-/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give, and the limits over
-/// time of a device beside a hand.
+/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give, and the limits of a
+/// device that nobody has got to know yet, beside a hand. Raised at the board only ([`crate::ceiling`]).
 pub fn defaults() -> Settings {
     let mut settings = Settings::default();
     settings.axis.velocity = VelocityName::Filtered;
+    settings.safety.max_force_n = 3.0;
+    settings.safety.max_slew_n_per_s = 60.0;
+    settings.safety.max_speed_m_per_s = 0.5;
+    settings.safety.max_hand_power_w = 5.0;
+    settings.safety.peer_lost_s = 0.5;
     settings.safety.workspace_m = 0.2;
     settings.safety.max_rms_force_n = 10.0;
     settings.safety.max_rms_power_w = 5.0;

@@ -37,26 +37,26 @@ pub struct EncoderState {
     pub primed: bool,
 }
 
-/// A plausible step may exceed `safety.max_speed_m_per_s` by this factor, so that a motion that is really too fast is
-/// called that by [`crate::safety`] before it is called a broken encoder…
+/// A plausible step may exceed `encoder.max_speed_m_per_s` by this factor, so that a motion that is faster than
+/// `safety.max_speed_m_per_s`, where the two are equal, is called that before it is called a broken encoder…
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
 
-/// Refuses a safety.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
+/// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
     let max = (f64::from(i16::MAX) - ROUNDING_COUNTS) / counts_per_speed;
-    settings.within("safety.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
+    settings.within("encoder.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
 }
 
 impl<S: Scalar> Encoder<S> {
-    /// Scale from `encoder`, limit from `safety.max_speed_m_per_s`, `timing` and `kinematics`.
+    /// From `encoder`, `timing` and `kinematics`.
     pub fn build(settings: &Settings) -> Self {
         let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
-        let joint_speed = settings.safety.max_speed_m_per_s * most_per_m;
+        let joint_speed = settings.encoder.max_speed_m_per_s * most_per_m;
         let max_step = SPEED_MARGIN * joint_speed * settings.timing.control_period_s * counts_per_unit;
         Self {
             counts_per_unit: S::from_f64(counts_per_unit),

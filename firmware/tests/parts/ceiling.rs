@@ -1,6 +1,6 @@
 //! From afar every limit can be lowered and none raised, and the device is what it was at the board.
 
-use firmware_parts::ceiling::check;
+use firmware_parts::ceiling::{Above, above};
 use firmware_parts::kept::defaults;
 use haptic_core::settings::{Allowed, Key, Settings, Value};
 
@@ -40,6 +40,11 @@ fn ends(key: &Key) -> Option<[f64; 2]> {
     }
 }
 
+/// What is refused first from afar.
+fn check(wanted: &Settings, ceiling: &Settings) -> Result<(), Above> {
+    above(wanted, ceiling).next().map_or(Ok(()), Err)
+}
+
 fn set(settings: &Settings, key: &str, value: Value<'_>) -> Settings {
     let mut settings = *settings;
     settings.set(key, value).unwrap_or_else(|error| panic!("{key}: {error:?}"));
@@ -74,7 +79,7 @@ fn what_is_refused_is_named_with_its_ceiling_and_with_what_to_do() {
     let wanted = set(&ceiling, "safety.max_force_n", Value::Number(200.0));
     let said = check(&wanted, &ceiling).expect_err("above the ceiling").to_string();
     let whole =
-        "safety.max_force_n = 200 is above what this board was set to, 40: hold the blue button while saying apply";
+        "safety.max_force_n = 200 is above what this board was set to, 3: hold the blue button while saying apply";
     assert_eq!(said, whole);
     let wanted = set(&ceiling, "motor.full_scale_a", Value::Number(2.0));
     let said = check(&wanted, &ceiling).expect_err("another motor").to_string();

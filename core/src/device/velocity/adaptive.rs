@@ -6,8 +6,9 @@
 //! difference.
 //!
 //! Design: a line of slope s (per tick) through the newest position passes within ±δ of the i-th last exactly if (Δᵢ −
-//! δ)/i ≤ s ≤ (Δᵢ + δ)/i. So one pass that keeps the intersection of these intervals finds k in O(window), with the
-//! reciprocals 1/i computed in `build`. The intersection only shrinks: once it is empty no longer window can fit.
+//! δ)/i ≤ s ≤ (Δᵢ + δ)/i. So one pass that keeps the intersection of these intervals finds k in O(window), with 1/i and δ/i
+//! computed in `build`. The intersection only shrinks: once it is empty no longer window can fit, so a band of less than
+//! nothing ends the window, and every tick takes the same time.
 //!
 //! Units: m and m/s, or rad and rad/s. Error of uniform motion ≤ δ/(k·T_c).
 //!
@@ -31,31 +32,33 @@ pub const MAX_WINDOW: usize = 16;
 /// others at most 16 apart, so the middle of that gap is as far from any rounding as can be.
 pub const SLACK: f64 = 1.0 / 32.0;
 
-/// Band, reciprocals and rate.
+/// Control period, rate, and what each position of the past says about the slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive<S> {
-    band: S,
     rate_hz: S,
     period_s: S,
-    /// 1/i for i = 1…window.
-    reciprocals: [S; MAX_WINDOW],
-    window: usize,
+    /// δ.
+    band: S,
+    /// 1/i and δ/i for i = 2…window, and for longer ones a band that no slope is in.
+    longer: [(S, S); MAX_WINDOW - 1],
 }
 
 impl<S: Scalar> Model<S> for Adaptive<S> {
     /// The last positions (m or rad), newest first.
     type State = [S; MAX_WINDOW];
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let mut ticks = 0.0;
+        let band = (1.0 + SLACK) / Joints::of(settings).counts_per_unit;
+        let mut ago = 1;
         Ok(Self {
-            band: S::from_f64((1.0 + SLACK) / Joints::of(settings).counts_per_unit),
             rate_hz: S::from_f64(1.0 / settings.timing.control_period_s),
             period_s: S::from_f64(settings.timing.control_period_s),
-            reciprocals: [(); MAX_WINDOW].map(|()| {
-                ticks += 1.0;
-                S::from_f64(1.0 / ticks)
+            band: S::from_f64(band),
+            longer: [(); MAX_WINDOW - 1].map(|()| {
+                ago += 1;
+                let reciprocal = 1.0 / f64::from(ago);
+                let fits = ago <= settings.axis.velocity_window_ticks;
+                (S::from_f64(reciprocal), if fits { S::from_f64(band * reciprocal) } else { -S::ONE })
             }),
-            window: (settings.axis.velocity_window_ticks as usize).clamp(1, MAX_WINDOW),
         })
     }
 }
@@ -70,27 +73,24 @@ impl<S: Scalar> VelocityEstimator<S> for Adaptive<S> {
         }
     }
 
-    #[inline]
+    // What every other estimator pays for if this one is inlined: its registers.
+    #[inline(never)]
     fn step(&self, history: &mut [S; MAX_WINDOW], reading: Motion<S>) -> S {
         let newest = reading.position;
-        let [last, ..] = *history;
-        let mut slope = newest - last;
+        let [last, older @ ..] = history;
+        let mut carried = core::mem::replace(last, newest);
+        let mut slope = newest - carried;
         let (mut lowest, mut highest) = (slope - self.band, slope + self.band);
-        for (&past, &reciprocal) in history.iter().zip(&self.reciprocals).take(self.window).skip(1) {
-            if lowest > highest {
-                break;
-            }
-            let moved = newest - past;
-            let candidate = moved * reciprocal;
+        for (slot, &(reciprocal, band)) in older.iter_mut().zip(&self.longer) {
+            let past = core::mem::replace(slot, carried);
+            carried = past;
+            let candidate = (newest - past) * reciprocal;
+            // In this order a position that is no number is passed over.
+            lowest = (candidate - band).max(lowest);
+            highest = (candidate + band).min(highest);
             if candidate >= lowest && candidate <= highest {
                 slope = candidate;
             }
-            lowest = lowest.max((moved - self.band) * reciprocal);
-            highest = highest.min((moved + self.band) * reciprocal);
-        }
-        let mut carried = newest;
-        for slot in history.iter_mut() {
-            core::mem::swap(slot, &mut carried);
         }
         slope * self.rate_hz
     }

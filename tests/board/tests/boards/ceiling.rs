@@ -30,10 +30,10 @@ fn hold_button(bench: &mut Bench, held: bool) {
 fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = board(&firmware, &[]);
-    let whole = "error safety.max_force_n = 200 is above what this board was set to, 40: hold the blue button while saying apply";
+    let whole = "error safety.max_force_n = 200 is above what this board was set to, 3: hold the blue button while saying apply";
     assert_eq!(apply(&mut bench, "safety.max_force_n", "200"), whole);
     // Lowered, it may be raised again as far as it was when the board started.
-    for (newtons, fits) in [("20", true), ("40", true), ("41", false), ("30", true)] {
+    for (newtons, fits) in [("2", true), ("3", true), ("3.1", false), ("1", true)] {
         assert_eq!(force(&mut bench, newtons), fits, "{newtons} N");
     }
     let other_motor = apply(&mut bench, "motor.newton_or_newton_metre_per_a", "0.01");
@@ -45,8 +45,10 @@ fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
 
     hold_button(&mut bench, true);
     assert!(force(&mut bench, "60"));
+    let log = bench.log(&firmware, 1);
+    assert_eq!(log.iter().filter(|line| line.starts_with("set at the board")).count(), 1, "a line a key: {log:?}");
     hold_button(&mut bench, false);
-    for (newtons, fits) in [("61", false), ("60", true), ("25", true), ("59", true), ("25", true)] {
+    for (newtons, fits) in [("61", false), ("60", true), ("2.5", true), ("59", true), ("2.5", true)] {
         assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 60 N at the board");
     }
 
@@ -57,17 +59,17 @@ fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     bench.finish();
     let mut bench = board(&firmware, &flash);
     assert!(bench.ask(1, "status").contains("settings stored 1;"));
-    for (newtons, fits) in [("26", false), ("40", false), ("25", true), ("5", true), ("25", true)] {
-        assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 25 N were saved");
+    for (newtons, fits) in [("2.6", false), ("3", false), ("2.5", true), ("0.5", true), ("2.5", true)] {
+        assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 2.5 N were saved");
     }
     assert_eq!(bench.ask(1, "defaults"), "ok the draft holds the defaults");
-    assert!(bench.ask(1, "apply").starts_with("error safety.max_force_n = 40 is above "));
+    assert!(bench.ask(1, "apply").starts_with("error safety.max_force_n = 3 is above "));
     // What was refused is not in force, and not saved.
     assert!(bench.ask(1, "save").starts_with("ok"));
     bench.run_for_ms(1100);
     let flash = bench.flash(1, STORE);
     bench.finish();
     let mut bench = board(&firmware, &flash);
-    assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 25");
+    assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 2.5");
     bench.finish();
 }

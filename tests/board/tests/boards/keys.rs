@@ -124,10 +124,10 @@ fn who_holds_the_peers_key_is_no_operator() {
         bench.pc = operator;
         bench.meet(1);
         assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0"), "{line:?}");
-        assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 40");
+        assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 3");
     }
     // Its operator can.
-    assert_eq!(bench.ask(1, "set safety.max_force_n 20"), "ok safety.max_force_n = 20");
+    assert_eq!(bench.ask(1, "set safety.max_force_n 2"), "ok safety.max_force_n = 2");
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     bench.finish();
 }

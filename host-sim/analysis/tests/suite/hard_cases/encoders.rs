@@ -12,7 +12,7 @@ use super::setup::{COMMS, scene};
 const BITS_PER_M: [i32; 5] = [16, 18, 20, 22, 24];
 const ESTIMATORS: [&str; 3] = ["difference", "filtered", "adaptive"];
 
-/// The largest safety.max_speed_m_per_s at which the counter cannot wrap unseen: the step that is believed, 1.25 times the
+/// The largest encoder.max_speed_m_per_s at which the counter cannot wrap unseen: the step that is believed, 1.25 times the
 /// fastest and two counts of rounding, is then less than half of 2¹⁶ counts.
 fn fastest_m_per_s(counts_per_m: f64) -> f64 {
     f64::min(10.0, (32_767.0 - 2.0) / (1.25 * 1e-3 * counts_per_m))
@@ -23,7 +23,7 @@ fn sensing(bits: i32, estimator: &str) -> String {
     let fastest = fastest_m_per_s(counts_per_m);
     format!(
         "plant.encoder=true encoder.counts_per_m={counts_per_m} axis.velocity={estimator} \
-         safety.max_speed_m_per_s={fastest}"
+         encoder.max_speed_m_per_s={fastest} safety.max_speed_m_per_s={fastest}"
     )
 }
 
@@ -74,7 +74,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         let refused = Scene::load(haptic_sim::Laws::built_in(), None, &[overrides.to_vec(), vec![resolution]].concat())
             .unwrap_err()
             .to_string();
-        assert!(refused.contains("safety.max_speed_m_per_s = 10 is not allowed"), "{refused}");
+        assert!(refused.contains("encoder.max_speed_m_per_s = 10 is not allowed"), "{refused}");
         let fastest = fastest_m_per_s(counts_per_m);
         let too_fast = scene(&format!(
             "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 user.1.push_n={}",
