@@ -2,7 +2,8 @@
 //!
 //! At every tick the socket is emptied, then the actor acts. Emptying stops half a period after the tick began, so that no flood of
 //! datagrams, forged or not, can hold up what is due; what is left waits for the next tick or is dropped by the system, as on any
-//! full line. An endpoint that answers hears each datagram as it comes instead. The loop ends when its time is over, when the actor
+//! full line. An endpoint that answers hears datagrams as they come instead. They come and go in batches ([`super::batch`]): what is
+//! there is heard, and what was said about it is sent before the socket is looked at again. The loop ends when its time is over, when the actor
 //! says so, when it misses somebody for longer than its patience, or when the process is asked to end; then the actor says goodbye.
 //!
 //! Ticks have absolute deadlines, so that errors do not add up: one that begins more than a period late is a miss, none is skipped.
@@ -16,6 +17,8 @@ use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+
+use super::batch::{Came, Going};
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
 const LOOK: Duration = Duration::from_millis(2);
@@ -167,6 +170,9 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
 
     /// Tells the others that this is the end.
     fn goodbye(&mut self, _now_ns: u64, _out: &mut Out<'_, SocketAddr, [u8]>) {}
+
+    /// What it said about what it has heard is handed to the system.
+    fn sent(&mut self, _now_ns: u64) {}
 }
 
 /// A socket and the clock that its times are read from.
@@ -238,20 +244,52 @@ impl Endpoint {
         sent
     }
 
+    /// Sends it with what else is said meanwhile: by [`Endpoint::flush`], or when there is enough for a batch.
+    pub(crate) fn say(&self, going: &mut Going, to: SocketAddr, datagram: &[u8]) {
+        going.add(to, datagram);
+        if going.is_full() {
+            self.flush(going);
+        }
+    }
+
+    /// Sends what was said.
+    pub(crate) fn flush(&self, going: &mut Going) {
+        self.unsent.fetch_add(going.send(&self.socket), Ordering::Relaxed);
+    }
+
+    /// Takes a batch of what has come, oldest first; an endpoint that answers waits for it, though not long. Whether there may
+    /// be more to take.
+    pub(crate) fn take(&self, came: &mut Came) -> Result<bool, String> {
+        let Err(cause) = came.take(&self.socket) else { return Ok(true) };
+        came.clear();
+        match cause.kind() {
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(self.answers),
+            kind if PASSING.contains(&kind) => Ok(true),
+            _ => Err(format!("the socket on {} failed: {cause}", self.address)),
+        }
+    }
+
     /// Takes what has come, oldest first, until there is nothing left or it is `until`; an endpoint that answers waits until then.
-    pub fn drain(&self, until: Instant, mut each: impl FnMut(SocketAddr, &mut [u8])) -> Result<(), String> {
-        let mut came = [0; 2048];
-        while Instant::now() < until {
-            match self.socket.recv_from(&mut came) {
-                Ok((len, from)) => each(from, &mut came[..len]),
-                Err(cause) if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                    if !self.answers {
-                        break;
-                    }
-                }
-                Err(cause) if PASSING.contains(&cause.kind()) => {}
-                Err(cause) => return Err(format!("the socket on {} failed: {cause}", self.address)),
+    pub fn drain(
+        &self,
+        came: &mut Came,
+        until: Instant,
+        mut each: impl FnMut(SocketAddr, &mut [u8]),
+    ) -> Result<(), String> {
+        while Instant::now() < until && self.take(came)? {
+            came.each().for_each(|(from, datagram)| each(from, datagram));
+        }
+        Ok(())
+    }
+
+    /// The same, heard by an actor whose answers to each batch are sent at once.
+    fn hear(&self, came: &mut Came, going: &mut Going, until: Instant, actor: &mut impl Live) -> Result<(), String> {
+        while Instant::now() < until && self.take(came)? {
+            for (from, datagram) in came.each() {
+                actor.hear(self.now_ns(), from, datagram, &mut |to, bytes| self.say(going, to, bytes));
             }
+            self.flush(going);
+            actor.sent(self.now_ns());
         }
         Ok(())
     }
@@ -264,22 +302,23 @@ impl Endpoint {
         stop: &Stop,
         actor: &mut impl Live,
     ) -> Result<Punctuality, String> {
-        let mut send = |to, datagram: &[u8]| _ = self.send(to, datagram);
+        let (mut came, mut going) = (Came::default(), Going::default());
         let ended = loop {
-            let mut hear = |from, datagram: &mut [u8]| actor.hear(self.now_ns(), from, datagram, &mut send);
             let heard = if self.answers {
-                let heard = self.drain(ticker.deadline(), &mut hear);
+                let heard = self.hear(&mut came, &mut going, ticker.deadline(), actor);
                 ticker.wait();
                 heard
             } else {
                 ticker.wait();
-                self.drain(Instant::now() + ticker.period / 2, &mut hear)
+                self.hear(&mut came, &mut going, Instant::now() + ticker.period / 2, actor)
             };
             if heard.is_err() || stop.is_asked() {
                 break heard;
             }
+            let mut send = |to, datagram: &[u8]| self.say(&mut going, to, datagram);
             actor.speak(self.now_ns(), &mut send);
             actor.act(self.now_ns(), &mut send);
+            self.flush(&mut going);
             let end = actor.end().or_else(|| ticker.is_over().then_some(Ok(())));
             let late = ticker.start.elapsed().as_secs_f64() > patience_s;
             match (end, actor.missing()) {
@@ -289,7 +328,8 @@ impl Endpoint {
                 _ => {}
             }
         };
-        actor.goodbye(self.now_ns(), &mut send);
+        actor.goodbye(self.now_ns(), &mut |to, datagram| self.say(&mut going, to, datagram));
+        self.flush(&mut going);
         ended.map(|()| ticker.kept)
     }
 }

@@ -1,5 +1,6 @@
 //! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`].
 
+pub mod batch;
 pub mod endpoint;
 pub(crate) mod hub;
 mod links;

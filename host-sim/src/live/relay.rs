@@ -11,6 +11,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::network::link::{Counts, Link, Route};
 use serde::Serialize;
 
+use super::batch::Came;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 
 /// How often the relay looks: what it adds to the delay at the most.
@@ -40,6 +41,7 @@ pub struct Report {
 /// The first peer talks to the endpoint that runs this, the second one to another.
 struct Relay {
     second: Endpoint,
+    came: Came,
     peers: [SocketAddr; 2],
     lines: [Link<[u8]>; 2],
     strangers: u64,
@@ -59,8 +61,8 @@ impl Actor<SocketAddr> for Relay {
     }
 
     fn act(&mut self, now_ns: u64, first: &mut Out<'_, SocketAddr, [u8]>) {
-        let Self { second, peers: [one, two], lines: [there, back], strangers, .. } = self;
-        let heard = second.drain(Instant::now() + PERIOD / 2, |from, datagram| {
+        let Self { second, came, peers: [one, two], lines: [there, back], strangers, .. } = self;
+        let heard = second.drain(came, Instant::now() + PERIOD / 2, |from, datagram| {
             if from == *two {
                 back.send(now_ns, datagram);
             } else {
@@ -90,7 +92,7 @@ pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> 
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
     first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;
     let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
-    let mut relay = Relay { second, peers, lines, strangers: 0, over_ns, end: None };
+    let mut relay = Relay { second, came: Came::default(), peers, lines, strangers: 0, over_ns, end: None };
     first.run(Ticker::new(PERIOD), f64::MAX, stop, &mut relay)?;
     Ok(Report { ways: relay.lines.map(|line| line.counts()), strangers: relay.strangers })
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Fate;
+use host_sim::live::batch::Came;
 use host_sim::live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker, realtime};
 use host_sim::live::relay;
 
@@ -116,13 +117,13 @@ fn a_planted_rule_decides_what_passes() {
         let ends = ends.map(|(listen, peer)| relay::End { listen, peer: peer.address });
         let stop = &stop;
         let relay = scope.spawn(move || relay::run(routes, ends, 20.0, stop));
-        let mut came = Vec::new();
+        let (mut batch, mut came) = (Came::default(), Vec::new());
         for sent in 0..200_u8 {
             two.send(addresses[1], &[sent]);
             std::thread::sleep(Duration::from_millis(2));
             one.send(addresses[0], &[sent]);
             let until = Instant::now() + Duration::from_millis(1);
-            two.drain(until, |_, datagram| came.extend_from_slice(datagram)).expect("a socket that works");
+            two.drain(&mut batch, until, |_, datagram| came.extend_from_slice(datagram)).expect("a socket that works");
             if came.len() >= 50 {
                 break;
             }
@@ -147,7 +148,7 @@ fn a_relay_has_fixed_ends() {
         let ends = ends.map(|(listen, peer)| relay::End { listen, peer });
         let stop = &stop;
         let relay = scope.spawn(move || relay::run([Route::new(0), Route::new(0)], ends, 20.0, stop));
-        let mut came = [0; 3];
+        let (mut batch, mut came) = (Came::default(), [0; 3]);
         let end = Instant::now() + Duration::from_secs(10);
         while came[..2].iter().any(|count| *count < 20) && Instant::now() < end {
             one.send(listen[0], b"peer 1");
@@ -162,7 +163,7 @@ fn a_relay_has_fixed_ends() {
             {
                 let until = Instant::now() + Duration::from_millis(1);
                 socket
-                    .drain(until, |_, datagram| {
+                    .drain(&mut batch, until, |_, datagram| {
                         assert_eq!(datagram, from, "only what the other end sent");
                         *came += 1;
                     })

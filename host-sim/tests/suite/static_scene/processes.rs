@@ -102,6 +102,7 @@ fn two_clients_that_tell_each_other_straight() {
 fn a_small_crowd_is_answered() {
     let output =
         host_sim(&["shared", "world", "crowd", "--json", "--clients", "20", "--seconds", "0.5", "--warm-up-s", "1"])
+            .arg("--beside")
             .output()
             .expect("runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -114,6 +115,11 @@ fn a_small_crowd_is_answered() {
     assert_eq!(run["sightings"].as_u64(), Some(4 * answered), "{run}");
     assert_eq!(run["server"]["clients"], 20);
     assert_eq!(run["server"]["counts"]["refused"], 0, "{run}");
+    // The echo is asked for as much as the server was, and sealing takes some time.
+    let (heard, echoed) = (run["server"]["answer"]["samples"].as_f64(), run["echo"]["pairs"].as_f64());
+    assert!(echoed.zip(heard).is_some_and(|(echoed, heard)| (0.5..1.5).contains(&(echoed / heard))), "{run}");
+    let sealing = ["here_ns", "ring_ns"].map(|by| document["sealing"][by].as_f64());
+    assert!(sealing.iter().all(|ns| ns.is_some_and(|ns| (10.0..1e6).contains(&ns))), "{document}");
 }
 
 #[test]

@@ -5,8 +5,9 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
+use crate::live::endpoint::Stop;
 use crate::shared::world::{self, PACKET_US, host::MOST_LINES};
-use crate::{live::endpoint::Stop, trials::crowd};
+use crate::trials::{beside, crowd, load::Span};
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;
@@ -25,6 +26,10 @@ pub(in crate::cli) struct Crowd {
     /// How long before that the clients have to arrive and download, s.
     #[arg(long, default_value = "3", value_name = "S", value_parser = seconds)]
     warm_up_s: f64,
+    /// Measure what the machine does without a server's work, too: after each run a bare echo under the same load, and sealing by
+    /// ring and openssl.
+    #[arg(long)]
+    beside: bool,
     #[command(flatten)]
     world: WorldArgs,
 }
@@ -59,7 +64,9 @@ impl Crowd {
         let (stop, mut runs) = (Stop::on_signals()?, Vec::new());
         ui.work(clients.len(), "crowds", |step| -> Result<(), Failure> {
             for count in clients.iter().take_while(|_| !stop.is_asked()) {
-                runs.push(crowd::run(&world, *count, self.warm_up_s, self.time.seconds, &stop)?);
+                let span = Span { warm_up_s: self.warm_up_s, seconds: self.time.seconds };
+                let run = crowd::run(&world, *count, span, &stop)?;
+                runs.push(if self.beside { run.beside_echo(span, &stop)? } else { run });
                 step();
             }
             Ok(())
@@ -67,19 +74,21 @@ impl Crowd {
         // The most clients of the runs up to the first that was over the limit, or lost answers; the fewest over the limit.
         let most = runs.iter().take_while(|run| holds(run)).last().map(|run| run.clients);
         let bends = runs.iter().find(|run| !holds(run)).map(|run| run.clients);
+        let sealing = self.beside.then(beside::sealing).transpose()?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         ui.report(
             "crowd",
             &json!({
                 "machine": { "processor": processor(), "cores": cores, "load": [before, load()] },
-                "packets_per_s_each": RATE_HZ, "limit_us": LIMIT_US, "holds": most, "bends": bends, "runs": runs,
+                "packets_per_s_each": RATE_HZ, "limit_us": LIMIT_US, "holds": most, "bends": bends, "sealing": sealing,
+                "runs": runs,
             }),
         )?;
         writeln!(
             ui,
             "Held: the turnaround's 99th percentile below {LIMIT_US} us, every client has its world and sends at the full rate, and\n\
              more than 99.9 % of the packets are answered. Turnaround: from the time that a client handed its packet to the\n\
-             system to the last answer sent; answer: from the datagram in hand; round trip: at the client, its own delays\n\
+             system to the last answer sent; answer: from the batch in hand that it came in; round trip: at the client, its own delays\n\
              included. Where the rate falls the load is short of a core: what bends first then is the load, not the server.\n\
              Beyond one core or one machine, split the world: each region names its server, a server holds its region and the\n\
              margin around it, and clients move from one to the next by themselves (`serve --region`, `visit --server`). Clients\n\
