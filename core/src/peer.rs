@@ -576,8 +576,8 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             .fold(false, |stuck, ((joint, still), duty)| self.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
     }
 
-    /// Turns the motors off and latches the fault; the first one stays.
-    fn trip(&mut self, fault: Fault) {
+    /// Turns the motors off and latches the fault; the first one stays. For whoever knows of a fault that the peer cannot see.
+    pub fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Faulted(_)) {
             self.mode = Mode::Faulted(fault);
         }

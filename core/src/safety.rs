@@ -50,6 +50,8 @@ numbered! {
         11 ForceTooLong: "the force on the hand was above safety.max_rms_force_n over safety.rms_s",
         12 PowerTooLong: "the device gave the hand more power than safety.max_rms_power_w over safety.rms_s",
         13 OutOfWorkspace: "an axis was further than safety.workspace_m from where the encoders were first read",
+        14 BridgeFailed: "a motor bridge reported that it is too hot, carries too much current or has too little supply",
+        15 ChipFailed: "the supply, the clock or the core of the board's chip failed: its timer turned the motors off",
     }
 }
 

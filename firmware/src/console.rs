@@ -33,6 +33,8 @@ pub(crate) struct Console {
     /// Why the board started; stands against arming until cleared if it was no ordinary start.
     pub(crate) cause: Cause,
     pub(crate) unacknowledged: bool,
+    /// What stands against arming whatever anybody acknowledges.
+    pub(crate) unfit: Option<&'static str>,
     pub(crate) origin: Origin,
     /// What the board started with, or what was applied last with its button held.
     pub(crate) ceiling: &'static mut Settings,
@@ -256,7 +258,9 @@ impl Console {
 
     /// What stands against motors being on, before the tick is asked.
     fn ready(&self) -> Result<(), No<'static>> {
-        if self.unacknowledged {
+        if let Some(why) = self.unfit {
+            Err(No::Because(why))
+        } else if self.unacknowledged {
             Err(No::Clear(self.cause.stop.explain()))
         } else if self.signals.emergency.get() {
             Err(No::Clear("the emergency stop was pressed"))

@@ -70,6 +70,7 @@ pub(crate) fn cause() -> Cause {
     match Stop::from_number(trace.stop as u8) {
         Some(Stop::Panic) => Cause { stop: Stop::Panic, place: line(a, b, c) },
         Some(Stop::HardFault) => Cause { stop: Stop::HardFault, place: Place::Address(a, b, d) },
+        Some(Stop::ClockFailed) => Cause { stop: Stop::ClockFailed, place: Place::Unknown },
         _ => Cause { stop: hardware, place: Place::Unknown },
     }
 }
@@ -107,6 +108,14 @@ fn panic(info: &PanicInfo<'_>) -> ! {
         [file.as_ptr() as u32, file.len() as u32, location.line(), 0]
     });
     stop(Stop::Panic, detail)
+}
+
+/// The clock security system's, and on this chip nobody else's: the external clock stopped, the timer has turned its outputs off, and the
+/// processor goes on with a clock for which nothing here is set up.
+#[unsafe(no_mangle)]
+extern "C" fn NonMaskableInt() -> ! {
+    bridges::off();
+    stop(Stop::ClockFailed, [0; 4])
 }
 
 /// Any interrupt without a handler: the program never enabled it.

@@ -83,6 +83,9 @@ mod image {
         let board = board::init();
         let cause = fault::cause();
         defmt::info!("board {}: {=str}", board.number, cause.stop.explain());
+        if let Some(why) = board.unfit {
+            defmt::error!("not to be armed: {=str}", why);
+        }
 
         let fits = |kept: &Kept| console::plan(&kept.settings, board.number).is_ok();
         let (store, kept, origin) = storage::load(&board.flash, &SIGNALS, fits);
@@ -114,6 +117,7 @@ mod image {
             number: board.number,
             cause,
             unacknowledged: cause.stop.latches(),
+            unfit: board.unfit,
             origin,
             ceiling: CEILING.init(kept.settings),
             button: board.button,

@@ -17,13 +17,14 @@ haptic_core::numbered! {
         36 BrownOut: "the supply was too low",
         37 Request: "a reset was asked for",
         38 TickMissed: "no tick came for 2 ms",
+        39 ClockFailed: "the external clock stopped",
     }
 }
 
 impl Stop {
     /// Whether a person has to acknowledge it before the board may be armed.
     pub fn latches(self) -> bool {
-        matches!(self, Self::Panic | Self::HardFault | Self::Watchdog | Self::BrownOut | Self::TickMissed)
+        !matches!(self, Self::PowerOn | Self::Request)
     }
 }
 

@@ -19,7 +19,7 @@ use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::peer::{self, Sensors};
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::{Command, Fault, Mode};
 
 use crate::board::{bridges, encoders, pace};
 
@@ -77,7 +77,8 @@ struct Loop {
     tick: u32,
     life: u32,
     until_record: u32,
-    driving: bool,
+    /// Ticks since the bridges were enabled, until they are driven: [`bridges::WAKE_TICKS`] and one.
+    enabled: u32,
     overrun: bool,
 }
 
@@ -94,7 +95,7 @@ pub(crate) fn prepare(side: Side) {
         tick: 0,
         life: 0,
         until_record: 0,
-        driving: false,
+        enabled: 0,
         overrun: false,
         side,
     };
@@ -124,9 +125,8 @@ impl Loop {
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 
-        if self.driving && !bridges::live() {
-            self.side.signals.emergency.set(true);
-            self.stop();
+        if self.enabled > bridges::WAKE_TICKS && !bridges::live() {
+            self.broken();
         }
         if self.side.signals.disarm.get() {
             self.stop();
@@ -161,8 +161,13 @@ impl Loop {
         let actuators = self.peer.tick(&sensors);
         if actuators.enable {
             bridges::drive(actuators.duties);
-            if !self.driving {
-                bridges::on();
+            if self.enabled <= bridges::WAKE_TICKS {
+                match self.enabled {
+                    0 => bridges::wake(),
+                    bridges::WAKE_TICKS => bridges::on(),
+                    _ => {}
+                }
+                self.enabled += 1;
             }
             flags |= record::ENABLED;
             if self.peer.is_engaged() {
@@ -170,9 +175,9 @@ impl Loop {
             }
         } else {
             bridges::off();
+            self.enabled = 0;
             self.judge();
         }
-        self.driving = actuators.enable;
 
         self.side.signals.mode.set(self.peer.mode());
         self.side.signals.ticks.set(self.tick);
@@ -187,6 +192,18 @@ impl Loop {
         self.overrun = pace::due();
         if self.overrun {
             self.side.signals.overruns.count();
+        }
+    }
+
+    /// The outputs went off by themselves: motors off, and the cause kept.
+    #[cold]
+    #[unsafe(link_section = ".itcm.broken")]
+    fn broken(&mut self) {
+        self.stop();
+        match bridges::cut() {
+            bridges::Cut::Stop => self.side.signals.emergency.set(true),
+            bridges::Cut::Bridge => self.peer.trip(Fault::BridgeFailed),
+            bridges::Cut::Chip => self.peer.trip(Fault::ChipFailed),
         }
     }
 

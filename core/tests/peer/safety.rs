@@ -214,8 +214,10 @@ fn fault_numbers_never_change() {
         Fault::ForceTooLong,
         Fault::PowerTooLong,
         Fault::OutOfWorkspace,
+        Fault::BridgeFailed,
+        Fault::ChipFailed,
     ];
-    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
+    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

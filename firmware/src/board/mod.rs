@@ -5,6 +5,7 @@
 //! Interrupt priorities, most urgent first: 0 tick, 1 bell, 2 supervisor, 3 time driver, 4 Ethernet, 5 network executor,
 //! thread: storage. A critical section masks 1 and everything below it, never the tick.
 
+mod breaks;
 pub(crate) mod bridges;
 pub(crate) mod clocks;
 pub(crate) mod deadman;
@@ -47,6 +48,8 @@ impl Number {
 
 pub(crate) struct Board {
     pub(crate) number: Number,
+    /// Why it must not be armed, whatever anybody acknowledges.
+    pub(crate) unfit: Option<&'static str>,
     /// The 1 kHz timer, not yet running.
     pub(crate) pace: Peri<'static, TIM6>,
     /// Not yet running.
@@ -67,14 +70,24 @@ pub(crate) const WATCHDOG_MS: u32 = 25;
 
 /// Brings up everything but the tick, the watchdog and the network. Bridges stay off.
 pub(crate) fn init() -> Board {
+    // Before anything that could be waited for.
+    bridges::disable();
     // Nothing placed in ITCM has been called yet: main does this first.
     memory::load_itcm();
-    let p = embassy_stm32::init(clocks::config());
-    uptime::put_right();
+    let external = clocks::external();
+    let p = embassy_stm32::init(clocks::config(external));
     bridges::init(
         p.TIM1,
-        bridges::Pins { bridge_1: (p.PE9, p.PE8), bridge_2: (p.PE11, p.PE10), enable: p.PF3, stop: p.PE15 },
+        bridges::Pins {
+            bridge_1: (p.PE9, p.PE8),
+            bridge_2: (p.PE11, p.PE10),
+            enable: p.PF3,
+            stop: p.PE15,
+            fault: p.PE6,
+        },
     );
+    breaks::connect(external);
+    uptime::put_right();
     memory::protect();
     encoders::init(p.TIM3, (p.PC6, p.PC7), p.TIM4, (p.PD12, p.PD13));
     // All interrupts come out of reset at priority 0, the tick's own.
@@ -87,6 +100,7 @@ pub(crate) fn init() -> Board {
     cortex_m::asm::delay(4_800);
     Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
+        unfit: breaks::unfit(external),
         pace: p.TIM6,
         watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
         flash,

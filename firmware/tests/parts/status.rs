@@ -9,5 +9,5 @@ fn numbers_lead_back_to_causes_and_are_not_the_peers() {
             assert!(stop as u8 == number && number >= 32);
         }
     }
-    assert_eq!([35, 38].map(Stop::from_number), [Some(Stop::Watchdog), Some(Stop::TickMissed)]);
+    assert_eq!([35, 38, 39].map(Stop::from_number), [Stop::Watchdog, Stop::TickMissed, Stop::ClockFailed].map(Some));
 }

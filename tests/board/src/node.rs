@@ -26,6 +26,14 @@ pub struct Inputs {
     pub counts: Option<[i64; 2]>,
     /// The emergency stop is pressed (or released).
     pub press: Option<bool>,
+    /// A bridge reports a fault (or none any more).
+    pub bridge_fails: Option<bool>,
+    /// The chip's supply dips below what its voltage detector is set to.
+    pub supply_dips: bool,
+    /// The external clock stops for a moment.
+    pub clock_stops: bool,
+    /// The external clock does not come at this start.
+    pub clock_missing: bool,
     /// The blue button is pressed (or released).
     pub button: Option<bool>,
     /// The cable is in (or out).
@@ -115,6 +123,18 @@ impl Driver<Nucleo> for Stepper {
         }
         if let Some(pressed) = inputs.press {
             part.press_stop(stop.at, pressed);
+        }
+        if let Some(fails) = inputs.bridge_fails {
+            part.fail_bridge(stop.at, fails);
+        }
+        if inputs.supply_dips {
+            part.dip_supply(stop.at);
+        }
+        if inputs.clock_stops {
+            part.stop_clock(stop.at);
+        }
+        if inputs.clock_missing {
+            part.miss_clock();
         }
         if let Some(pressed) = inputs.button {
             part.press_button(stop.at, pressed);

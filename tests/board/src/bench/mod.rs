@@ -83,6 +83,19 @@ impl Bench {
     /// # Panics
     /// As [`Bench::start`].
     pub fn start_with(firmware: &Arc<Firmware>, boards: usize, line: Line, flash: &[(u64, u32)]) -> Self {
+        Self::power_on(firmware, boards, line, 58, |inputs| inputs.poke.extend(flash))
+    }
+
+    /// One board whose external clock does not come.
+    ///
+    /// # Panics
+    /// As [`Bench::start`].
+    pub fn start_without_clock(firmware: &Arc<Firmware>) -> Self {
+        Self::power_on(firmware, 1, Line::default(), 200, |inputs| inputs.clock_missing = true)
+    }
+
+    /// Boards whose ticks run after so many ms, with what their inputs are at power-on, beside their keys.
+    fn power_on(firmware: &Arc<Firmware>, boards: usize, line: Line, ms: u64, first: impl Fn(&mut Inputs)) -> Self {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
@@ -105,9 +118,12 @@ impl Bench {
             ticks: 0,
         };
         let keys = keys_in_flash(&peers_key(), &operator_key());
-        let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(keys).chain(flash.iter().copied());
-        bench.inputs.iter_mut().for_each(|inputs| inputs.poke.extend(paint.clone()));
-        bench.run_to(58_000_000);
+        let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(keys);
+        for inputs in &mut bench.inputs {
+            inputs.poke.extend(paint.clone());
+            first(inputs);
+        }
+        bench.run_to(ms * PERIOD_NS);
         bench.align(firmware);
         // The PHY is asked for its link every 500 ms.
         bench.run_for_ms(1000);
@@ -226,7 +242,8 @@ impl Bench {
         }
         self.stops += 1;
         for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
-            if on.is_none() && stopped.bridges.on() {
+            // From the tick that armed; outputs follow when the bridges are awake.
+            if on.is_none() && stopped.bridges.enable {
                 *on = Some(self.stops);
             }
         }

@@ -4,14 +4,16 @@
 //! |---|---|
 //! | [`ethernet`] | MAC with address filter, DMA rings, MDIO and the PHY behind it |
 //! | [`encoder`] | a timer with a quadrature encoder on its pins, edges spread over time |
+//! | [`oscillator`] | the clock controller while the external clock does not come |
 //! | [`iwdg`] | the independent watchdog |
 //! | [`wwdg`] | the window watchdog |
 //!
-//! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the blue button.
+//! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the bridges' fault line, the blue button.
 
 pub mod encoder;
 pub mod ethernet;
 pub mod iwdg;
+pub mod oscillator;
 pub mod wwdg;
 
 use std::num::{NonZeroU32, NonZeroU64};
@@ -24,6 +26,7 @@ use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
 use rigless::soc::stm32h743::peripherals::gpio::Pin;
+use rigless::soc::stm32h743::peripherals::rcc::{CLOCK_FAILURE, Rcc};
 use rigless::soc::stm32h743::peripherals::rng::{self, Rng};
 use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, BreakSource, Tim};
 use rigless::soc::{Bus, Error, Width};
@@ -32,10 +35,14 @@ use rigless::time::VirtualNanos;
 use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
 use iwdg::Iwdg;
+use oscillator::Missing;
 use wwdg::Wwdg;
 
 /// Core clock, Hz; one instruction a cycle is assumed.
 pub const CORE_HZ: u64 = 480_000_000;
+
+/// Request of the power controller by which we say that its voltage detector breaks; the emulator's has no such wire, and uses 0 to 2.
+const SUPPLY_LOW: usize = 3;
 
 /// What the two bridges and their enable line are at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,7 +80,9 @@ pub struct Part {
     /// TIM3 and TIM4 with an encoder each.
     pub encoders: [EncoderTimer; 2],
     slots: Slots,
+    missing: Missing,
     stop_released: bool,
+    bridge_fails: bool,
     button_pressed: bool,
     strap_to_ground: bool,
     noise_works: bool,
@@ -83,6 +92,8 @@ pub struct Part {
 struct Slots {
     mac: usize,
     dma: usize,
+    rcc: usize,
+    pwr: usize,
     iwdg: usize,
     wwdg: usize,
     encoders: [usize; 2],
@@ -104,6 +115,8 @@ impl Part {
         let slots = Slots {
             mac: slot("Ethernet_MAC")?,
             dma: slot("Ethernet_DMA")?,
+            rcc: slot("RCC")?,
+            pwr: slot("PWR")?,
             iwdg: slot("IWDG")?,
             wwdg: slot("WWDG")?,
             encoders: [slot("TIM3")?, slot("TIM4")?],
@@ -123,11 +136,15 @@ impl Part {
             wwdg: Wwdg::default(),
             encoders,
             slots,
+            missing: Missing::default(),
             stop_released: true,
+            bridge_fails: false,
             button_pressed: false,
             strap_to_ground,
             noise_works: true,
         };
+        // The emulator leaves to the part what breaks a timer.
+        part.chip.advanced[0] = Tim::new(ADVANCED_TIMERS[0]).breaks_on("RCC", CLOCK_FAILURE).breaks_on("PWR", SUPPLY_LOW);
         // Two chips, two noises: theirs would be the same at every power-on.
         part.chip.rng = Rng::seeded(rng::RESET_AHB_HZ, rng::KERNEL_HZ, 1 + u64::from(strap_to_ground));
         part.check()?;
@@ -156,10 +173,13 @@ impl Part {
         let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_e);
         port.drive(pin(15), Some(stop), registers, &mut context);
         self.chip.gpio[4] = port;
-        // There is no wiring from a pin to a timer's break input in the emulator: this is it.
+        // There is no wiring from a pin to a timer's break inputs in the emulator: this is it.
         let mut timer = core::mem::replace(&mut self.chip.advanced[0], Tim::new(ADVANCED_TIMERS[0]));
         let (registers, mut context) = self.chip.bus_mut().drive(at, tim1);
         timer.drive_break_source(BreakInput::First, BreakSource::Pin, stop, registers, &mut context);
+        // Pulled up by the chip, pulled down by a bridge that reports a fault.
+        let fault = if self.bridge_fails { Level::Low } else { Level::High };
+        timer.drive_break_source(BreakInput::Second, BreakSource::Pin, fault, registers, &mut context);
         self.chip.advanced[0] = timer;
     }
 
@@ -167,6 +187,32 @@ impl Part {
     pub fn press_stop(&mut self, at: VirtualNanos, pressed: bool) {
         self.stop_released = !pressed;
         self.wire(at);
+    }
+
+    /// A bridge reports a fault, or none any more.
+    pub fn fail_bridge(&mut self, at: VirtualNanos, fails: bool) {
+        self.bridge_fails = fails;
+        self.wire(at);
+    }
+
+    /// The external clock stops, and is back by the time that the chip asks for it again.
+    pub fn stop_clock(&mut self, at: VirtualNanos) {
+        let mut rcc = core::mem::replace(&mut self.chip.rcc, Rcc::new());
+        let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.rcc);
+        rcc.fail_hse(registers, &mut context);
+        self.chip.rcc = rcc;
+    }
+
+    /// The chip's supply dips, as its voltage detector would see it.
+    pub fn dip_supply(&mut self, at: VirtualNanos) {
+        let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.pwr);
+        context.request(SUPPLY_LOW, Level::High);
+        context.request(SUPPLY_LOW, Level::Low);
+    }
+
+    /// The external clock does not come when it is asked for, until the chip gives up.
+    pub fn miss_clock(&mut self) {
+        self.missing.wanted = true;
     }
 
     /// Presses or releases the blue button.
@@ -244,6 +290,9 @@ impl Mcu for Part {
         Device::poll(&mut self.dma, registers, &mut context);
     }
     fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
+        if slot == self.slots.rcc && self.missing.wanted {
+            return (self.chip.bus_mut(), Some(&mut self.missing));
+        }
         let [one, two] = &mut self.encoders;
         let model: &mut dyn ErasedDevice = match slot {
             s if s == self.slots.mac => &mut self.mac,

@@ -12,7 +12,7 @@ use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use haptic_sim::scenes;
 
-use crate::impostor::Impostor;
+use crate::{breaks, impostor::Impostor};
 
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
@@ -251,6 +251,25 @@ fn outputs_go_off_and_stay_off() {
     };
     let released = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).press = Some(false);
     campaign.inject("emergency stop pressed, later released", 1, &faulted(1, "disarmed"), &pressed, &released);
+
+    let fails = |bench: &mut Bench, _: &Firmware, ms: u64| {
+        if ms == 1 {
+            bench.input(1).bridge_fails = Some(true)
+        }
+    };
+    let recovers = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).bridge_fails = Some(false);
+    campaign.inject("a bridge reports a fault (nFAULT)", 1, &faulted(1, "fault 14"), &fails, &recovers);
+
+    let dips = |bench: &mut Bench, _: &Firmware, ms: u64| bench.input(1).supply_dips = ms == 1;
+    campaign.inject("supply of the chip dips", 1, &faulted(1, "fault 15"), &dips, &nothing);
+
+    let stopped = |bench: &mut Bench, firmware: &Firmware, ms: u64| {
+        if ms == 1 {
+            breaks::stop_clock(bench, firmware);
+        }
+    };
+    let runs = |bench: &mut Bench, firmware: &Firmware, _: u64| breaks::mend_clock(bench, firmware);
+    campaign.inject("external clock stops", 1, &restarted(1, "external clock stopped"), &stopped, &runs);
 
     let panics = campaign.firmware.address_ending("4core9panicking5panic") as u32;
     // ldr.w pc, [pc]; the address.

@@ -10,10 +10,11 @@
 //! | [`same_bits`], [`papers_comms`] | do two boards compute what host-sim computes? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
-//! | [`faults`] (one of them an [`impostor`]), [`stop`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`faults`] (one of them an [`impostor`]), [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
 //! | [`budgets`], [`static_stack`] | do flash, memory, stack and instructions keep to their budgets? |
 
 mod bad_wire;
+mod breaks;
 mod budgets;
 mod cable;
 mod calibrate;

@@ -1,0 +1,151 @@
+//! What turns outputs off in hardware does so at once, and is told apart; a board without its external clock starts, talks, and is not
+//! armed.
+//!
+//! Not shown, because the emulator does not model it: that SYSCFG_CFGR connects the voltage detector and a locked-up core to the break.
+//! Here the detector is connected by hand.
+
+use std::sync::Arc;
+
+use board_bench::bench::{Bench, for_boards};
+use board_bench::image::Firmware;
+use board_bench::node::Inputs;
+use board_bench::pc::{board_ip, board_mac, udp};
+use board_bench::reviewed;
+use board_bench::wire::Line;
+use haptic_sim::scenes;
+
+/// TIM1_BDTR without its main output enable, and what it is to be: break 2, both filters (8 samples at an eighth), break 1, idle levels,
+/// lock 3, dead time 120.
+const BDTR: u64 = 0x4001_0044;
+const MAIN_OUTPUT: u32 = 1 << 15;
+const LOCKED: u32 = 1 << 24 | 0x99 << 16 | 1 << 12 | 1 << 11 | 1 << 10 | 3 << 8 | 120;
+/// PWR_CR1 (voltage detector, level 6) and RCC_CR (clock security).
+const PWR_CR1: u64 = 0x5802_4800;
+const RCC_CR: u64 = 0x5802_4400;
+
+fn armed(firmware: &Arc<Firmware>) -> Bench {
+    let scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+    let mut bench = Bench::start(firmware, 1, Line::default());
+    bench.set_up(&for_boards(&scene)).expect("the board takes it");
+    bench.arm();
+    bench.run_for_ms(20);
+    bench
+}
+
+#[test]
+fn what_guards_the_outputs_is_set_and_locked() {
+    let mut bench = armed(&Arc::new(Firmware::release()));
+    let set = bench.peek(1, [BDTR, PWR_CR1, RCC_CR]);
+    assert_eq!(set[0] & !MAIN_OUTPUT, LOCKED, "{:#010x}", set[0]);
+    assert_eq!((set[1] >> 4 & 1, set[1] >> 5 & 7, set[2] >> 19 & 1), (1, 6, 1));
+    bench.finish();
+}
+
+/// Between two ticks: nobody but the timer can have done it.
+#[test]
+fn outputs_are_off_a_microsecond_later_and_the_cause_is_told() {
+    let firmware = Arc::new(Firmware::release());
+    type Cause = fn(&mut Inputs);
+    let causes: [(&str, Cause, Cause, &str); 4] = [
+        ("stop", |i| i.press = Some(true), |i| i.press = Some(false), "the emergency stop was pressed"),
+        ("bridge", |i| i.bridge_fails = Some(true), |i| i.bridge_fails = Some(false), "faulted, fault 14"),
+        ("supply", |i| i.supply_dips = true, |_| {}, "faulted, fault 15"),
+        (
+            "bridge and stop",
+            |i| (i.press, i.bridge_fails) = (Some(true), Some(true)),
+            |i| (i.press, i.bridge_fails) = (Some(false), Some(false)),
+            "the emergency stop was pressed",
+        ),
+    ];
+    for (what, breaks, mends, told) in causes {
+        let mut bench = armed(&firmware);
+        assert!(bench.stopped[0].bridges.outputs);
+        breaks(bench.input(1));
+        bench.run_for_us(1);
+        assert!(!bench.stopped[0].bridges.outputs && bench.stopped[0].bridges.enable, "{what}: no software was there");
+        mends(bench.input(1));
+        bench.run_for_us(998);
+        bench.run_for_ms(3);
+        assert!(!bench.stopped[0].bridges.enable, "{what}");
+        let answer = bench.ask(1, "arm");
+        assert!(answer.ends_with(told), "{what}: {answer}");
+        bench.finish();
+    }
+}
+
+/// It may be low while a bridge wakes; later it is a fault, and outputs were never on.
+#[test]
+fn a_bridge_may_report_a_fault_while_it_wakes_and_no_longer() {
+    let firmware = Arc::new(Firmware::release());
+    for (ms, fault) in [(1, "fault 0"), (2, "fault 0"), (5, "fault 14")] {
+        let mut bench = armed(&firmware);
+        assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
+        bench.input(1).bridge_fails = Some(true);
+        bench.run_for_ms(1);
+        bench.send(1, "arm");
+        while !bench.stopped[0].bridges.enable {
+            bench.step();
+        }
+        for _ in 1..ms {
+            assert!(!bench.stopped[0].bridges.outputs);
+            bench.step();
+        }
+        bench.input(1).bridge_fails = Some(false);
+        bench.run_for_ms(5);
+        let status = bench.ask(1, "status");
+        assert!(status.contains(&format!(" {fault} ")), "low for {ms} ms: {status}");
+        assert_eq!(bench.stopped[0].bridges.on(), fault == "fault 0");
+        bench.finish();
+    }
+}
+
+/// The external clock stops. The emulator has no wire from the clock's watch to the processor: an interrupt that a frame brings is
+/// led to the handler instead, until [`mend_clock`].
+pub(crate) fn stop_clock(bench: &mut Bench, firmware: &Firmware) {
+    let (from, to) = (firmware.address("ETH"), firmware.address("NonMaskableInt") as u32);
+    assert_eq!(from % 4, 0, "the jump's target stands on a word");
+    // ldr.w pc, [pc]; the address.
+    bench.input(1).poke.extend([(from, 0xF000_F8DF), (from + 4, to | 1)]);
+    bench.input(1).clock_stops = true;
+    let frame = udp(([2, 0, 0, 0, 0, 0x66], [192, 168, 77, 66], 9), (board_mac(1), board_ip(1), 9), &[0; 18]);
+    bench.input(1).frames.push(frame);
+}
+
+/// Puts back what [`stop_clock`] led elsewhere.
+pub(crate) fn mend_clock(bench: &mut Bench, firmware: &Firmware) {
+    let from = firmware.address("ETH");
+    bench.input(1).poke.extend([0, 4].map(|at| (from + at, firmware.word(from + at))));
+}
+
+#[test]
+fn a_board_whose_external_clock_stops_starts_anew_and_says_so() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = armed(&firmware);
+    stop_clock(&mut bench, &firmware);
+    bench.run_for_us(1);
+    assert!(!bench.stopped[0].bridges.outputs);
+    bench.run_for_us(99);
+    mend_clock(&mut bench, &firmware);
+    bench.run_for_ms(1300);
+    bench.meet(1);
+    assert_eq!(bench.ask(1, "arm"), "error clear first: the external clock stopped");
+    assert_eq!(bench.ask(1, "clear"), "ok disarmed");
+    for report in bench.finish() {
+        assert_eq!(report.resets, ["Core"]);
+        reviewed::check(&report);
+    }
+}
+
+#[test]
+fn a_board_without_its_external_clock_talks_and_is_not_armed() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start_without_clock(&firmware);
+    assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "));
+    let why = "the external clock did not come: see to the 8 MHz of the ST-LINK and start anew";
+    for line in ["arm", "check 1", "clear", "arm"] {
+        let answer = bench.ask(1, line);
+        assert_eq!(answer, if line == "clear" { "ok disarmed".to_owned() } else { format!("error {why}") });
+    }
+    assert!(bench.log(&firmware, 1).iter().any(|line| line.starts_with("not to be armed: ")));
+    bench.finish().iter().for_each(reviewed::check);
+}
