@@ -10,6 +10,7 @@ pub mod hedge;
 pub mod hold;
 pub mod kept;
 pub mod keys;
+pub mod mac;
 pub mod operator;
 pub mod record;
 pub mod signals;

@@ -4,7 +4,8 @@ use core::mem::MaybeUninit;
 
 use embassy_stm32::eth::{self, Ethernet, GenericPhy, PacketQueue, Sma};
 use embassy_stm32::peripherals::{ETH, ETH_SMA, PA1, PA2, PA7, PB13, PC1, PC4, PC5, PG11, PG13};
-use embassy_stm32::{Peri, bind_interrupts};
+use embassy_stm32::{Peri, bind_interrupts, pac};
+use firmware_parts::mac;
 
 use super::Number;
 
@@ -45,8 +46,7 @@ pub(crate) fn start(pins: Pins, number: Number) -> Device {
         Queue::init(&mut *place);
         (*place).assume_init_mut()
     };
-    // Locally administered; the pair differs in the last byte.
-    let address = [0x02, 0x48, 0x61, 0x70, 0x74, number as u8 + 1];
+    let address = mac::address(core::array::from_fn(|word| pac::UID.uid(word).read()), number as u8 + 1);
     Ethernet::new_with_phy(
         queue,
         pins.eth,

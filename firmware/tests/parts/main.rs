@@ -6,6 +6,7 @@ mod hedge;
 mod hold;
 mod kept;
 mod keys;
+mod mac;
 mod operator;
 mod record;
 mod signals;
