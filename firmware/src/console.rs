@@ -13,7 +13,7 @@ use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
-use firmware_parts::operator::{self, Misread, Request};
+use firmware_parts::operator::{self, Misread, Request, Time};
 use firmware_parts::signals::{Saving, Signals};
 use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
@@ -23,7 +23,7 @@ use haptic_core::settings::{Allowed, Choice, Refused, SetError, Settings};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
-use crate::board::{Number, bridges, pace};
+use crate::board::{Number, bridges, clocks::CORE_HZ, pace};
 use crate::storage::{self, Origin};
 use crate::tick::{Peer, Plan};
 use crate::{fault::Cause, flow, telemetry::Telemetry};
@@ -187,6 +187,14 @@ impl Console {
             Request::Capture(ticks) => {
                 telemetry.capture(ticks);
                 write!(to, "ok the next {ticks} ticks")?;
+            }
+            Request::Time(which) => {
+                let (what, times) = match which {
+                    Time::Delay => ("from due to begun", &pace::TIMES.delay),
+                    Time::Duration => ("from begun to ended", &pace::TIMES.duration),
+                    Time::Spacing => ("off a period", &pace::TIMES.spacing),
+                };
+                write!(to, "ok {what}, cycles of {} MHz: {times}", CORE_HZ / 1_000_000)?;
             }
         }
         Ok(())

@@ -16,3 +16,4 @@ pub mod record;
 pub mod signals;
 pub mod status;
 pub mod store;
+pub mod times;

@@ -43,6 +43,19 @@ pub enum Request<'a> {
     Stream(u32),
     /// So many ticks in a row, every one.
     Capture(u32),
+    /// How long ticks took on the chip.
+    Time(Time),
+}
+
+/// Which of a tick's times ([`crate::times`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Time {
+    /// From when it was due to when it began.
+    Delay,
+    /// From when it began to when it ended.
+    Duration,
+    /// How far from a period two in a row were apart.
+    Spacing,
 }
 
 /// Why a line is none.
@@ -63,11 +76,11 @@ impl Misread {
             Self::Empty => "send one line of text",
             Self::Word => {
                 "the words are status, check, arm, disarm, clear, probe, probed, set, get, defaults, apply, save, stream, \
-                 capture"
+                 capture, time"
             }
             Self::Arguments => {
                 "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], \
-                 set key value, get key, stream n, stream off, capture n"
+                 set key value, get key, stream n, stream off, capture n, time delay|duration|spacing"
             }
         }
     }
@@ -95,6 +108,12 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         "save" => Some(Request::Save),
         "stream" => words.next().and_then(|n| if n == "off" { Some(0) } else { n.parse().ok() }).map(Request::Stream),
         "capture" => number(&mut words).map(Request::Capture),
+        "time" => match words.next() {
+            Some("delay") => Some(Request::Time(Time::Delay)),
+            Some("duration") => Some(Request::Time(Time::Duration)),
+            Some("spacing") => Some(Request::Time(Time::Spacing)),
+            _ => None,
+        },
         _ => return Err(Misread::Word),
     };
     // Nothing may be missing, and nothing be left.

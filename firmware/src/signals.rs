@@ -125,7 +125,7 @@ coded! {
 pub struct Word<T>(AtomicU32, PhantomData<fn(T) -> T>);
 
 impl<T: Coded> Word<T> {
-    const fn zero() -> Self {
+    pub(crate) const fn zero() -> Self {
         Self(AtomicU32::new(0), PhantomData)
     }
 

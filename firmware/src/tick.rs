@@ -120,7 +120,7 @@ extern "C" fn TIM6_DAC() {
 impl Loop {
     #[inline(always)]
     fn period(&mut self) {
-        pace::acknowledge();
+        let began = pace::begin();
         let counts = encoders::read();
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
@@ -186,13 +186,11 @@ impl Loop {
             // Without room it is lost: whoever misses it sees it by the numbers.
             let _ = self.side.records.put(record);
         }
-        if flags & record::SENT != 0 {
-            pace::ring();
-        }
         self.overrun = pace::due();
         if self.overrun {
             self.side.signals.overruns.count();
         }
+        pace::end(began, self.tick, flags);
     }
 
     /// The outputs went off by themselves: motors off, and the cause kept.

@@ -14,6 +14,8 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::{Config, pac, time::Hertz};
 
+/// Of the core.
+pub(crate) const CORE_HZ: u32 = 2 * TIMERS_HZ;
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
 /// Of the buses that peripherals are on, PCLK1 to PCLK4.
 pub(crate) const PERIPHERALS_HZ: u32 = TIMERS_HZ / 2;

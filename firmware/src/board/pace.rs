@@ -1,14 +1,21 @@
 //! The 1 kHz timer of the tick, and the bell by which its interrupt wakes a task.
 //!
 //! The tick may not touch an executor (that takes a critical section, and the tick is above all of them). It pends an
-//! unused interrupt of lower priority instead, one store, and that one signals.
+//! unused interrupt of lower priority instead, one store, and that one signals. It also counts how long the tick took
+//! ([`TIMES`]), from what the tick left of two clocks: its own timer, which says how late it began, and the core's counter of cycles.
 
-use cortex_m::peripheral::NVIC;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::{DWT, NVIC};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::{Peri, pac, peripherals::TIM6, timer::low_level::Timer};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 
-use super::{clocks::TIMERS_HZ, deadman};
+use firmware_parts::record::SENT;
+use firmware_parts::times::{Times, Took};
+
+use super::clocks::{CORE_HZ, TIMERS_HZ};
+use super::deadman;
 
 /// The control period that the timer makes, s.
 pub(crate) const PERIOD_S: f64 = 0.001;
@@ -17,7 +24,15 @@ const COUNTS: u32 = TIMERS_HZ / PRESCALER / 1000;
 const PRESCALER: u32 = 4;
 const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_HZ);
 
-/// A packet went out, or a record is there.
+/// Times of the tick since the start.
+pub(crate) static TIMES: Times = Times::new();
+/// What the last tick left about itself: its number, when it began and ended, how late it was in its timer's counts with its flags above.
+static TOOK: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
+
+/// The last tick in which a packet went out, and the last of these that somebody was woken for.
+static SENT_IN: AtomicU32 = AtomicU32::new(0);
+static TOLD: AtomicU32 = AtomicU32::new(0);
+/// A packet went out.
 static BELL: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// Starts the tick: from here on the interrupt runs, and has to.
@@ -36,15 +51,29 @@ pub(crate) fn start(timer: Peri<'static, TIM6>) {
         interrupt::UART8.enable();
         interrupt::TIM6_DAC.enable();
     }
+    // SAFETY: nobody else holds the core's counter, which runs from here on.
+    let mut processor = unsafe { cortex_m::Peripherals::steal() };
+    processor.DCB.enable_trace();
+    DWT::unlock();
+    processor.DWT.enable_cycle_counter();
     deadman::start();
     tim.cr1().modify(|w| w.set_cen(true));
 }
 
+/// The beginning of a tick.
+#[derive(Clone, Copy)]
+pub(crate) struct Began {
+    cycle: u32,
+    late: u16,
+}
+
 /// Takes note that the tick began.
 #[inline(always)]
-pub(crate) fn acknowledge() {
+pub(crate) fn begin() -> Began {
+    let began = Began { late: pac::TIM6.cnt().read().cnt(), cycle: DWT::cycle_count() };
     deadman::wind();
     pac::TIM6.sr().write(|w| w.set_uif(false));
+    began
 }
 
 /// Whether the next tick is due already.
@@ -53,9 +82,16 @@ pub(crate) fn due() -> bool {
     pac::TIM6.sr().read().uif()
 }
 
-/// Rings: whoever waits in [`rung`] goes on. One store; for the tick.
+/// Takes note that the tick ended, and rings: whoever waits in [`rung`] goes on, if a packet went out. A few stores; for the tick.
 #[inline(always)]
-pub(crate) fn ring() {
+pub(crate) fn end(began: Began, tick: u32, flags: u8) {
+    let words = [tick, began.cycle, DWT::cycle_count(), u32::from(began.late) | u32::from(flags) << 16];
+    for (place, word) in TOOK.iter().zip(words) {
+        place.store(word, Ordering::Relaxed);
+    }
+    if flags & SENT != 0 {
+        SENT_IN.store(tick, Ordering::Relaxed);
+    }
     NVIC::pend(pac::Interrupt::UART8);
 }
 
@@ -66,5 +102,15 @@ pub(crate) async fn rung() {
 /// UART8 is not used as such; its interrupt is the bell.
 #[unsafe(no_mangle)]
 extern "C" fn UART8() {
-    BELL.signal(());
+    let [tick, began, ended, rest] = TOOK.each_ref().map(|word| word.load(Ordering::Relaxed));
+    // A tick that came between is counted when it rings itself.
+    if TOOK[0].load(Ordering::Relaxed) == tick {
+        let delay = (rest & 0xFFFF) * (CORE_HZ / (TIMERS_HZ / PRESCALER));
+        TIMES.see(&Took { tick, flags: (rest >> 16) as u8, delay, began, ended }, CORE_HZ / 1000);
+    }
+    let sent = SENT_IN.load(Ordering::Relaxed);
+    if sent != TOLD.load(Ordering::Relaxed) {
+        TOLD.store(sent, Ordering::Relaxed);
+        BELL.signal(());
+    }
 }

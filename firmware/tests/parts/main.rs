@@ -12,3 +12,4 @@ mod record;
 mod signals;
 mod status;
 mod store;
+mod times;

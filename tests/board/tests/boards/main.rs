@@ -11,7 +11,7 @@
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
-//! | [`budgets`], [`static_stack`] | do flash, memory, stack and instructions keep to their budgets? |
+//! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
 mod bad_wire;
 mod breaks;
@@ -30,3 +30,4 @@ mod same_bits;
 mod static_stack;
 mod stop;
 mod store;
+mod times;
