@@ -9,12 +9,11 @@
 
 use core::fmt::{self, Write};
 
-use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::operator::{self, Misread, Request, Time};
-use firmware_parts::signals::{Saving, Signals};
+use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{End, Outcome, Probe};
@@ -38,7 +37,6 @@ pub(crate) struct Console {
     pub(crate) origin: Origin,
     /// What the board started with, or what was applied last with its button held.
     pub(crate) ceiling: &'static mut Settings,
-    pub(crate) button: Input<'static>,
     pub(crate) applied: Kept,
     pub(crate) draft: Kept,
     /// [`Plan::device`] of what the tick runs.
@@ -225,6 +223,9 @@ impl Console {
         } else if mode == Mode::Armed && signals.patience.get() == 0 {
             to.write_str("armed alone; ")?;
         }
+        if signals.button.get() == Button::Stuck {
+            to.write_str("the blue button is down since before the start; ")?;
+        }
         write!(to, "settings {} {saves}{saving}; ", self.origin.explain())?;
         write!(to, "started: {}{}", self.cause.stop.explain(), self.cause.place)
     }
@@ -337,7 +338,7 @@ impl Console {
     fn apply(&mut self) -> Result<(), No<'static>> {
         self.disarmed()?;
         let plan = plan(&self.draft.settings, self.number).map_err(No::Refused)?;
-        let at_the_board = self.button.is_high();
+        let at_the_board = self.signals.button.get() == Button::Held;
         for above in ceiling::above(&self.draft.settings, self.ceiling) {
             if !at_the_board {
                 return Err(No::Above(above));

@@ -4,6 +4,7 @@
 #![no_std]
 
 pub mod boots;
+pub mod button;
 pub mod ceiling;
 pub mod exchange;
 pub mod hedge;

@@ -110,7 +110,13 @@ mod image {
         interrupt::UART4.set_priority(Priority::P2);
         interrupt::UART5.set_priority(Priority::P5);
         let supervisor = SUPERVISOR.start(interrupt::UART4);
-        supervisor.spawn(defmt::unwrap!(supervisor::run(board.watchdog, board.alive, board.armed, &SIGNALS)));
+        supervisor.spawn(defmt::unwrap!(supervisor::run(
+            board.watchdog,
+            board.alive,
+            board.armed,
+            board.button,
+            &SIGNALS
+        )));
 
         static CEILING: StaticCell<Settings> = StaticCell::new();
         let console = Console {
@@ -120,7 +126,6 @@ mod image {
             unfit: board.unfit,
             origin,
             ceiling: CEILING.init(kept.settings),
-            button: board.button,
             applied: kept,
             draft: kept,
             device: 0,

@@ -79,6 +79,17 @@ pub enum Saving {
     Failed,
 }
 
+/// What the blue button says ([`crate::button`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Button {
+    /// Nobody holds it.
+    Up,
+    /// Somebody at the board holds it.
+    Held,
+    /// It has been down since before the board started.
+    Stuck,
+}
+
 /// Numbers as they are, then enums by the numbers of their variants; any other number means the first.
 macro_rules! coded {
     ($($number:ty: $decode:expr;)* $(enum $type:ty: $first:ident 0 $(, $other:ident $code:literal)*;)*) => {
@@ -117,6 +128,7 @@ coded! {
     // A word that nobody ordered anything by could only disarm.
     enum Command: Disarm 0, Arm 1, Clear 2;
     enum Saving: Done 0, Busy 1, Failed 2;
+    enum Button: Up 0, Held 1, Stuck 2;
     enum Stage: Calling 0, Joining 1, Idle 2, Running 3, Fading 4, Refused 5;
 }
 
@@ -196,6 +208,7 @@ signals! {
     patience: u32,
         "Ticks of an operator's silence that motors stay on for; 0: they run without one. By the console, before it arms.";
     let_go: bool, "The motors went off because the operator was silent. Set by the supervisor, cleared by the console.";
+    button: Button, "What the blue button said when it was last looked at. By the supervisor.";
     mode: Mode, "By the tick.";
     ticks: u32, "Ticks since boot. By the tick.";
     overruns: u32, "Ticks that were due before the one before them had ended. By the tick.";

@@ -1,13 +1,14 @@
-//! The supervisor: feeds the watchdog while the tick makes progress, lets go when the operator does, shows signs of life, logs
-//! what changes.
+//! The supervisor: feeds the watchdog while the tick makes progress, lets go when the operator does, looks at the blue button,
+//! shows signs of life, logs what changes.
 //!
 //! Every 5 ms it looks at the tick counter. It feeds the watchdog only if the tick advanced by 3 to 7 since the last look:
 //! a tick that stands still, and a supervisor that does, both end in a reset within [`crate::board::WATCHDOG_MS`].
 
-use embassy_stm32::gpio::{Level, Output};
+use embassy_stm32::gpio::{Input, Level, Output};
 use embassy_stm32::{peripherals::IWDG1, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Ticker};
-use firmware_parts::{hold, signals::Signals, status};
+use firmware_parts::signals::{Button, Signals};
+use firmware_parts::{button::Watch, hold, status};
 use haptic_core::safety::Mode;
 
 /// Between two looks, ms; and so the ticks expected in between.
@@ -20,12 +21,14 @@ pub(crate) async fn run(
     mut watchdog: IndependentWatchdog<'static, IWDG1>,
     mut alive: Output<'static>,
     mut armed: Output<'static>,
+    button: Input<'static>,
     signals: &'static Signals,
 ) -> ! {
     watchdog.unleash();
     let mut last = signals.ticks.get();
     let mut mode = Mode::Disarmed;
     let mut looks: u32 = 0;
+    let mut watch = Watch::default();
     let mut pace = Ticker::every(Duration::from_millis(EVERY_MS.into()));
     loop {
         pace.next().await;
@@ -35,6 +38,11 @@ pub(crate) async fn run(
         }
         last = now;
         looks = looks.wrapping_add(1);
+        let held = watch.look(button.is_high());
+        if held != signals.button.get() && held == Button::Stuck {
+            defmt::warn!("the blue button is down since before the start: it counts once it was released");
+        }
+        signals.button.set(held);
         if looks.is_multiple_of(100) {
             alive.toggle();
         }

@@ -11,7 +11,7 @@ fn chips() -> impl Iterator<Item = [u32; 3]> {
         let [a, b, c, rest @ ..] = lot;
         (0..25_u8).flat_map(move |wafer| {
             (0..40_u32 * 40).map(move |at| {
-                [at % 40 | (at / 40) << 16, u32::from_le_bytes([wafer, a, b, c]), u32::from_le_bytes(rest)]
+                [at % 40 + ((at / 40) << 16), u32::from_le_bytes([wafer, a, b, c]), u32::from_le_bytes(rest)]
             })
         })
     })

@@ -1,5 +1,6 @@
 //! The parts of the image that need no chip, from outside.
 
+mod button;
 mod ceiling;
 mod exchange;
 mod hedge;

@@ -86,16 +86,11 @@ impl Bench {
         Self::power_on(firmware, boards, line, 58, |inputs| inputs.poke.extend(flash))
     }
 
-    /// One board whose external clock does not come.
+    /// Boards whose ticks run after so many ms, with what comes in at power-on beside their keys.
     ///
     /// # Panics
     /// As [`Bench::start`].
-    pub fn start_without_clock(firmware: &Arc<Firmware>) -> Self {
-        Self::power_on(firmware, 1, Line::default(), 200, |inputs| inputs.clock_missing = true)
-    }
-
-    /// Boards whose ticks run after so many ms, with what their inputs are at power-on, beside their keys.
-    fn power_on(firmware: &Arc<Firmware>, boards: usize, line: Line, ms: u64, first: impl Fn(&mut Inputs)) -> Self {
+    pub fn power_on(firmware: &Arc<Firmware>, boards: usize, line: Line, ms: u64, first: impl Fn(&mut Inputs)) -> Self {
         let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {

@@ -139,7 +139,7 @@ fn a_board_whose_external_clock_stops_starts_anew_and_says_so() {
 #[test]
 fn a_board_without_its_external_clock_talks_and_is_not_armed() {
     let firmware = Arc::new(Firmware::release());
-    let mut bench = Bench::start_without_clock(&firmware);
+    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 200, |inputs| inputs.clock_missing = true);
     assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "));
     let why = "the external clock did not come: see to the 8 MHz of the ST-LINK and start anew";
     for line in ["arm", "check 1", "clear", "arm"] {

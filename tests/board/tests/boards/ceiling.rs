@@ -5,6 +5,7 @@ use std::sync::Arc;
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::power::{STORE, board};
+use board_bench::wire::Line;
 
 /// The answer to `apply` with one more key set.
 fn apply(bench: &mut Bench, key: &str, value: &str) -> String {
@@ -23,7 +24,7 @@ fn force(bench: &mut Bench, newtons: &str) -> bool {
 
 fn hold_button(bench: &mut Bench, held: bool) {
     bench.hold_buttons(held);
-    bench.run_for_ms(5);
+    bench.run_for_ms(10);
 }
 
 #[test]
@@ -71,5 +72,19 @@ fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     bench.finish();
     let mut bench = board(&firmware, &flash);
     assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 2.5");
+    bench.finish();
+}
+
+#[test]
+fn a_button_that_is_down_at_the_start_raises_nothing_until_it_was_released() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 58, |inputs| inputs.button = Some(true));
+    assert!(bench.ask(1, "status").contains("; the blue button is down since before the start; "));
+    assert!(!force(&mut bench, "60"));
+    hold_button(&mut bench, false);
+    assert!(!bench.ask(1, "status").contains("blue button"));
+    assert!(!force(&mut bench, "60"));
+    hold_button(&mut bench, true);
+    assert!(force(&mut bench, "60"));
     bench.finish();
 }
