@@ -1,6 +1,6 @@
 //! A load: very many clients on one socket, each of which says something once in a packet period.
 //!
-//! Their packets are spread evenly over the period. All that are due go in one system call, and all that came are taken in one
+//! Their packets are spread evenly over the period. All that are due go in one system call, and what came is taken in as few
 //! ([`crate::live::batch`]). A load that is late by more than a quarter of a packet period does not catch up in a burst that no
 //! independent clients would make; it goes on from there.
 
@@ -18,6 +18,9 @@ const REST: Duration = Duration::from_micros(20);
 const REST_EVERY_NS: u64 = 250_000;
 /// A load that is later than this does not catch up, ns.
 const LATE_NS: u64 = 250 * PACKET_US;
+
+/// Most batches that are taken between two that are sent: more comes than goes, and a load that falls behind must catch up.
+const TAKES: usize = 4;
 
 /// Who makes a load.
 pub(super) trait Clients {
@@ -110,7 +113,7 @@ pub(super) fn run(
     Ok(Kept { late: late.quantiles(), ..kept })
 }
 
-/// Takes a batch.
+/// Takes what has come, up to [`TAKES`] batches.
 fn take(
     endpoint: &Endpoint,
     server: SocketAddr,
@@ -119,10 +122,15 @@ fn take(
     going: &mut Going,
     clients: &mut impl Clients,
 ) -> Result<(), String> {
-    endpoint.take(came)?;
-    for (_, datagram) in came.each() {
-        clients.receive(endpoint.now_ns(), measured, datagram, &mut |bytes| endpoint.say(going, server, bytes));
+    for _ in 0..TAKES {
+        endpoint.take(came)?;
+        for (_, datagram) in came.each() {
+            clients.receive(endpoint.now_ns(), measured, datagram, &mut |bytes| endpoint.say(going, server, bytes));
+        }
+        endpoint.flush(going);
+        if came.each().len() < MOST {
+            break;
+        }
     }
-    endpoint.flush(going);
     Ok(())
 }
