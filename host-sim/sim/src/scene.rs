@@ -394,14 +394,18 @@ impl Scene {
     }
 
     /// Control periods from sensing to the force that comes of it: `device.force_delay_ticks`, or, with a winding in a current loop, the
-    /// PWM period that the tick takes and the lag of the loop.
+    /// PWM period that the tick takes and the lag of the loop. That of a winding with more resistance than was told is longer, for more
+    /// voltage has to add up; and what is sampled later in its period leaves less of it to the sum.
     pub fn force_delay_ticks(&self) -> f64 {
         let plant = &self.world.plant;
-        if plant.winding && plant.drive == DriveName::Current {
-            (current::PWM_PERIOD_S + current::lag_s(&self.peer)) / self.peer.timing.control_period_s
-        } else {
-            self.world.device.force_delay_ticks
+        if !plant.winding || plant.drive == DriveName::Voltage {
+            return self.world.device.force_delay_ticks;
         }
+        let crossover = std::f64::consts::TAU * self.peer.motor.current_loop_hz;
+        let warmer_s = (plant.resistance_ratio - 1.0) / crossover;
+        let sampled_s = (1.5 - plant.loop_delay_periods) * current::PWM_PERIOD_S;
+        let lag_s = current::lag_s(&self.peer) + warmer_s + sampled_s;
+        (current::PWM_PERIOD_S + lag_s) / self.peer.timing.control_period_s
     }
 
     /// An impact of a device that is thought heavier than what moves with it makes energy: a share

@@ -10,6 +10,7 @@ use super::flags::{Out, Time, choice};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
 use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
 use crate::studies::accuracy::{self, picture};
+use crate::studies::force;
 use crate::studies::precision::{columns, measure};
 use haptic_sim::{scene::Scene, scenes};
 
@@ -29,6 +30,8 @@ super::commands! {
     Question {
         /// How far f32 and fixed point stray from f64, scene by scene.
         Precision(Precision),
+        /// The force that is commanded beside the force that comes: a duty alone, and the current loop, with the hand moving.
+        Force(Force),
     }
 }
 
@@ -109,5 +112,66 @@ impl Precision {
             .concat();
         writeln!(ui, "Largest difference from f64 so far; steps are of the number type at the largest position\n");
         ui.result(&columns(&rows))
+    }
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Force {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Root mean square of the commands, N.
+    #[arg(long, default_value_t = 3.0, value_name = "N", value_parser = newtons)]
+    command: f64,
+}
+
+fn newtons(text: &str) -> Result<f64, String> {
+    let allowed = "it must be a number from 0.01 to 200 N";
+    text.parse().ok().filter(|newtons| (0.01..=200.0).contains(newtons)).ok_or_else(|| allowed.into())
+}
+
+impl Force {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let found = force::measure(&scene, self.command)?;
+        let (response, moving) = (force::response_columns(&found.response), force::moving_columns(&found.moving));
+        let (within, in_time_hz) = (found.within(), found.in_time_hz());
+        let stiffest = force::stiffest_columns(&force::stiffest(&scene)?);
+        ui.document(&json!({
+            "response": response, "moving": moving, "delay_ticks": found.delay_ticks, "within": within, "in_time_hz": in_time_hz,
+            "stiffest": stiffest,
+        }))?;
+        let motor = &scene.peer.motor;
+        writeln!(
+            ui,
+            "{} N/A, {} ohm, {} mH, {} V; loop of {} Hz, whose force is {:.3} control periods late\n",
+            motor.newton_or_newton_metre_per_a,
+            motor.resistance_ohm,
+            1e3 * motor.inductance_h,
+            scene.world.plant.supply_v,
+            motor.current_loop_hz,
+            found.delay_ticks
+        );
+        writeln!(
+            ui,
+            "The joint held: force over command, and error in % of the command; late: against the command so late\n"
+        );
+        ui.table(&response);
+        writeln!(
+            ui,
+            "The hand moving {} mm either way at {} Hz: error, N; allowed: {} % of the command and {} mN\n",
+            1e3 * force::HAND_M,
+            force::HAND_HZ,
+            100.0 * force::SHARE,
+            1e3 * force::FLOOR_N
+        );
+        ui.table(&moving);
+        let (right, to) = (if within { "is" } else { "is NOT" }, force::BAND_HZ);
+        writeln!(
+            ui,
+            "The loop's force {right} within what is allowed over 0-{to} Hz, but for its delay; with its delay up to {in_time_hz} Hz.\n"
+        );
+        writeln!(ui, "What the delay costs: the stiffest contact that is stable with both hands on, by the analyser\n");
+        ui.table(&stiffest);
+        Ok(())
     }
 }

@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod architectures;
 pub mod campaign;
 pub mod figures;
+pub mod force;
 pub(crate) mod paper;
 pub(crate) mod precision;
 pub mod record;

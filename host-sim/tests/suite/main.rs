@@ -12,6 +12,7 @@ mod costs;
 mod endpoint;
 mod examples;
 mod flood;
+mod force;
 mod hub;
 mod key_files;
 mod lifted;
