@@ -4,6 +4,7 @@
 
 mod cli;
 pub mod live;
+mod play;
 pub mod shared;
 pub mod studies;
 pub mod trials;

@@ -8,6 +8,7 @@ mod count;
 mod fuzz;
 mod no_panic;
 mod options;
+mod page;
 mod probe;
 mod qemu;
 mod readme;
@@ -33,7 +34,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 15] = [
+const CHORES: [Chore; 16] = [
     Chore {
         name: "setup",
         options: "",
@@ -56,7 +57,8 @@ Prints the toolchain that builds for the microcontroller.",
         name: "test",
         options: "",
         does: "The one command: sets up what is missing and passes every test",
-        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, core and protocol built for the
+        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, types, lints and format of the page
+of host-sim play (page; needs npm and Chromium, which apt-get installs), core and protocol built for the
 microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
 chip included), the golden traces in release as well, no panic in the tick, the pages against what their commands print
 (readme), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
@@ -133,6 +135,14 @@ protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fa
 place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
 panic planted outside ITCM, which must fail on both counts.",
         run: |_| no_panic::no_panic(&setup::setup()?),
+    },
+    Chore {
+        name: "page",
+        options: " [--write]",
+        does: "Checks the sources of host-sim play's page: types, lints, format",
+        more: "TypeScript and Biome, in the versions and with the hashes of tests/page/package-lock.json. Installs npm if apt-get can.
+  --write   write the format, and mend what can be mended without thought",
+        run: |given| page::page(given.flag("--write")),
     },
     Chore {
         name: "provision",

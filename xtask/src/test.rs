@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, no_panic, qemu};
+use crate::{board, count, no_panic, page, qemu};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -17,6 +17,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("format", format)?;
     step("lints", lints)?;
     step("rooms", || crate::rooms::rooms(run::root()))?;
+    step("page", || page::browser().and_then(|()| page::page(false)))?;
     step("rooms of the microcontroller", || {
         // As the image is: what they need is not built twice.
         let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);

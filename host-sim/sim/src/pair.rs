@@ -24,8 +24,11 @@ pub struct Side<S: Scalar> {
     to: usize,
     /// Packets sent so far.
     pub sent: u64,
+    /// How long the packet that came last was on its way, ns.
+    pub delay_ns: u64,
     period_s: f64,
     period_ns: u64,
+    packet_ns: u64,
     heard: Option<Packet<S>>,
     exchanged: bool,
     sensors: Sensors<S>,
@@ -35,7 +38,13 @@ pub struct Side<S: Scalar> {
 impl<S: Number> Side<S> {
     /// Peer `index` (0 or 1) of a scene, armed and at rest, which writes to seat `to`.
     pub fn new(scene: &Scene, index: usize, to: usize) -> Result<Self, Refused<'static>> {
-        let (mut peer, plant) = (scene.peer(index)?, Plant::new(scene, index));
+        Self::starting_at(scene, index, to, 0.0)
+    }
+
+    /// The same with its device `at_m` further along the free axis than the scene puts it.
+    fn starting_at(scene: &Scene, index: usize, to: usize, at_m: f64) -> Result<Self, Refused<'static>> {
+        let plant = Plant::new(scene, index).moved(at_m);
+        let mut peer = scene.peer_from(index, plant.motions())?;
         peer.command(Command::Arm);
         Ok(Self {
             sensors: plant.sensors(),
@@ -44,12 +53,21 @@ impl<S: Number> Side<S> {
             inbox: Inbox::new(scene, 1),
             to,
             sent: 0,
+            delay_ns: 0,
             period_s: scene.peer.timing.control_period_s,
             period_ns: scene.peer.timing.control_period_ns(),
+            packet_ns: scene.peer.timing.packet_period_ns(),
             heard: None,
             exchanged: false,
             actuators: Actuators::default(),
         })
+    }
+}
+
+impl<S: Scalar> Side<S> {
+    /// Packets that the peer has taken in.
+    pub fn delivered(&self) -> u64 {
+        self.inbox.delivered
     }
 }
 
@@ -59,6 +77,7 @@ impl<S: Scalar> Actor<usize> for Side<S> {
 
     #[inline]
     fn hear(&mut self, now_ns: u64, _: usize, packet: &mut Self::Packet, _: &mut Out<'_, usize, Self::Packet>) {
+        self.delay_ns = now_ns.saturating_sub(packet.number * self.packet_ns);
         self.inbox.put(now_ns, *packet);
     }
 
@@ -112,7 +131,13 @@ pub struct Pair<S: Scalar> {
 impl<S: Number> Pair<S> {
     /// Both peers armed and at rest.
     pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
-        let [first, mut second] = [Side::new(scene, 0, 1)?, Side::new(scene, 1, 0)?].map(Seat::new);
+        Self::starting_at(scene, 0.0)
+    }
+
+    /// The same with both devices, and the object between them, `at_m` further along the free axis than the scene puts them.
+    pub fn starting_at(scene: &Scene, at_m: f64) -> Result<Self, Refused<'static>> {
+        let side = |index, to| Side::starting_at(scene, index, to, at_m);
+        let [first, mut second] = [side(0, 1)?, side(1, 0)?].map(Seat::new);
         second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
         let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
         let route = |from, _| Route::of_scene(scene, direction(from), 0);
@@ -129,6 +154,12 @@ impl<S: Number> Pair<S> {
     /// The same, to be changed.
     pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S>> {
         self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
+    }
+
+    /// The network in one direction, to be put under another rule or cut while it is in use.
+    pub fn route(&mut self, direction: Direction) -> &mut Route {
+        let [from, to] = if direction == Direction::OneToTwo { [0, 1] } else { [1, 0] };
+        self.engine.route(from, to)
     }
 
     /// Ticks done so far, n.

@@ -16,6 +16,7 @@ mod listings;
 mod live;
 mod network;
 mod paper;
+mod play;
 mod shared;
 mod stability;
 mod ui;
@@ -68,6 +69,8 @@ commands! {
     Command {
         /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
         Paper(paper::Paper),
+        /// Hold it yourself: one object, two people in two browser windows or one and a partner, in real time on a page of this machine.
+        Play(play::Play),
         /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
         Cooperate(cooperate::Cooperate),
         /// Stability regions, limits and margins, computed from the code that flies.

@@ -18,6 +18,7 @@ mod key_files;
 mod lifted;
 mod live;
 mod operator;
+mod play;
 mod precision;
 mod program;
 mod record;

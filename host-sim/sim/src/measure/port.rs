@@ -51,7 +51,7 @@ pub(crate) fn ratio(out: f64, into: f64) -> f64 {
 
 /// Books the object port of one peer, tick by tick.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ObjectPort {
+pub struct ObjectPort {
     period_s: f64,
     stiffness_n_per_m: f64,
     before: Option<Observed<f64>>,
@@ -59,12 +59,13 @@ pub(crate) struct ObjectPort {
 }
 
 impl ObjectPort {
-    pub(crate) fn new(period_s: f64, stiffness_n_per_m: f64) -> Self {
+    /// Nothing booked yet, at this control period and K_T.
+    pub fn new(period_s: f64, stiffness_n_per_m: f64) -> Self {
         Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
     }
 
     /// What the next tick saw; with it the work of the tick before is known.
-    pub(crate) fn see(&mut self, seen: Observed<f64>) {
+    pub fn see(&mut self, seen: Observed<f64>) {
         if let Some(before) = self.before.replace(seen) {
             let mean_velocity = 0.5 * (before.object.velocity + seen.object.velocity);
             let work_j = before.coordination_force * mean_velocity * self.period_s;
@@ -76,7 +77,7 @@ impl ObjectPort {
     }
 
     /// With what crossed the network port.
-    pub(crate) fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
+    pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }
     }
 }

@@ -52,6 +52,8 @@ pub struct Plant {
     joints: Option<Joints>,
     driven_by_duty: bool,
     arm: bool,
+    /// What else pulls on the free axis, N.
+    pull_n: f64,
     motions: [Motion<f64>; AXES],
     motor_before: [f64; AXES],
 }
@@ -97,6 +99,7 @@ impl Plant {
             joints,
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
+            pull_n: 0.0,
             motions: scene.start(index),
             motor_before: [0.0; AXES],
             user,
@@ -106,6 +109,22 @@ impl Plant {
     /// Position and velocity of every axis.
     pub fn motions(&self) -> [Motion<f64>; AXES] {
         self.motions
+    }
+
+    /// The same device, so much further along the free axis.
+    #[must_use]
+    pub fn moved(mut self, by_m: f64) -> Self {
+        self.motions[0].position += by_m;
+        if let (Some(joints), Some(windings)) = (&self.joints, &mut self.windings) {
+            windings.seen = joints.seen(self.motions);
+        }
+        self
+    }
+
+    /// From the next tick on this force along the free axis (N, toward positive x) acts beside the user's: a hand that the scene
+    /// knows nothing of.
+    pub fn pull(&mut self, force_n: f64) {
+        self.pull_n = force_n;
     }
 
     /// The hand holds still, and the motors are off.
@@ -140,7 +159,7 @@ impl Plant {
             push +=
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
-        let pushes = [push, profile.side_push_n];
+        let pushes = [push + self.pull_n, profile.side_push_n];
         let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
             let motor = match &self.joints {
                 Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),

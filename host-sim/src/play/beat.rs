@@ -1,0 +1,104 @@
+//! 1 kHz by the clock, on the calling thread, at a real-time priority where the system gives one.
+//!
+//! **Deadline**: each tick is done within its millisecond. One that begins more than a millisecond late is counted, the next come
+//! quicker until they are in time again, so that none is left out; more than [`SLEPT`] behind, the machine slept, and the beat
+//! begins anew from now. What is late here is no fault of the peers: they are not told (`Sensors::overrun`), for a desktop would
+//! disarm them every minute.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use haptic_sim::scene::Scene;
+use serde::Serialize;
+
+use super::desk::{Command, Desk, Papers, Status};
+use super::partner::Model;
+use super::session::{PERIOD_S, Sample, Session};
+use crate::live::endpoint::{Stop, realtime};
+
+/// A tick this late is not caught up.
+const SLEPT: Duration = Duration::from_millis(500);
+
+/// How well the beat was kept.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Kept {
+    /// Ticks.
+    pub(crate) ticks: u64,
+    /// Ticks that began more than a period late.
+    pub(crate) late: u64,
+    /// Latest that a tick began, µs.
+    pub(crate) worst_us: u64,
+    /// How often the machine slept.
+    pub(crate) slept: u64,
+    /// The thread runs at a real-time priority.
+    pub(crate) realtime_priority: bool,
+}
+
+/// Keeps the beat until it is stopped, or so many seconds are over.
+pub(super) fn run(desk: &Desk, scene: Scene, seconds: f64, stop: &Stop) -> Result<Kept, String> {
+    let mut session = Session::new(scene, Model::default()).map_err(|refused| refused.to_string())?;
+    let period = Duration::from_secs_f64(PERIOD_S);
+    let mut kept = Kept { realtime_priority: realtime(), ..Kept::default() };
+    let mut waiting = VecDeque::new();
+    let mut deadline = Instant::now();
+    while !stop.is_asked() && kept.ticks as f64 * PERIOD_S < seconds {
+        std::thread::sleep(deadline.saturating_duration_since(Instant::now()));
+        let late = deadline.elapsed();
+        deadline += period;
+        if late > SLEPT {
+            kept.slept += 1;
+            deadline = Instant::now() + period;
+        }
+        kept.ticks += 1;
+        kept.late += u64::from(late > period);
+        kept.worst_us = kept.worst_us.max(late.as_micros() as u64);
+        if let Some(mut papers) = desk.try_lock() {
+            exchange(&mut session, &mut papers, &mut waiting, &kept)?;
+        }
+        waiting.push_back(session.step());
+    }
+    Ok(kept)
+}
+
+/// Takes what lies on the desk, and lays down what it is waited for.
+fn exchange(
+    session: &mut Session,
+    papers: &mut Papers,
+    waiting: &mut VecDeque<Sample>,
+    kept: &Kept,
+) -> Result<(), String> {
+    let refused = |refused: haptic_core::settings::Refused<'_>| refused.to_string();
+    while let Some(command) = papers.next_command() {
+        match command {
+            Command::Stop => session.stop(),
+            Command::Start => session.start().map_err(refused)?,
+            Command::Cut(cut) => session.cut(cut),
+            Command::Partner(model) => session.partner(model),
+        }
+    }
+    if let Some(scene) = papers.scene.take() {
+        session.set(*scene).map_err(refused)?;
+    }
+    let anybody = papers.holder.iter().any(Option::is_some);
+    for index in 0..2 {
+        if papers.holder[index].is_some() {
+            if let Some(pointed) = papers.pointed[index].take() {
+                session.point(index, pointed.at.map(f64::from), pointed.restarts);
+            }
+        } else if anybody {
+            session.play(index);
+        } else {
+            // Nobody looks: nobody plays.
+            session.point(index, None, 0);
+        }
+    }
+    waiting.drain(..).for_each(|sample| papers.put(sample));
+    papers.status = Status {
+        late: u32::try_from(kept.late).unwrap_or(u32::MAX),
+        worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
+        modes: session.modes(),
+        cut: session.is_cut(),
+        partner: session.model(),
+    };
+    Ok(())
+}

@@ -1,0 +1,176 @@
+//! What lies between the beat, the judge and the windows: where hands are wanted, what is asked for, and the latest samples.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+
+use haptic_sim::scene::Scene;
+
+use super::partner::Model;
+use super::session::Sample;
+
+/// Samples kept: what a window that asks late can still get.
+const KEPT: usize = 2000;
+/// Commands that may wait for a tick, and answers for windows.
+const MOST: usize = 64;
+
+/// What acts at the next tick, without a question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Command {
+    /// Motors off.
+    Stop,
+    /// Both peers armed, from rest.
+    Start,
+    /// The line is cut, or joined.
+    Cut(bool),
+    /// Another partner.
+    Partner(Model),
+}
+
+/// What a pointer said last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pointed {
+    /// Where it is, m; none, and it has let go.
+    pub(super) at: Option<f32>,
+    /// The start that its window has seen last.
+    pub(super) restarts: u32,
+}
+
+/// How it goes, in a few bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Status {
+    /// Ticks that began more than a period late, and the latest of all, µs.
+    pub(super) late: u32,
+    pub(super) worst_us: u32,
+    /// Of both peers, as [`super::session::Session::modes`] has them.
+    pub(super) modes: [u8; 2],
+    pub(super) cut: bool,
+    /// Which of [`Model`]'s list the partner is.
+    pub(super) partner: u8,
+}
+
+/// Everything on the desk.
+#[derive(Debug)]
+pub(super) struct Papers {
+    /// What each pointer said since the beat last looked.
+    pub(super) pointed: [Option<Pointed>; 2],
+    /// The window that holds each hand; `None`: nobody, so that the partner does.
+    pub(super) holder: [Option<u64>; 2],
+    /// Windows so far.
+    pub(super) windows: u64,
+    commands: VecDeque<Command>,
+    /// What every setting is from the next tick on.
+    pub(super) scene: Option<Box<Scene>>,
+    answers: VecDeque<(u64, String)>,
+    /// What holds, for every window, and how often that has changed.
+    told: (String, u64),
+    samples: VecDeque<Sample>,
+    /// Tick of the first sample that is kept.
+    first: u32,
+    pub(super) status: Status,
+    /// The program ends.
+    pub(super) over: bool,
+}
+
+impl Papers {
+    fn new(partner: Model) -> Self {
+        Self {
+            pointed: [None; 2],
+            holder: [None; 2],
+            windows: 0,
+            commands: VecDeque::from([Command::Partner(partner)]),
+            scene: None,
+            answers: VecDeque::new(),
+            told: (String::new(), 0),
+            samples: VecDeque::new(),
+            first: 0,
+            status: Status::default(),
+            over: false,
+        }
+    }
+
+    /// Asks for a command; a stop is never turned away.
+    pub(super) fn ask(&mut self, command: Command) {
+        if self.commands.len() < MOST {
+            self.commands.push_back(command);
+        } else if command == Command::Stop {
+            self.commands.clear();
+            self.commands.push_back(command);
+        }
+    }
+
+    pub(super) fn next_command(&mut self) -> Option<Command> {
+        self.commands.pop_front()
+    }
+
+    /// Says something to one window; what nobody fetches is forgotten.
+    pub(super) fn answer(&mut self, window: u64, text: String) {
+        if self.answers.len() == MOST {
+            self.answers.pop_front();
+        }
+        self.answers.push_back((window, text));
+    }
+
+    /// What is said to this window, oldest first.
+    pub(super) fn answer_for(&mut self, window: u64) -> Option<String> {
+        let at = self.answers.iter().position(|(to, _)| *to == window)?;
+        self.answers.remove(at).map(|(_, text)| text)
+    }
+
+    /// Tells every window.
+    pub(super) fn tell(&mut self, text: String) {
+        self.told = (text, self.told.1 + 1);
+    }
+
+    /// What holds, if that is news to who has come to `edition`.
+    pub(super) fn told_since(&self, edition: &mut u64) -> Option<String> {
+        let (text, now) = &self.told;
+        let news = edition != now;
+        *edition = *now;
+        news.then(|| text.clone())
+    }
+
+    /// Lays down a sample.
+    pub(super) fn put(&mut self, sample: Sample) {
+        if self.samples.len() == KEPT {
+            self.samples.pop_front();
+            self.first = self.first.wrapping_add(1);
+        }
+        self.samples.push_back(sample);
+    }
+
+    /// The samples from tick `from` on, and the tick of the first of them. Who names a tick that is not there yet, as one who has
+    /// none does, gets all that are kept.
+    pub(super) fn since(&self, from: u32) -> (u32, impl Iterator<Item = &Sample>) {
+        let skip = from.wrapping_sub(self.first) as usize;
+        let skip = if skip <= self.samples.len() { skip } else { 0 };
+        (self.first.wrapping_add(skip as u32), self.samples.iter().skip(skip))
+    }
+}
+
+/// The desk.
+#[derive(Debug)]
+pub(super) struct Desk(Mutex<Papers>);
+
+impl Desk {
+    pub(super) fn new(partner: Model) -> Self {
+        Self(Mutex::new(Papers::new(partner)))
+    }
+
+    /// For whoever may wait: a window's thread, the judge's.
+    pub(super) fn lock(&self) -> MutexGuard<'_, Papers> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// For the beat, which may not.
+    pub(super) fn try_lock(&self) -> Option<MutexGuard<'_, Papers>> {
+        match self.0.try_lock() {
+            Ok(papers) => Some(papers),
+            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/play_desk.rs"]
+mod tests;

@@ -1,0 +1,33 @@
+//! A live page: two people hold one virtual object in two browser windows, in real time, over a network that is as bad as they set it.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`hand`] | a pointer becomes a hand: spring and damper, play-out |
+//! | [`partner`] | who holds the other hand while nobody else does |
+//! | [`session`] | the two peers, their devices and hands, and the network, tick by tick |
+//! | [`orders`] | what a page may ask to be set, and what scene that gives |
+//! | [`judge`] | whether that scene is stable, and what to change if not |
+//! | [`desk`] | what lies between the beat, the judge and the windows |
+//! | [`beat`] | 1 kHz by the clock |
+//! | [`web`] | three files and a WebSocket for each window, on 127.0.0.1 |
+//! | [`page`] | all of that together |
+//! | [`measure`] | how well the beat is kept with ten pages open |
+//!
+//! **Threads.** The beat has one, the judge one, each window one. The beat waits for nobody: it only tries the desk's lock, and what
+//! it could not lay down now it lays down a tick later. A window is sent what it asks for and nothing else, so one that sleeps or
+//! does not read costs a thread that waits, and no tick.
+
+mod beat;
+mod desk;
+mod hand;
+mod judge;
+mod measure;
+mod orders;
+mod page;
+mod partner;
+mod session;
+mod web;
+
+pub(crate) use measure::measure;
+pub(crate) use page::Page;
+pub(crate) use partner::Model;

@@ -1,0 +1,124 @@
+//! What a page may ask to be set, as one line of text, and the scene that it gives: all of it, or none and why not.
+//!
+//! | line | asks for |
+//! |---|---|
+//! | `set KEY=VALUE …` | these keys, as `--set` takes them |
+//! | `scene NAME [KEY=VALUE …]` | a built-in scene, or `default`, and these keys |
+//! | `law NAME [KEY=VALUE …]` | another law, with the settings that it is recommended with, and these keys |
+//! | `file TOML` | a scene file |
+//!
+//! Values go through the checks of a scene file. A key that names a file is refused: a page reads nothing of this machine.
+
+use haptic_core::settings::Settings;
+use haptic_sim::{scene::Scene, scenes};
+
+use super::session::PERIOD_S;
+
+/// The built-in scenes that are one click, with what the click is called and what it sets besides.
+pub(super) const CLICKS: [(&str, &str, &str); 7] = [
+    ("§5.1, 16 ms", "paper-5.1-passive-wave-16ms", ""),
+    ("§5.1, 32 ms", "paper-5.1-passive-wave-32ms", ""),
+    ("§5.2, 16 ms", "paper-5.2-passive-wave-16ms", ""),
+    ("matched line", "matched-line", ""),
+    ("any network", "any-network", ""),
+    ("50 % lost", "any-network", "network.loss=0.5"),
+    ("bursts of 200 ms", "any-network", "network.loss=0.1 network.loss_burst_packets=200"),
+];
+
+/// Whether a scene can be played in real time.
+pub(crate) fn check(scene: &Scene) -> Result<(), String> {
+    let period_s = scene.peer.timing.control_period_s;
+    if period_s != PERIOD_S {
+        return Err(format!(
+            "timing.control_period_s = {period_s} is not allowed with play: it must be {PERIOD_S} s, which is real time at 1 kHz"
+        ));
+    }
+    Ok(())
+}
+
+/// What the scene is after a line.
+pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, String> {
+    let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let (scene, keys) = match word {
+        "set" => (scene.clone(), split(rest)),
+        "scene" => {
+            let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
+            match name {
+                "default" => (Scene::new(scene.laws), split(keys)),
+                _ => (scenes::load(scene.laws, name).map_err(|error| error.to_string())?, split(keys)),
+            }
+        }
+        "law" => {
+            let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
+            let (changed, own) = with_law(scene, name)?;
+            (changed, own.into_iter().chain(split(keys)).collect())
+        }
+        "file" => (Scene::new(scene.laws), keys_of(rest)?),
+        _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law and file")),
+    };
+    set(scene, &keys)
+}
+
+fn split(keys: &str) -> Vec<String> {
+    keys.split_whitespace().map(str::to_owned).collect()
+}
+
+fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, String> {
+    for text in keys {
+        let key = text.split_once('=').map_or(text.as_str(), |(key, _)| key).trim();
+        if key.rsplit('.').next() == Some("trace") {
+            return Err(format!("{key} names a file, and a page reads none: give it as --set when play is started"));
+        }
+        scene.apply_override(text).map_err(|error| error.to_string())?;
+    }
+    scene.check("the scene").map_err(|error| error.to_string())?;
+    check(&scene)?;
+    Ok(scene)
+}
+
+/// What a scene file sets, a line for each key.
+fn keys_of(text: &str) -> Result<Vec<String>, String> {
+    let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
+        let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        format!("line {line} of the file: {}", error.message().replace('\n', " "))
+    })?;
+    // What made a file of results stands in its scene file too.
+    table.remove("made");
+    let mut keys = Vec::new();
+    flatten("", &table, &mut keys);
+    Ok(keys)
+}
+
+fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
+    for (name, value) in table {
+        match value {
+            toml::Value::Table(inner) => flatten(&format!("{prefix}{name}."), inner, keys),
+            value => keys.push(format!("{prefix}{name}={value}")),
+        }
+    }
+}
+
+/// The same scene under another law, and the keys that make it that: with what a peer is told in the scene that recommends it, or
+/// with the paper's settings and the law's own gains; users, device, contact and network stay.
+fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
+    let recommended = match name {
+        "self-timed" => Some("any-network"),
+        "passive-mean" => Some("hub"),
+        _ => None,
+    };
+    let told = match recommended {
+        Some(from) => scenes::load(scene.laws, from).map_err(|error| error.to_string())?.peer,
+        None => Settings::default(),
+    };
+    let mut changed = scene.clone();
+    (changed.peer.timing, changed.peer.object) = (told.timing, told.object);
+    (changed.peer.coordination, changed.peer.safety) = (told.coordination, told.safety);
+    let kind = scene.laws.kinds().iter().find(|kind| kind.name == name);
+    let gains = kind.filter(|_| recommended.is_none()).map_or(&[][..], |kind| kind.gains);
+    let keys = gains.iter().map(|gain| (*gain).to_owned());
+    Ok((changed, std::iter::once(format!("coordination.comm={name}")).chain(keys).collect()))
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/play_orders.rs"]
+mod tests;

@@ -1,0 +1,50 @@
+//! The page as a command has it: served, then run.
+
+use std::net::{Ipv4Addr, TcpListener};
+use std::sync::Arc;
+use std::time::Duration;
+
+use haptic_sim::scene::Scene;
+
+use super::beat::{self, Kept};
+use super::desk::Desk;
+use super::judge;
+use super::orders;
+use super::partner::Model;
+use super::web::Site;
+use crate::live::endpoint::Stop;
+
+/// A page that is served.
+pub(crate) struct Page {
+    desk: Arc<Desk>,
+    site: Site,
+    scene: Scene,
+}
+
+impl Page {
+    /// Serves the page of this scene on 127.0.0.1, at any port where `port` is 0. Nobody's hand moves before [`Page::run`].
+    pub(crate) fn serve(scene: Scene, partner: Model, port: u16) -> Result<Self, String> {
+        orders::check(&scene)?;
+        let failed = |cause| format!("cannot listen on 127.0.0.1:{port}: {cause}");
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
+        let desk = Arc::new(Desk::new(partner));
+        let asks = judge::start(&desk, scene.clone())?;
+        let site = Site::new(&listener, &scene)?;
+        site.serve(listener, &desk, asks)?;
+        Ok(Self { desk, site, scene })
+    }
+
+    /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
+    pub(crate) fn address(&self, person: usize) -> String {
+        self.site.address(person)
+    }
+
+    /// Keeps the beat until it is stopped, or so many seconds are over.
+    pub(crate) fn run(&self, seconds: f64, stop: &Stop) -> Result<Kept, String> {
+        let kept = beat::run(&self.desk, self.scene.clone(), seconds, stop);
+        // Windows ask 60 times a second: each sees that it is over, and closes.
+        self.desk.lock().over = true;
+        std::thread::sleep(Duration::from_millis(100));
+        kept
+    }
+}

@@ -1,0 +1,284 @@
+//! The two peers with devices and hands, and the network between them: what [`haptic_sim::pair::Pair`] is in a run, with hands
+//! that come and go, and settings that change in flight.
+//!
+//! **What a change does.** Keys of the network act at once, on what is sent from then on. Everything else is what a peer is told
+//! before it is armed: both start anew, at rest, where the middle of their devices is, and hands let go. Peers whose motors are off,
+//! because they were stopped or because of a fault, stay so until they are asked to start.
+//!
+//! **Ends of travel.** A device can go [`REACH_M`] to either side; there a spring of [`END_STIFFNESS`] and a damper push back.
+
+use haptic_core::names::Choice;
+use haptic_core::num::Motion;
+use haptic_core::peer::Observed;
+use haptic_core::safety::{Command, Mode};
+use haptic_core::{law::Sends, settings::Refused};
+use haptic_sim::measure::port::ObjectPort;
+use haptic_sim::network::{link::Route, rule::Direction};
+use haptic_sim::{pair::Pair, scene::Scene};
+
+use super::hand::Hand;
+use super::partner::{Model, Partner};
+
+/// Farthest that a device goes from the middle, m.
+pub(crate) const REACH_M: f64 = 0.12;
+/// The ends of its travel, N/m and N·s/m.
+const END_STIFFNESS: f64 = 500.0;
+const END_DAMPING: f64 = 5.0;
+/// Real time means this control period, s.
+pub(super) const PERIOD_S: f64 = 0.001;
+
+/// A peer's mode as one number, which windows are told.
+pub(super) const OFF: u8 = 0;
+pub(super) const ARMED: u8 = 1;
+pub(super) const FAULT: u8 = 100;
+
+/// What is in a sample, with unit and meaning; of peer 1 first where there are two. A window is told this list.
+pub(super) const COLUMNS: [(&str, &str, &str); 22] = [
+    ("wanted_1", "m", "hand of person 1, no number while it holds nothing"),
+    ("wanted_2", "m", "hand of person 2"),
+    ("device_1", "m", "device 1"),
+    ("device_2", "m", "device 2"),
+    ("object_1", "m", "copy of the object at peer 1"),
+    ("object_2", "m", "copy of the object at peer 2"),
+    ("desired_1", "m", "where peer 1 believes the other copy to be"),
+    ("desired_2", "m", "where peer 2 believes the other copy to be"),
+    ("contact_1", "N", "force of device 1 on its copy"),
+    ("contact_2", "N", "force of device 2 on its copy"),
+    ("coordination_1", "N", "coordination force F_T on copy 1"),
+    ("coordination_2", "N", "coordination force F_T on copy 2"),
+    ("hand_1", "N", "force of hand 1 on its device"),
+    ("hand_2", "N", "force of hand 2 on its device"),
+    ("line", "J", "energy in the line: sent by both and not yet received"),
+    (
+        "kept_1",
+        "J",
+        "energy that the coordination of peer 1 took in and neither gave out nor stores; below 0 it makes energy",
+    ),
+    ("kept_2", "J", "the same of peer 2"),
+    ("delay_1", "s", "how long the newest packet was on its way to peer 1"),
+    ("delay_2", "s", "how long the newest packet was on its way to peer 2"),
+    ("live_1", "", "1 while what peer 1 hears is fresh, or its line lives; 0 while it stands"),
+    ("live_2", "", "the same of peer 2"),
+    ("restarts", "", "how often both have started anew"),
+];
+
+/// One tick.
+pub(super) type Sample = [f32; COLUMNS.len()];
+
+/// What each peer's sample needs to know of the tick before.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    port: ObjectPort,
+    /// Packets heard, and ticks that the line has lived.
+    heard: u64,
+    live_ticks: u32,
+    /// Ticks since the last packet.
+    silent: u32,
+}
+
+/// Everything that is stepped.
+pub(super) struct Session {
+    scene: Scene,
+    pair: Pair<f32>,
+    hands: [Hand; 2],
+    partners: [Partner; 2],
+    sides: [Side; 2],
+    /// Forces of the hands in this tick, N.
+    pulls: [f64; 2],
+    tick: u64,
+    restarts: u32,
+    cut: bool,
+}
+
+impl Session {
+    /// Both peers armed and at rest.
+    pub(super) fn new(scene: Scene, partner: Model) -> Result<Self, Refused<'static>> {
+        let pair = Pair::new(&scene)?;
+        Ok(Self {
+            pair,
+            hands: Default::default(),
+            partners: [Partner::new(partner); 2],
+            sides: sides(&scene),
+            pulls: [0.0; 2],
+            tick: 0,
+            restarts: 0,
+            cut: false,
+            scene,
+        })
+    }
+
+    /// Takes another scene, which is what every setting is from now on.
+    pub(super) fn set(&mut self, scene: Scene) -> Result<(), Refused<'static>> {
+        let before = std::mem::replace(&mut self.scene, scene);
+        // What the receivers were built with is no more the network's.
+        let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
+        let same = |one: &Scene, other: &Scene| {
+            let told = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
+            built(one) == built(other) && told(one).eq(told(other))
+        };
+        if !same(&before, &self.scene) {
+            let armed = self.modes() == [ARMED; 2];
+            self.start()?;
+            if !armed {
+                self.stop();
+            }
+            return Ok(());
+        }
+        for direction in [Direction::OneToTwo, Direction::TwoToOne] {
+            let Route { delay_ns, rule, .. } = Route::of_scene(&self.scene, direction, 0);
+            let route = self.pair.route(direction);
+            (route.delay_ns, route.rule) = (delay_ns, rule);
+        }
+        Ok(())
+    }
+
+    /// Both peers start anew, armed, in the middle of where their devices are; hands let go.
+    pub(super) fn start(&mut self) -> Result<(), Refused<'static>> {
+        let [one, two] = [0, 1].map(|index| self.device(index).position);
+        let middle = (0.5 * (one + two)).clamp(-REACH_M, REACH_M);
+        // What has left the range of numbers starts from the middle of the table.
+        self.pair = Pair::starting_at(&self.scene, if middle.is_finite() { middle } else { 0.0 })?;
+        self.sides = sides(&self.scene);
+        self.hands = Default::default();
+        self.partners.iter_mut().for_each(Partner::rest);
+        self.restarts += 1;
+        self.cut(self.cut);
+        Ok(())
+    }
+
+    /// Motors off, at both.
+    pub(super) fn stop(&mut self) {
+        self.pair.sides_mut().for_each(|side| side.peer.command(Command::Disarm));
+    }
+
+    /// Cuts the line both ways, or joins it again.
+    pub(super) fn cut(&mut self, cut: bool) {
+        self.cut = cut;
+        for direction in [Direction::OneToTwo, Direction::TwoToOne] {
+            self.pair.route(direction).cut = cut;
+        }
+    }
+
+    pub(super) fn is_cut(&self) -> bool {
+        self.cut
+    }
+
+    /// Who holds the hands that nobody holds.
+    pub(super) fn partner(&mut self, model: Model) {
+        self.partners = [Partner::new(model); 2];
+    }
+
+    /// Which of [`Model::ALL`] that is.
+    pub(super) fn model(&self) -> u8 {
+        Model::ALL.iter().position(|model| *model == self.partners[0].model).unwrap_or_default() as u8
+    }
+
+    /// Mode of either peer: [`OFF`], [`ARMED`], or [`FAULT`] and the number of the fault.
+    pub(super) fn modes(&self) -> [u8; 2] {
+        self.pair.sides().map(|side| match side.peer.mode() {
+            Mode::Armed => ARMED,
+            Mode::Faulted(fault) => FAULT + fault.number(),
+            Mode::Disarmed | Mode::Probing => OFF,
+        })
+    }
+
+    /// What a person's pointer says before the next tick: where it is, m, or that it lets go. Where it says so of a world that
+    /// was before the last start, it has let go.
+    pub(super) fn point(&mut self, index: usize, pointer: Option<f64>, restarts: u32) {
+        self.partners[index].rest();
+        let pointer = pointer.filter(|_| restarts == self.restarts);
+        self.hands[index].point(self.tick, pointer, self.device(index).position);
+    }
+
+    /// The partner holds this hand in the next tick.
+    pub(super) fn play(&mut self, index: usize) {
+        let device = self.device(index).position;
+        let wanted = self.partners[index].wants(device, PERIOD_S);
+        self.hands[index].point(self.tick, wanted, device);
+    }
+
+    fn device(&self, index: usize) -> Motion<f64> {
+        self.pair.sides()[index].plant.motions()[0]
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self) -> Sample {
+        for index in 0..2 {
+            let Motion { position, velocity } = self.device(index);
+            self.pulls[index] = self.hands[index].pull(self.tick, position, velocity, PERIOD_S);
+        }
+        for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
+            let Motion { position, velocity } = side.plant.motions()[0];
+            let beyond = position - position.clamp(-REACH_M, REACH_M);
+            let end = if beyond == 0.0 { 0.0 } else { END_STIFFNESS * beyond + END_DAMPING * velocity };
+            side.plant.pull(pull - end);
+        }
+        self.pair.step();
+        self.tick += 1;
+        self.sample()
+    }
+
+    fn sample(&mut self) -> Sample {
+        let counts = self.scene.law().sends == Sends::Counters;
+        let patience = self.scene.peer.timing.ticks_per_packet;
+        let [one, two] = [0, 1].map(|at| {
+            let (side, own) = (self.pair.sides()[at], &mut self.sides[at]);
+            let (seen, ledger) = (side.peer.observed(), side.peer.ledger());
+            let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
+            own.port.see(as_f64(seen));
+            let energy = own.port.with_network(received, sent);
+            let kept = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
+            let (heard, live_ticks) = (side.delivered(), side.peer.outgoing().live_ticks);
+            own.silent = if heard == own.heard { own.silent.saturating_add(1) } else { 0 };
+            let live = if counts { live_ticks != own.live_ticks } else { own.silent < patience };
+            (own.heard, own.live_ticks) = (heard, live_ticks);
+            (*seen, sent - received, kept, side.delay_ns as f64 * 1e-9, f32::from(u8::from(live)))
+        });
+        let ((a, in_a, kept_a, delay_a, live_a), (b, in_b, kept_b, delay_b, live_b)) = (one, two);
+        let wanted = |at: usize| self.hands[at].holds().map_or(f32::NAN, |at| at as f32);
+        [
+            wanted(0),
+            wanted(1),
+            self.device(0).position as f32,
+            self.device(1).position as f32,
+            a.object.position,
+            b.object.position,
+            a.desired.position,
+            b.desired.position,
+            a.contact_force,
+            b.contact_force,
+            a.coordination_force,
+            b.coordination_force,
+            self.pulls[0] as f32,
+            self.pulls[1] as f32,
+            (in_a + in_b) as f32,
+            kept_a as f32,
+            kept_b as f32,
+            delay_a as f32,
+            delay_b as f32,
+            live_a,
+            live_b,
+            self.restarts as f32,
+        ]
+    }
+}
+
+fn sides(scene: &Scene) -> [Side; 2] {
+    let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
+    [Side { port, heard: 0, live_ticks: 0, silent: 0 }; 2]
+}
+
+fn as_f64(seen: &Observed<f32>) -> Observed<f64> {
+    let motion = |of: Motion<f32>| Motion { position: of.position.into(), velocity: of.velocity.into() };
+    Observed {
+        device: motion(seen.device),
+        object: motion(seen.object),
+        desired: motion(seen.desired),
+        contact_force: seen.contact_force.into(),
+        coordination_force: seen.coordination_force.into(),
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/play_session.rs"]
+mod tests;

@@ -1,0 +1,394 @@
+//! Three files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, and no more than [`MOST`].
+//!
+//! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
+//! too, so: the host must be ours by name (a rebound DNS name is not), the origin of a WebSocket must be this page, and its
+//! path holds a token of this run that only the address has, behind its `#`: browsers send that to nobody. Nothing is fetched from
+//! elsewhere, no script or style stands in the page, and its Content-Security-Policy says so.
+//!
+//! **Who asks, gets.** A window asks once a frame: the tick it has come to, and where its hand is wanted. It gets what came
+//! since. One that sleeps asks nothing, is sent nothing, and after [`SILENCE`] its hand has let go. One that does not read is
+//! closed after [`PATIENCE`]; one that asks without end is answered every [`SOONEST`].
+//!
+//! | from a window | |
+//! |---|---|
+//! | 12 bytes | tick wanted next, u32; hand, f32, m, NaN for none; start that it has seen last, u32; little-endian |
+//! | `stop`, `start`, `cut`, `join`, `partner NAME` | acts at the next tick |
+//! | any other text | an order of [`super::orders`], judged first |
+//!
+//! | to a window | |
+//! |---|---|
+//! | bytes | [`HEADER`] bytes as [`header`] makes them, then samples of [`COLUMNS`], f32, little-endian |
+//! | `{"hello"}` | first of all: names, units, ranges |
+//! | `{"holds"}` | settings and the verdict on them, whenever they change |
+//! | `{"refused"}`, `{"ask"}` | what became of its order |
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::time::{Duration, Instant};
+
+use haptic_core::names::Choice;
+use haptic_core::safety::Fault;
+use haptic_core::settings::Allowed;
+use haptic_sim::{key_file::entropy, scene::Scene};
+use serde_json::{Value, json};
+use tungstenite::handshake::derive_accept_key;
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use super::desk::{Command, Desk, Papers, Pointed};
+use super::hand;
+use super::judge::Ask;
+use super::orders::CLICKS;
+use super::partner::Model;
+use super::session::{COLUMNS, FAULT, PERIOD_S, REACH_M};
+
+const FILES: [(&str, &str, &str); 3] = [
+    ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
+    ("/page.css", "text/css; charset=utf-8", include_str!("site/page.css")),
+    ("/page.js", "text/javascript; charset=utf-8", include_str!("site/page.js")),
+];
+/// After so long without a word from its window a hand lets go.
+const SILENCE: Duration = Duration::from_millis(250);
+/// How long a request's head, and what is sent, may take.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// From one answer to a window to the next at the least.
+const SOONEST: Duration = Duration::from_millis(4);
+/// Longest head of a request, and longest message of a window, bytes: a scene file of every key has 5,000.
+const LONGEST_HEAD: usize = 4096;
+const LONGEST_MESSAGE: usize = 16384;
+/// Connections at a time.
+const MOST: usize = 16;
+/// Bytes before the samples.
+const HEADER: usize = 20;
+
+/// Where the page is.
+#[derive(Clone, Debug)]
+pub(super) struct Site {
+    port: u16,
+    token: String,
+    hello: Arc<Value>,
+}
+
+/// What a request gets.
+#[derive(Debug, PartialEq)]
+enum Answer {
+    File(&'static str, &'static str),
+    /// Whose hand, 0 or 1, or nobody's for one that only watches, and the key that accepts the connection.
+    Window(Option<usize>, String),
+    Refused(&'static str),
+}
+
+impl Site {
+    /// The site of a listener on this machine, with a fresh token of 128 bits.
+    pub(super) fn new(listener: &TcpListener, scene: &Scene) -> Result<Self, String> {
+        let port = listener.local_addr().map_err(|cause| cause.to_string())?.port();
+        let token = entropy()?[..16].iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { port, token, hello: Arc::new(hello(scene)) })
+    }
+
+    /// The address for person 1 or 2, or for who only watches: 0.
+    pub(super) fn address(&self, person: usize) -> String {
+        format!("http://127.0.0.1:{}/#{person}-{}", self.port, self.token)
+    }
+
+    /// Serves on a thread of its own, as long as the program runs.
+    pub(super) fn serve(&self, listener: TcpListener, desk: &Arc<Desk>, asks: SyncSender<Ask>) -> Result<(), String> {
+        let (site, desk, gate) = (self.clone(), Arc::clone(desk), Arc::new(()));
+        let accept = move || {
+            for stream in listener.incoming().flatten() {
+                let (site, desk, asks, pass) = (site.clone(), Arc::clone(&desk), asks.clone(), Arc::clone(&gate));
+                if Arc::strong_count(&gate) <= MOST + 1 {
+                    let serve = move || {
+                        let _pass = pass;
+                        // A browser that went away is nothing to report.
+                        let _ = site.connection(stream, &desk, &asks);
+                    };
+                    let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
+                }
+            }
+        };
+        let started = std::thread::Builder::new().name("page".into()).spawn(accept);
+        started.map(drop).map_err(|cause| cause.to_string())
+    }
+
+    fn connection(&self, mut stream: TcpStream, desk: &Desk, asks: &SyncSender<Ask>) -> std::io::Result<()> {
+        stream.set_nodelay(true)?;
+        stream.set_read_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        let Some((head, rest)) = head(&mut stream)? else { return Ok(()) };
+        match self.answer(&head) {
+            Answer::File(kind, text) => respond(&mut stream, "200 OK", kind, text),
+            Answer::Refused(status) => respond(&mut stream, status, "text/plain", status),
+            Answer::Window(hand, accept) => {
+                write!(
+                    stream,
+                    "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+                     Sec-WebSocket-Accept: {accept}\r\n\r\n"
+                )?;
+                stream.set_read_timeout(Some(SILENCE))?;
+                let limits = WebSocketConfig::default()
+                    .max_message_size(Some(LONGEST_MESSAGE))
+                    .max_frame_size(Some(LONGEST_MESSAGE));
+                let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(limits));
+                Window { socket, hand, desk, asks }.serve(&self.hello);
+                Ok(())
+            }
+        }
+    }
+
+    fn answer(&self, head: &[u8]) -> Answer {
+        let mut headers = [httparse::EMPTY_HEADER; 48];
+        let mut request = httparse::Request::new(&mut headers);
+        let (Ok(_), Some(method), Some(path)) = (request.parse(head), request.method, request.path) else {
+            return Answer::Refused("400 Bad Request");
+        };
+        let header = |name: &str| {
+            let mut all = request.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
+            // One that comes twice is none.
+            all.next().filter(|_| all.next().is_none()).and_then(|header| std::str::from_utf8(header.value).ok())
+        };
+        let ours = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port));
+        let Some(host) = header("host").filter(|host| ours.iter().any(|ours| ours == host)) else {
+            return Answer::Refused("421 Misdirected Request");
+        };
+        if method != "GET" {
+            return Answer::Refused("405 Method Not Allowed");
+        }
+        if let Some((_, kind, text)) = FILES.iter().find(|(name, ..)| *name == path) {
+            return Answer::File(kind, text);
+        }
+        let Some((person @ ("0" | "1" | "2"), token)) = path.strip_prefix("/ws/").and_then(|rest| rest.split_once('/'))
+        else {
+            return Answer::Refused("404 Not Found");
+        };
+        if header("origin") != Some(&format!("http://{host}")) || !same(token, &self.token) {
+            return Answer::Refused("403 Forbidden");
+        }
+        let upgrade = header("upgrade").is_some_and(|to| to.eq_ignore_ascii_case("websocket"));
+        match (upgrade, header("sec-websocket-version"), header("sec-websocket-key")) {
+            (true, Some("13"), Some(key)) => {
+                let hand = ["1", "2"].iter().position(|of| *of == person);
+                Answer::Window(hand, derive_accept_key(key.as_bytes()))
+            }
+            _ => Answer::Refused("426 Upgrade Required"),
+        }
+    }
+}
+
+/// A request's head and what came behind it, unless it is too long or takes too long.
+fn head(stream: &mut TcpStream) -> std::io::Result<Option<(Vec<u8>, Vec<u8>)>> {
+    let start = Instant::now();
+    let (mut head, mut chunk) = (Vec::new(), [0; 1024]);
+    loop {
+        let got = stream.read(&mut chunk)?;
+        head.extend_from_slice(&chunk[..got]);
+        if let Some(at) = head.windows(4).position(|four| four == b"\r\n\r\n") {
+            let rest = head.split_off(at + 4);
+            return Ok(Some((head, rest)));
+        }
+        if got == 0 || head.len() > LONGEST_HEAD || start.elapsed() > PATIENCE {
+            return Ok(None);
+        }
+    }
+}
+
+/// Whether two tokens are the same, in a time that does not tell where they differ.
+fn same(one: &str, other: &str) -> bool {
+    one.len() == other.len() && one.bytes().zip(other.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b)) == 0
+}
+
+fn respond(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> std::io::Result<()> {
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\n\
+         X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+         Cross-Origin-Opener-Policy: same-origin\r\n\
+         Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
+         img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\r\n{text}",
+        text.len(),
+    )
+}
+
+/// One window, until it goes, the program ends, or another takes its hand.
+struct Window<'a> {
+    socket: WebSocket<TcpStream>,
+    hand: Option<usize>,
+    desk: &'a Desk,
+    asks: &'a SyncSender<Ask>,
+}
+
+impl Window<'_> {
+    fn serve(mut self, hello: &Value) {
+        let me = {
+            let mut papers = self.desk.lock();
+            papers.windows += 1;
+            let me = papers.windows;
+            if let Some(hand) = self.hand {
+                (papers.holder[hand], papers.pointed[hand]) = (Some(me), Some(LET_GO));
+            }
+            me
+        };
+        let greeting = json!({ "hello": hello }).to_string();
+        if self.socket.send(Message::text(greeting)).is_ok() {
+            self.answer(me);
+        }
+        let mut papers = self.desk.lock();
+        if let Some(hand) = self.hand.filter(|hand| papers.holder[*hand] == Some(me)) {
+            (papers.holder[hand], papers.pointed[hand]) = (None, None);
+        }
+        drop(papers);
+        let _ = self.socket.close(None);
+        let _ = self.socket.flush();
+    }
+
+    /// Answers what it asks, until it goes.
+    fn answer(&mut self, me: u64) {
+        let mut edition = 0;
+        let mut last = Instant::now();
+        loop {
+            let message = match self.socket.read() {
+                Ok(message) => Some(message),
+                // Nothing came for a while: the hand lets go. Systems call that by different names.
+                Err(Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => None,
+                Err(_) => return,
+            };
+            let mut papers = self.desk.lock();
+            if papers.over || self.hand.is_some_and(|hand| papers.holder[hand] != Some(me)) {
+                return;
+            }
+            let answers = match message {
+                None => {
+                    self.point(&mut papers, LET_GO);
+                    continue;
+                }
+                Some(Message::Binary(bytes)) => match <[u8; 12]>::try_from(&bytes[..]) {
+                    Ok([a, b, c, d, e, f, g, h, restarts @ ..]) => {
+                        let at = f32::from_le_bytes([e, f, g, h]);
+                        let at = at.is_finite().then(|| at.clamp(-FARTHEST_M, FARTHEST_M));
+                        self.point(&mut papers, Pointed { at, restarts: u32::from_le_bytes(restarts) });
+                        picture(&mut papers, me, &mut edition, u32::from_le_bytes([a, b, c, d]))
+                    }
+                    Err(_) => return,
+                },
+                Some(Message::Text(line)) => {
+                    drop(papers);
+                    self.order(me, line.as_str());
+                    continue;
+                }
+                Some(Message::Close(_)) => return,
+                Some(_) => continue,
+            };
+            drop(papers);
+            std::thread::sleep((last + SOONEST).saturating_duration_since(Instant::now()));
+            last = Instant::now();
+            if answers.into_iter().any(|answer| self.socket.send(answer).is_err()) {
+                return;
+            }
+        }
+    }
+
+    fn point(&self, papers: &mut Papers, pointed: Pointed) {
+        if let Some(hand) = self.hand {
+            papers.pointed[hand] = Some(pointed);
+        }
+    }
+
+    fn order(&self, me: u64, line: &str) {
+        let command = match line {
+            "stop" => Some(Command::Stop),
+            "start" => Some(Command::Start),
+            "cut" => Some(Command::Cut(true)),
+            "join" => Some(Command::Cut(false)),
+            _ => line.strip_prefix("partner ").and_then(Model::from_name).map(Command::Partner),
+        };
+        match command {
+            Some(command) => self.desk.lock().ask(command),
+            None => {
+                if self.asks.try_send(Ask { window: me, line: line.to_owned() }).is_err() {
+                    let busy = "the last orders are still being judged: try again";
+                    self.desk.lock().answer(me, json!({ "refused": busy }).to_string());
+                }
+            }
+        }
+    }
+}
+
+const LET_GO: Pointed = Pointed { at: None, restarts: 0 };
+/// Farthest that a pointer is believed, m.
+const FARTHEST_M: f32 = 0.2;
+
+/// What a window that has come to tick `from` gets.
+fn picture(papers: &mut Papers, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
+    let mut bytes = Vec::with_capacity(HEADER + 4 * COLUMNS.len() * 20);
+    let (first, samples) = papers.since(from);
+    bytes.extend(header(first, papers));
+    bytes.extend(samples.flatten().flat_map(|number| number.to_le_bytes()));
+    let mut answers = vec![Message::Binary(bytes.into())];
+    answers.extend(papers.told_since(edition).map(Message::text));
+    answers.extend(std::iter::from_fn(|| papers.answer_for(window)).map(Message::text));
+    answers
+}
+
+/// Tick of the first sample, late ticks, latest, µs, each u32; modes of the two peers, who holds a hand, cut, partner, three spare.
+fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
+    let status = papers.status;
+    let mut bytes = [0; HEADER];
+    for (at, number) in [first, status.late, status.worst_us].into_iter().enumerate() {
+        bytes[4 * at..4 * at + 4].copy_from_slice(&number.to_le_bytes());
+    }
+    let people = papers.holder.map(|holder| u8::from(holder.is_some()));
+    let rest = [status.modes[0], status.modes[1], people[0], people[1], u8::from(status.cut), status.partner, 0, 0];
+    bytes[12..].copy_from_slice(&rest);
+    bytes
+}
+
+/// The tick that a window which was sent this asks for next.
+pub(super) fn next(sent: &[u8]) -> Option<u32> {
+    let first = u32::from_le_bytes(sent.get(..4)?.try_into().ok()?);
+    let samples = (sent.len().checked_sub(HEADER)? / (4 * COLUMNS.len())) as u32;
+    Some(first.wrapping_add(samples))
+}
+
+/// What a page is told once: so that no name, unit or range stands in it a second time.
+fn hello(scene: &Scene) -> Value {
+    let columns: Vec<_> =
+        COLUMNS.iter().map(|(name, unit, means)| json!({ "name": name, "unit": unit, "means": means })).collect();
+    let faults: serde_json::Map<_, _> =
+        Fault::ALL.iter().map(|fault| (fault.number().to_string(), json!(fault.explain()))).collect();
+    let keys: serde_json::Map<_, _> = scene
+        .keys()
+        .into_iter()
+        .map(|(name, key)| {
+            let range = match key.allowed {
+                Allowed::Number { min, max } => json!([min, max]),
+                Allowed::Whole { min, max } => json!([min, max]),
+                _ => Value::Null,
+            };
+            (name, json!({ "unit": key.unit, "means": key.doc, "range": range }))
+        })
+        .collect();
+    let clicks: Vec<_> = CLICKS
+        .iter()
+        .map(|(name, scene, keys)| json!({ "name": name, "order": format!("scene {scene} {keys}").trim_end() }))
+        .collect();
+    json!({
+        "columns": columns,
+        "header_bytes": HEADER,
+        "faults": faults,
+        "fault_base": FAULT,
+        "keys": keys,
+        "clicks": clicks,
+        "laws": scene.laws.kinds().iter().map(|kind| kind.name).collect::<Vec<_>>(),
+        "partners": Model::NAMES,
+        "hand_n_per_m": hand::STIFFNESS,
+        "hand_n": hand::STRENGTH,
+        "reach_m": REACH_M,
+        "period_s": PERIOD_S,
+    })
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/play_web.rs"]
+mod tests;

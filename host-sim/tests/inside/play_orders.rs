@@ -1,0 +1,58 @@
+use haptic_sim::Laws;
+
+use super::*;
+
+fn refused(line: &str) -> String {
+    apply(&Scene::new(Laws::built_in()), line).expect_err(line)
+}
+
+#[test]
+fn orders_are_all_or_none() {
+    let scene = Scene::new(Laws::built_in());
+    assert!(refused("set network.loss=0.2 coordination.comm=nonsense").contains("coordination.comm"));
+    let set = apply(&scene, "set network.loss=0.2 coordination.stiffness_n_per_m=310").expect("good");
+    assert_eq!((set.world.network.loss, set.peer.coordination.stiffness_n_per_m), (0.2, 310.0));
+    // Each is within its range, and the two do not go together.
+    assert!(refused("set coordination.drift_correction=true").contains("drift_correction"));
+}
+
+/// A page must not read files of this machine, not even learn whether they are there.
+#[test]
+fn a_page_names_no_file() {
+    for line in [
+        "set user.1.trace=/etc/passwd",
+        "set network.trace=/etc/passwd",
+        "set network.trace = /etc/passwd",
+        "file [network]\ntrace = \"/etc/passwd\"",
+        "file [user.2]\ntrace = \"/nowhere\"",
+        "scene any-network user.1.trace=/nowhere",
+        "law power user.1.trace=/nowhere",
+    ] {
+        let why = refused(line);
+        assert!(why.contains("a page reads none") || why.contains("write it as table.key=value"), "{line}: {why}");
+    }
+}
+
+#[test]
+fn real_time_is_a_millisecond() {
+    assert!(refused("set timing.control_period_s=0.00001").contains("it must be 0.001 s"));
+    assert!(refused("dance").contains("there is no such order"));
+    assert!(refused("scene any-netwrok").contains("did you mean any-network?"));
+    assert!(refused("file [network\n").contains("line 1"));
+}
+
+/// Every click and every law is a scene that can be played; a saved scene is the scene again.
+#[test]
+fn clicks_laws_and_files_are_scenes() {
+    let mut scene = Scene::new(Laws::built_in());
+    for (name, built_in, keys) in CLICKS {
+        scene = apply(&scene, format!("scene {built_in} {keys}").trim_end()).expect(name);
+        for kind in scene.laws.kinds() {
+            let changed = apply(&scene, &format!("law {}", kind.name)).expect(kind.name);
+            assert_eq!((changed.law().name, changed.world.network), (kind.name, scene.world.network));
+        }
+    }
+    let file: String = scene.settings().iter().map(|(key, value)| format!("{key} = {value}\n")).collect();
+    let again = apply(&Scene::new(scene.laws), &format!("file {file}")).expect("its own settings");
+    assert_eq!(again.settings(), scene.settings());
+}

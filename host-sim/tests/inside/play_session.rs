@@ -1,0 +1,124 @@
+use haptic_sim::{Laws, scenes};
+
+use super::*;
+
+fn session(name: &str, partner: Model) -> Session {
+    Session::new(scenes::load(Laws::built_in(), name).expect("a scene"), partner).expect("a session")
+}
+
+fn column(sample: &Sample, name: &str) -> f64 {
+    f64::from(sample[COLUMNS.iter().position(|(known, ..)| *known == name).expect("a column")])
+}
+
+/// So many ticks with hand 1 where it is wanted and the partner at hand 2.
+fn carry(session: &mut Session, ticks: usize, wanted: Option<f64>) -> Sample {
+    let mut sample = Sample::default();
+    for _ in 0..ticks {
+        session.point(0, wanted, session.restarts);
+        session.play(1);
+        sample = session.step();
+    }
+    sample
+}
+
+/// Without hands a session is the pair of every other run, to the bit.
+#[test]
+fn without_hands_it_is_the_simulators_pair() {
+    let mut session = session("paper-5.2-wave-16ms", Model::Absent);
+    let mut pair = Pair::<f32>::new(&session.scene).expect("a pair");
+    for _ in 0..500 {
+        session.step();
+        pair.step();
+    }
+    assert_eq!(session.pair.hash(7), pair.hash(7));
+}
+
+/// At rest two hands pull on one chain of springs, so that the force is their difference over the sum of all compliances: both hands,
+/// both contacts, both K_T, and of the line its round trip over its impedance (THEORY §4).
+#[test]
+fn two_hands_pull_on_one_chain() {
+    let mut session = session("any-network", Model::Resists);
+    let sample = carry(&mut session, 4000, Some(0.02));
+    let compliance = 2.0 / 200.0 + 2.0 / 1000.0 + 2.0 / 10000.0 + 0.016 / 60.0;
+    let [hand_1, hand_2] = ["hand_1", "hand_2"].map(|name| column(&sample, name));
+    assert!(
+        (hand_1 - 0.02 / compliance).abs() < 1e-3 && (hand_2 + 0.02 / compliance).abs() < 1e-3,
+        "{hand_1} {hand_2}"
+    );
+    assert!((column(&sample, "object_1") - 0.01).abs() < 0.001, "{sample:?}");
+    assert!((column(&sample, "delay_1") - 0.008).abs() < 1e-6, "{sample:?}");
+    assert_eq!([column(&sample, "live_1"), column(&sample, "live_2")], [1.0; 2]);
+    // A passive law: the line holds energy, and no peer has made any that counts beside it.
+    assert!(column(&sample, "line") >= 0.0 && column(&sample, "kept_1") > -1e-4, "{sample:?}");
+}
+
+/// A delay that is set in flight is that of the packets sent from then on; nothing starts anew.
+#[test]
+fn the_network_changes_in_flight() {
+    let mut session = session("any-network", Model::Follows);
+    let before = carry(&mut session, 1000, Some(0.03));
+    let mut slower = session.scene.clone();
+    (slower.world.network.one_way_delay_packets, slower.world.network.extra_delay_s) = (0, 0.050);
+    session.set(slower).expect("a good scene");
+    let after = carry(&mut session, 1, Some(0.03));
+    assert!((column(&after, "object_1") - column(&before, "object_1")).abs() < 1e-3);
+    let later = carry(&mut session, 200, Some(0.03));
+    assert!((column(&later, "delay_1") - 0.050).abs() < 1e-6, "{later:?}");
+    assert_eq!(column(&later, "restarts"), 0.0);
+}
+
+/// A gain starts both anew where they are, and what a pointer says of the world before is nothing.
+#[test]
+fn a_gain_starts_both_anew_where_they_are() {
+    let mut session = session("any-network", Model::Follows);
+    let before = carry(&mut session, 2000, Some(0.04));
+    let mut softer = session.scene.clone();
+    softer.peer.coordination.stiffness_n_per_m = 5000.0;
+    session.set(softer).expect("a good scene");
+    session.point(0, Some(0.04), 0);
+    let after = session.step();
+    assert!((column(&after, "object_1") - column(&before, "object_1")).abs() < 2e-3, "{before:?} {after:?}");
+    assert_eq!((column(&after, "restarts"), column(&after, "hand_1")), (1.0, 0.0));
+}
+
+/// Motors that are off stay off through a change, and come back only when they are asked to.
+#[test]
+fn stopped_stays_stopped() {
+    let mut session = session("paper-5.2-power-16ms", Model::Absent);
+    session.stop();
+    let mut other = session.scene.clone();
+    other.peer.object.mass_kg = 0.5;
+    session.set(other).expect("a good scene");
+    let sample = session.step();
+    assert_eq!((session.modes(), column(&sample, "contact_1")), ([OFF; 2], 0.0));
+    session.start().expect("it starts");
+    assert_eq!(session.modes(), [ARMED; 2]);
+}
+
+/// A cut line delivers nothing; a copy is moved by its own hand alone.
+#[test]
+fn a_cut_line_leaves_each_alone() {
+    let mut session = session("paper-5.2-power-16ms", Model::Absent);
+    session.scene.users = Default::default();
+    session.start().expect("it starts");
+    carry(&mut session, 100, None);
+    session.cut(true);
+    let sample = carry(&mut session, 3000, Some(0.05));
+    assert!(column(&sample, "object_1") > 0.04 && column(&sample, "object_2").abs() < 1e-6, "{sample:?}");
+    assert_eq!([column(&sample, "live_1"), column(&sample, "live_2")], [0.0; 2]);
+    // A change does not join it.
+    let mut other = session.scene.clone();
+    other.world.network.loss = 0.1;
+    session.set(other).expect("a good scene");
+    assert!(session.is_cut());
+}
+
+/// Ends of travel: a strong hand gets a device no further than they give, F/k.
+#[test]
+fn a_device_stays_within_its_travel() {
+    let mut session = session("any-network", Model::Absent);
+    let sample = carry(&mut session, 6000, Some(0.2));
+    // Both ends push back: the devices hold one object.
+    let most = REACH_M + crate::play::hand::STRENGTH / END_STIFFNESS;
+    assert!((REACH_M..most).contains(&column(&sample, "device_1")), "{sample:?}");
+}

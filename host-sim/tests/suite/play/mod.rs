@@ -1,0 +1,208 @@
+//! The live page in a real browser: the program as a user starts it, Chromium without a screen, two windows.
+//!
+//! What is waited for is waited for up to half a minute; nothing here asserts a time. Pictures of the main states are left in
+//! `target/tmp/suite/play`.
+
+mod devtools;
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr};
+
+use serde_json::json;
+
+use crate::program::host_sim;
+use devtools::{Browser, Window};
+
+/// The program that serves the page, gone when dropped.
+struct Play {
+    child: Child,
+    addresses: Vec<String>,
+    /// Kept: who writes to a closed pipe ends.
+    _said: BufReader<ChildStderr>,
+}
+
+impl Play {
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = host_sim(&[&["play"], arguments].concat()).spawn().expect("host-sim runs");
+        let mut said = BufReader::new(child.stderr.take().expect("its errors are kept"));
+        let address = |line: String| line.split_once("http://").map(|(_, rest)| format!("http://{rest}"));
+        let addresses = said.by_ref().lines().map_while(Result::ok).filter_map(address).take(3).collect();
+        Self { child, addresses, _said: said }
+    }
+}
+
+impl Drop for Play {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite/play");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// The middle of an element, pixels.
+fn middle(browser: &mut Browser, window: &Window, id: &str) -> [f64; 2] {
+    let expression = format!(
+        "(() => {{ const r = document.getElementById('{id}').getBoundingClientRect(); \
+         return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+    );
+    browser.numbers(window, &expression)
+}
+
+fn click(browser: &mut Browser, window: &Window, id: &str) {
+    browser.evaluate(window, &format!("document.getElementById('{id}').click()"));
+}
+
+/// Moves a pressed mouse by so many mm of the scene, as a hand does, in 40 frames.
+fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f64; 2] {
+    let [per_mm] = browser.numbers(window, "[scene.getScreenCTM().a]");
+    for step in 1..=40 {
+        browser.mouse(window, "mouseMoved", [x + per_mm * mm * f64::from(step) / 40.0, y]);
+        std::thread::sleep(std::time::Duration::from_millis(16));
+    }
+    [x + per_mm * mm, y]
+}
+
+#[test]
+fn two_windows_hold_one_object() {
+    let play = Play::start(&["--partner", "resists"]);
+    let folder = folder();
+    let mut browser = Browser::start(folder.join("profile"));
+    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    for window in [&one, &two] {
+        browser.wait(window, "page.frames() > 20 && page.value('device_1', 500) === 0");
+        browser.wait(window, "document.getElementById('status').textContent.startsWith('another person')");
+        browser.wait(window, "document.getElementById('verdict').textContent.startsWith('stable')");
+    }
+
+    // The mouse of window 1 carries the object; window 2 sees both copies come along, and how far apart they truly are.
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    let at = drag(&mut browser, &one, hand, 40.0);
+    for window in [&one, &two] {
+        browser.wait(window, "[1, 2].every((n) => Math.abs(page.value(`object_${n}`) - 0.04) < 0.004)");
+        browser.wait(window, "Number(document.getElementById('true').textContent) < 5");
+    }
+
+    // Person 2 holds on while person 1 pulls: both feel it, as a distance between pointer and device.
+    let other = middle(&mut browser, &two, "hand");
+    browser.mouse(&two, "mousePressed", other);
+    let at = drag(&mut browser, &one, at, -25.0);
+    browser.wait(&two, "page.value('hand_1') < -0.5 && page.value('hand_2') > 0.5");
+    browser.picture(&one, &folder.join("two-hands.png"));
+
+    // What one sets, the other sees; a key that names a file is refused.
+    browser.evaluate(
+        &two,
+        "for (const [id, x] of [['delay', 60], ['loss', 20]]) { const e = document.getElementById(id); \
+                            e.value = x; e.dispatchEvent(new Event('input')); }",
+    );
+    browser.wait(
+        &one,
+        "document.getElementById('delay').value === '60' && document.getElementById('loss').value === '20'",
+    );
+    browser.wait(&one, "Math.abs(page.value('delay_1') - 0.06) < 0.002");
+
+    // Cut, the copies stand apart, each with its own hand; joined, they come together again.
+    click(&mut browser, &two, "cut");
+    browser.wait(
+        &one,
+        "document.getElementById('status').textContent === 'the cable is cut' && page.value('live_1') === 0",
+    );
+    let before: [f64; 1] = browser.numbers(&one, "[page.value('object_2')]");
+    let at = drag(&mut browser, &one, at, -10.0);
+    browser.wait(&one, "page.value('live_1', 300) === 0");
+    let [stands, apart] =
+        browser.numbers(&one, "[page.value('object_2'), Number(document.getElementById('true').textContent)]");
+    assert!((stands - before[0]).abs() < 0.02 && apart.is_finite(), "{stands} {before:?} {apart}");
+    browser.picture(&two, &folder.join("cut.png"));
+    click(&mut browser, &two, "cut");
+    browser.wait(&one, "page.value('live_1') === 1");
+    browser.mouse(&two, "mouseReleased", other);
+    browser.mouse(&one, "mouseReleased", at);
+    browser.wait(&two, "Number.isNaN(page.value('wanted_1')) && Number.isNaN(page.value('wanted_2'))");
+
+    // A gain outside its region asks first, and says what to change.
+    browser.evaluate(
+        &one,
+        "[...document.querySelectorAll('#clicks button')].find((b) => b.textContent === '§5.2, 16 ms').click()",
+    );
+    browser.wait(&one, "document.getElementById('law').value === 'passive-wave'");
+    browser.evaluate(
+        &one,
+        "{ const e = document.getElementById('law'); e.value = 'power'; e.dispatchEvent(new Event('change')); }",
+    );
+    browser.wait(&two, "document.getElementById('law').value === 'power'");
+    browser.evaluate(
+        &one,
+        "{ const e = document.getElementById('stiffness'); e.value = 3.48; e.dispatchEvent(new Event('input')); }",
+    );
+    browser.wait(&one, "!document.getElementById('question').hidden");
+    let asked = browser.evaluate(&one, "document.getElementById('question-text').textContent");
+    assert!(
+        asked.as_str().is_some_and(|text| text.contains("Lower coordination.stiffness_n_per_m from 3020 to")),
+        "{asked}"
+    );
+    browser.picture(&one, &folder.join("asks-first.png"));
+    click(&mut browser, &one, "anyway");
+    browser.wait(&two, "document.getElementById('verdict').classList.contains('bad')");
+    // Limits and faults end what it does, and say why; nothing moves again before somebody starts it.
+    browser.wait(&two, "document.getElementById('status').textContent.includes('stopped: ')");
+    browser.picture(&two, &folder.join("fault.png"));
+    browser.evaluate(
+        &one,
+        "[...document.querySelectorAll('#clicks button')].find((b) => b.textContent === 'any network').click()",
+    );
+    browser.wait(&one, "document.getElementById('verdict').textContent.startsWith('stable')");
+    browser.wait(&one, "document.getElementById('status').textContent.startsWith('stopped')");
+    click(&mut browser, &one, "start");
+    browser.wait(&one, "document.getElementById('status').textContent.startsWith('another person')");
+
+    // Keys move the hand, Escape lets go, stop turns both motors off. A start lets go of what was held before.
+    let [restarts, from] = browser.numbers(&one, "[page.value('restarts'), page.value('object_1')]");
+    browser.wait(&two, &format!("page.value('restarts') === {restarts}"));
+    browser.evaluate(&two, "document.getElementById('hand').focus()");
+    for _ in 0..10 {
+        browser.key(&two, "ArrowRight");
+    }
+    browser.wait(&one, &format!("page.value('object_1') > {from} + 0.01"));
+    browser.key(&two, "Escape");
+    browser.wait(&one, "Number.isNaN(page.value('wanted_2'))");
+    click(&mut browser, &two, "stop");
+    browser.wait(&one, "document.getElementById('status').textContent.startsWith('stopped: motors are off')");
+    browser.wait(&one, "page.value('coordination_1') === 0 && page.value('coordination_2') === 0");
+    click(&mut browser, &one, "start");
+    browser.wait(&two, "document.getElementById('status').textContent.startsWith('another person')");
+
+    // What is saved is a scene, what is exported has every column, and what is shown fits a phone, in the dark.
+    let saved = browser.evaluate(&one, "page.asToml()");
+    assert!(saved.as_str().is_some_and(|toml| toml.contains("comm = \"self-timed\"")), "{saved}");
+    let csv = browser.evaluate(&one, "page.asCsv().split('\\n')[0]");
+    assert!(csv.as_str().is_some_and(|head| head.starts_with("time_s,wanted_1_m,")), "{csv}");
+    let dark = json!({ "features": [{ "name": "prefers-color-scheme", "value": "dark" }] });
+    browser.call(&two, "Emulation.setEmulatedMedia", dark);
+    let phone = json!({ "width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": true });
+    browser.call(&two, "Emulation.setDeviceMetricsOverride", phone);
+    browser.wait(&two, "document.documentElement.scrollWidth <= 390");
+    browser.picture(&two, &folder.join("phone.png"));
+
+    // A page from elsewhere gets nothing, even with the token.
+    let elsewhere = browser.open("data:text/html,elsewhere");
+    let (host, token) = play.addresses[0].split_once("/#1-").expect("an address");
+    let line = format!("{}/ws/1/{token}", host.replace("http", "ws"));
+    let outcome = browser.evaluate(
+        &elsewhere,
+        &format!(
+            "new Promise((done) => {{ const s = new WebSocket('{line}'); s.onopen = () => done('open'); \
+             s.onerror = () => done('refused'); }})"
+        ),
+    );
+    assert_eq!(outcome, "refused");
+    let complaints = browser.complaints(&[&one, &two]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
