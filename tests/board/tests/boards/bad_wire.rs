@@ -82,8 +82,8 @@ fn they_stay_armed_and_nothing_jerks() {
     assert!(jerk(&bad) <= 1.5 * jerk(&clean), "{} N a tick on a bad wire, {} on a good one", jerk(&bad), jerk(&clean));
 }
 
-/// What the recommended scene computes on two boards is what host-sim computes, given the same arrivals, through bursts; within 1250
-/// instructions a tick, of which the body's envelope is 30, and with a packet a tick each way. A minute of it: docs/hardware.md.
+/// What the recommended scene computes on two boards is what host-sim computes, given the same arrivals, through bursts; within 1300
+/// instructions a tick, of which the body's envelope is 30, the dead man and the tick's own times another 30, and with a packet a tick each way. A minute of it: docs/hardware.md.
 #[test]
 fn any_network_gives_the_same_bits_through_bursts() {
     let seconds = 10.0;
@@ -98,6 +98,6 @@ fn any_network_gives_the_same_bits_through_bursts() {
     assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, (1000.0 * seconds) as u64, 0));
     assert_eq!(trial.equal.first_difference, None);
     assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
-    assert!(trial.instructions.max <= 1250, "{:?}", trial.instructions);
+    assert!(trial.instructions.max <= 1300, "{:?}", trial.instructions);
     assert!(load > 1000.0, "{load} packets a second");
 }
