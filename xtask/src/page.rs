@@ -17,11 +17,12 @@ pub(crate) fn page(write: bool) -> Result<(), Failure> {
         npm.current_dir(&folder);
         npm
     };
-    // npm writes the second file when it has installed what the first one says.
+    // npm writes the second file when it has installed what the first one says. Not `npm ci`: it fails where the registry lacks a
+    // package that only another system needs.
     let written = |path: &Path| path.metadata().and_then(|of| of.modified()).ok();
     let (wanted, there) = (folder.join("package-lock.json"), folder.join("node_modules/.package-lock.json"));
     if written(&there).is_none() || written(&there) < written(&wanted) {
-        run::run(&mut npm(&["ci", "--no-audit", "--no-fund"]))?;
+        run::run(&mut npm(&["install", "--no-save", "--no-audit", "--no-fund"]))?;
     }
     if write {
         return run::run(&mut npm(&["run", "--silent", "format"]));

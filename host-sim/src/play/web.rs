@@ -206,7 +206,7 @@ fn respond(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> std:
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Cross-Origin-Opener-Policy: same-origin\r\n\
          Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
-         img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\r\n{text}",
+         img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\r\n{text}",
         text.len(),
     )
 }

@@ -223,7 +223,24 @@ const pointed = (event) => {
 };
 function letGo() {
   wanted = NaN;
+  moved = undefined;
 }
+
+/** From pointer to picture, ms: what the last moves took from their event to the frame that draws the hand on its way. */
+const lags = /** @type {number[]} */ ([]);
+/** A move that is waited for: when it was, and where the hand was then. @type {[number, number] | undefined} */
+let moved;
+
+/** @param {number} now ms */
+function measureLag(now) {
+  if (!moved || !(Math.abs(value(`wanted_${me}`) - moved[1]) > 0)) return;
+  lags.push(now - moved[0]);
+  if (lags.length > 200) lags.shift();
+  moved = undefined;
+}
+
+/** The time within which this share of the last moves was drawn, ms. @param {number} share */
+const lag = (share) => lags.toSorted((a, b) => a - b)[Math.floor(share * (lags.length - 1))] ?? NaN;
 hand.toggleAttribute("hidden", watches);
 scene.addEventListener("pointerdown", (event) => {
   if (!event.isPrimary || event.button !== 0 || watches) return;
@@ -234,7 +251,10 @@ scene.addEventListener("pointerdown", (event) => {
   event.preventDefault();
 });
 scene.addEventListener("pointermove", (event) => {
-  if (scene.hasPointerCapture(event.pointerId) && Number.isFinite(wanted)) wanted = pointed(event) - offset;
+  if (!scene.hasPointerCapture(event.pointerId) || !Number.isFinite(wanted)) return;
+  wanted = pointed(event) - offset;
+  const was = value(`wanted_${me}`);
+  if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
 });
 for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) scene.addEventListener(kind, letGo);
 hand.addEventListener("blur", letGo);
@@ -280,6 +300,7 @@ function writeNumbers() {
   write("kept", 2, 1e3 * value("kept_1"), 1e3 * value("kept_2"));
   write("trip", 1, 1e3 * (value("delay_1") + value("delay_2")));
   write("live", 0, ...both("live", 1000).map((share) => 100 * share));
+  write("lag", 0, lag(0.5), lag(0.95));
   const at = 1e3 * value(`device_${me}`);
   if (Number.isFinite(at)) {
     hand.setAttribute("aria-valuenow", at.toFixed(0));
@@ -664,11 +685,13 @@ element("link").addEventListener("click", async () => {
 // --- once a frame ---
 
 let slow = 0;
-function frame() {
+/** @param {number} now ms */
+function frame(now) {
   requestAnimationFrame(frame);
   askForMore();
   if (!hello) return;
   frames += 1;
+  measureLag(now);
   drawScene();
   slow += 1;
   if (slow % 12 === 0) writeNumbers();
@@ -681,7 +704,7 @@ function frame() {
 }
 
 element("who").textContent = watches ? "– watching" : `– person ${me}`;
-Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, wanted: () => wanted } });
+Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, lag } });
 connect();
 requestAnimationFrame(frame);
 export {};

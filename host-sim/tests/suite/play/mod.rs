@@ -7,7 +7,7 @@ mod devtools;
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr};
+use std::process::{Child, ChildStderr, Command};
 
 use serde_json::json;
 
@@ -68,6 +68,20 @@ fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f
     [x + per_mm * mm, y]
 }
 
+/// Asked to end, it closes its windows, reports its ticks and says so with status 0.
+#[test]
+fn it_ends_when_it_is_asked_to() {
+    let mut play = Play::start(&["--json"]);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let asked = Command::new("kill").args(["-s", "INT", &play.child.id().to_string()]).status();
+    assert!(asked.expect("kill runs").success() && play.child.wait().expect("it ends").success());
+    let mut said = String::new();
+    let out = play.child.stdout.as_mut().expect("its output is kept");
+    out.read_to_string(&mut said).expect("text");
+    let report: serde_json::Value = serde_json::from_str(&said).expect("one JSON document");
+    assert!(report["ticks"].as_u64() > Some(100), "{report}");
+}
+
 #[test]
 fn two_windows_hold_one_object() {
     let play = Play::start(&["--partner", "resists"]);
@@ -88,6 +102,11 @@ fn two_windows_hold_one_object() {
         browser.wait(window, "[1, 2].every((n) => Math.abs(page.value(`object_${n}`) - 0.04) < 0.004)");
         browser.wait(window, "Number(document.getElementById('true').textContent) < 5");
     }
+
+    // How soon a hand is drawn on its way after its pointer has moved is told.
+    let lags: [f64; 2] = browser.numbers(&one, "[page.lag(0.5), page.lag(0.95)]");
+    assert!(lags[0] > 0.0 && lags[1] >= lags[0], "{lags:?}");
+    println!("pointer to picture, ms at 50 and 95 %: {lags:?}");
 
     // Person 2 holds on while person 1 pulls: both feel it, as a distance between pointer and device.
     let other = middle(&mut browser, &two, "hand");
