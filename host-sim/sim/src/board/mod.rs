@@ -1,5 +1,6 @@
-//! A PC's end of a board: its operator, what it records, and its calibration.
+//! A PC's end of a board: its operator, what it records, its calibration, and the first hour with it.
 
+pub mod bringup;
 pub mod calibrate;
 pub mod operator;
 pub mod recording;

@@ -1,5 +1,6 @@
 //! Runs against an independent oracle, calibration of a simulated board, recordings, and reports.
 
+mod bringup;
 mod calibrate;
 mod double_double;
 mod engine;

@@ -4,6 +4,7 @@
 //! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, Subcommand};
@@ -12,7 +13,7 @@ use super::operator;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor;
+use haptic_sim::board::calibrate::motor::{self, Against};
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::{board::calibrate::board::Board, board::calibrate::simulated::Shared};
 
@@ -22,12 +23,8 @@ pub(in crate::cli) enum Calibrate {
     Counts {
         #[command(flatten)]
         at: At,
-        /// By how much you will move it, m: a slide.
-        #[arg(long, value_name = "M")]
-        distance_m: Option<f64>,
-        /// By how much you will turn its motor: a joint that turns.
-        #[arg(long, value_name = "N", conflicts_with = "distance_m")]
-        revolutions: Option<f64>,
+        #[command(flatten)]
+        by: By,
     },
     /// Sign of a motor: a weak push both ways. After `counts`.
     Sign(At),
@@ -35,17 +32,55 @@ pub(in crate::cli) enum Calibrate {
     Motor {
         #[command(flatten)]
         at: At,
-        /// A force gauge.
-        #[arg(long)]
-        gauge: bool,
-        /// A mass, kg.
-        #[arg(long, value_name = "KG", conflicts_with = "gauge")]
-        added_mass_kg: Option<f64>,
+        #[command(flatten)]
+        reference: Reference,
     },
     /// Viscous and dry friction, from how the joint moves. After `motor`.
     Friction(At),
     /// Moving mass and delay of the force, from how the joint moves. After `motor`.
     Inertia(At),
+}
+
+/// How far a joint is moved by hand.
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct By {
+    /// By how much you will move it, m: a slide.
+    #[arg(long, value_name = "M")]
+    distance_m: Option<f64>,
+    /// By how much you will turn its motor: a joint that turns.
+    #[arg(long, value_name = "N", conflicts_with = "distance_m")]
+    revolutions: Option<f64>,
+}
+
+impl By {
+    pub(super) fn distance(self) -> Result<Distance, Failure> {
+        match (self.distance_m, self.revolutions) {
+            (Some(metres), _) => Ok(Distance::Metres(metres)),
+            (_, Some(turns)) => Ok(Distance::Revolutions(turns)),
+            _ => Err("give --distance-m or --revolutions: how far you will move the joint".into()),
+        }
+    }
+}
+
+/// What a motor is measured against.
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct Reference {
+    /// A force gauge.
+    #[arg(long)]
+    gauge: bool,
+    /// A mass, kg.
+    #[arg(long, value_name = "KG", conflicts_with = "gauge")]
+    added_mass_kg: Option<f64>,
+}
+
+impl Reference {
+    pub(super) fn against(self) -> Result<Against, Failure> {
+        match (self.gauge, self.added_mass_kg) {
+            (true, _) => Ok(Against::Gauge),
+            (_, Some(kilograms)) => Ok(Against::Mass(kilograms)),
+            _ => Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
+        }
+    }
 }
 
 /// Which joint of which board, and where the result goes.
@@ -59,16 +94,20 @@ pub(in crate::cli) struct At {
     key_file: Option<PathBuf>,
     /// Which joint, 1 or 2.
     #[arg(long, default_value_t = 1, value_name = "N")]
-    joint: u32,
+    pub(super) joint: u32,
     /// Settings file: what it holds is given to the board first, what is found is added to it.
     #[arg(long, alias = "out", value_name = "FILE")]
-    settings: PathBuf,
+    pub(super) settings: PathBuf,
     #[command(flatten)]
     truth: SceneArgs,
 }
 
 /// Asks on standard error, hears on standard input.
-struct Terminal;
+#[derive(Default)]
+struct Terminal {
+    /// What is typed, if something was asked for.
+    typed: Option<Receiver<Result<String, String>>>,
+}
 
 impl Terminal {
     fn line() -> Result<String, String> {
@@ -87,6 +126,26 @@ impl Person for Terminal {
         Self::line().map(|_| ())
     }
 
+    fn begin(&mut self, task: &Task) -> Result<(), String> {
+        eprintln!("{task}; then press Enter");
+        let (say, typed) = std::sync::mpsc::channel();
+        self.typed = Some(typed);
+        std::thread::spawn(move || say.send(Self::line()));
+        Ok(())
+    }
+
+    fn is_done(&mut self) -> Result<bool, String> {
+        let Some(typed) = &self.typed else { return Ok(true) };
+        match typed.try_recv() {
+            Ok(line) => {
+                self.typed = None;
+                line.map(|_| true)
+            }
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(TryRecvError::Disconnected) => Err("nobody reads standard input any more".to_owned()),
+        }
+    }
+
     fn reading(&mut self, what: &str) -> Result<f64, String> {
         eprintln!("{what}:");
         let line = Self::line()?;
@@ -98,7 +157,7 @@ impl Person for Terminal {
 type Parties = (Box<dyn Board>, Box<dyn Person>);
 
 impl At {
-    fn parties(&self, ui: &Ui) -> Result<Parties, Failure> {
+    pub(super) fn parties(&self, ui: &Ui) -> Result<Parties, Failure> {
         let truth = self.truth.load(ui)?;
         if self.board == "simulated" {
             let shared = Shared::new(&truth)?;
@@ -117,7 +176,7 @@ impl At {
         if std::io::stdin().is_terminal() {
             eprintln!("motors will move: keep the emergency stop at hand");
         }
-        Ok((Box::new(Operator::connect(address, key_file)?), Box::new(Terminal)))
+        Ok((Box::new(Operator::connect(address, key_file)?), Box::<Terminal>::default()))
     }
 
     fn run(
@@ -141,20 +200,15 @@ impl At {
 impl Calibrate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         match self {
-            Self::Counts { at, distance_m, revolutions } => {
-                let distance = match (distance_m, revolutions) {
-                    (Some(metres), _) => Distance::Metres(*metres),
-                    (_, Some(turns)) => Distance::Revolutions(*turns),
-                    _ => return Err("give --distance-m or --revolutions: how far you will move the joint".into()),
-                };
+            Self::Counts { at, by } => {
+                let distance = by.distance()?;
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
             Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
-            Self::Motor { at, gauge: true, .. } => at.run(ui, |board, person| motor::gauge(board, person, at.joint)),
-            Self::Motor { at, added_mass_kg: Some(kilograms), .. } => {
-                at.run(ui, |board, person| motor::mass(board, person, at.joint, *kilograms))
+            Self::Motor { at, reference } => {
+                let against = reference.against()?;
+                at.run(ui, |board, person| motor::constant(board, person, at.joint, against))
             }
-            Self::Motor { .. } => Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
             Self::Friction(at) => at.run(ui, |board, _| motion::friction(board, at.joint)),
             Self::Inertia(at) => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }

@@ -1,5 +1,6 @@
 //! `host-sim board`: a PC beside a board.
 
+mod bringup;
 mod calibrate;
 mod operator;
 
@@ -16,6 +17,8 @@ super::commands! {
     Board {
         /// Say lines to a board: arm, stop, set up; sealed.
         Operator(operator::Operate),
+        /// The first hour: light, stop, encoder, sign, motor, lowest force, first contact, stop, cable; each checks before it goes on.
+        Bringup(bringup::BringUp),
         /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
         #[command(subcommand)]
         Calibrate(calibrate::Calibrate),

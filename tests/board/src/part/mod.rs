@@ -144,7 +144,8 @@ impl Part {
             noise_works: true,
         };
         // The emulator leaves to the part what breaks a timer.
-        part.chip.advanced[0] = Tim::new(ADVANCED_TIMERS[0]).breaks_on("RCC", CLOCK_FAILURE).breaks_on("PWR", SUPPLY_LOW);
+        part.chip.advanced[0] =
+            Tim::new(ADVANCED_TIMERS[0]).breaks_on("RCC", CLOCK_FAILURE).breaks_on("PWR", SUPPLY_LOW);
         // Two chips, two noises: theirs would be the same at every power-on.
         part.chip.rng = Rng::seeded(rng::RESET_AHB_HZ, rng::KERNEL_HZ, 1 + u64::from(strap_to_ground));
         part.check()?;

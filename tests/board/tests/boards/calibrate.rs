@@ -1,5 +1,4 @@
-//! A person calibrates a board: host-sim's procedures against the release image, closed around a device whose numbers they are
-//! not told.
+//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not told.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -9,10 +8,11 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, PWM_STEPS};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
+use haptic_sim::board::bringup::{Plan, bring_up};
 use haptic_sim::board::calibrate::board::{Board, Tick};
-use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor;
-use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
+use haptic_sim::board::calibrate::counts::Distance;
+use haptic_sim::board::calibrate::motor::Against;
+use haptic_sim::board::calibrate::{Person, Task};
 use haptic_sim::scene::Scene;
 
 /// The bench with one board, as its operator and the person at its device share it.
@@ -43,11 +43,28 @@ impl Person for Table {
     fn please(&mut self, task: &Task) -> Result<(), String> {
         let mut bench = self.bench.borrow_mut();
         match *task {
-            Task::MoveMetres { metres, .. } => bench.carry(1, metres, 500),
+            Task::MoveMetres { metres, .. } | Task::Push { metres, .. } => bench.carry(1, metres, 500),
             Task::Fasten { kilograms, .. } => {
                 let mut heavier = self.truth.clone();
                 heavier.world.device.mass_kg += kilograms;
                 bench.let_go(Some(&heavier));
+            }
+            Task::Unfasten { .. } => bench.let_go(Some(&self.truth)),
+            Task::HoldButton | Task::LetGoOfButton => {
+                bench.hold_buttons(*task == Task::HoldButton);
+                bench.run_for_ms(5);
+            }
+            Task::PressStop | Task::ReleaseStop => {
+                bench.input(1).press = Some(*task == Task::PressStop);
+                bench.run_for_ms(5);
+                assert!(!bench.stopped[0].bridges.on(), "off, pressed or released");
+            }
+            Task::PullCable => bench.input(1).cable = Some(false),
+            Task::PlugCable => {
+                assert!(!bench.stopped[0].bridges.on(), "off while the operator was silent");
+                bench.input(1).cable = Some(true);
+                bench.run_for_ms(2500);
+                bench.meet(1);
             }
             _ => bench.run_for_ms(100),
         }
@@ -59,19 +76,8 @@ impl Person for Table {
     }
 }
 
-fn number(found: &[Found], key: &str) -> f64 {
-    let found = found.iter().find(|found| found.key == key);
-    found.and_then(|found| found.value.as_float()).unwrap_or_else(|| panic!("{key} was not found"))
-}
-
-#[track_caller]
-fn near(key: &str, found: &[Found], truth: f64, relative: f64) {
-    let got = number(found, key);
-    assert!((got - truth).abs() <= relative * truth, "{key}: {got}, should be {truth}");
-}
-
 #[test]
-fn a_person_calibrates_a_board_whose_signs_are_wrong() {
+fn a_person_brings_up_a_board_whose_signs_are_wrong() {
     let mut truth = Scene::default();
     for text in [
         "plant.encoder=true",
@@ -90,19 +96,11 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.let_go(Some(&truth));
-    // What the device is, is said at the board.
-    bench.hold_buttons(true);
     let bench = Rc::new(RefCell::new(bench));
     let mut board = Table { bench: bench.clone(), truth: truth.clone(), taken: Rc::default() };
     let mut person = board.clone();
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("calibrated.toml");
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("brought-up.toml");
     let _ = std::fs::remove_file(&file);
-    let keep = |found: &[Found], board: &mut Table| {
-        found.iter().for_each(|found| println!("{} = {}", found.key, found.said));
-        settings_file::add(&file, found).expect("a settings file");
-        settings_file::give(board, &file).expect("the board takes it");
-    };
-
     // As it came, the encoder against the motor: arming is refused, and so is a check.
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
     board.ask("check 1").expect("an answer");
@@ -111,31 +109,22 @@ fn a_person_calibrates_a_board_whose_signs_are_wrong() {
     assert!(probed.contains("; disagree: "), "{probed}");
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
 
-    let found = counts::calibrate(&mut board, &mut person, 1, Distance::Metres(0.05)).expect("counts");
-    near("encoder.counts_per_m", &found, 170_000.0, 1e-3);
-    assert_eq!(found[1], Found::flag("encoder.reversed", true));
-    keep(&found, &mut board);
+    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
+    let passed = bring_up(&mut board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
+    assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 10);
 
-    let found = motor::sign(&mut board, 1).expect("sign");
-    assert_eq!(found, [Found::flag("motor.reversed", false)]);
-    keep(&found, &mut board);
-
-    let found = motor::mass(&mut board, &mut person, 1, 0.2).expect("motor");
-    near("motor.newton_or_newton_metre_per_a", &found, 6.5, 0.02);
-    keep(&found, &mut board);
-
-    let found = motion::inertia(&mut board, 1).expect("inertia");
-    near("device.mass_kg", &found, 0.35, 0.02);
-    keep(&found, &mut board);
-
-    let found = motion::friction(&mut board, 1).expect("friction");
-    near("device.damping_n_s_per_m", &found, 0.8, 0.15);
-    near("plant.coulomb_n", &found, 0.2, 0.1);
-    keep(&found, &mut board);
-
-    // Settings of the device have changed since the last check: once more, and then it arms.
-    assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
-    assert_eq!(motor::sign(&mut board, 1).expect("sign"), [Found::flag("motor.reversed", false)]);
+    let found = Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
+    assert_eq!((found.peer.encoder.reversed, found.peer.motor.reversed), (true, false));
+    for (what, found, truth, relative) in [
+        ("counts", found.peer.encoder.counts_per_m, 170_000.0, 1e-3),
+        ("motor", found.peer.motor.newton_or_newton_metre_per_a, 6.5, 0.02),
+        ("mass", found.world.device.mass_kg, 0.15, 0.02),
+        ("damping", found.world.device.damping_n_s_per_m, 0.8, 0.15),
+        ("friction", found.world.plant.coulomb_n, 0.2, 0.1),
+    ] {
+        assert!((found - truth).abs() <= relative * truth, "{what}: {found}, should be {truth}");
+    }
+    // The limit is what it was, and the device has been checked since it is known: it arms.
+    assert_eq!(board.ask("get safety.max_force_n").expect("an answer"), "ok safety.max_force_n = 3");
     assert_eq!(board.ask("arm").expect("an answer"), "ok armed");
-    Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
 }

@@ -72,6 +72,15 @@ pub enum Task {
     Gauge { joint: u32 },
     LetGo { joint: u32 },
     Fasten { joint: u32, kilograms: f64 },
+    Unfasten { joint: u32 },
+    SeeLight,
+    HoldButton,
+    LetGoOfButton,
+    Push { joint: u32, metres: f64 },
+    PressStop,
+    ReleaseStop,
+    PullCable,
+    PlugCable,
 }
 
 impl std::fmt::Display for Task {
@@ -92,6 +101,20 @@ impl std::fmt::Display for Task {
             Self::Fasten { joint, kilograms } => {
                 write!(f, "fasten {kilograms} kg to the hand of joint {joint}, and let go of it")
             }
+            Self::Unfasten { joint } => write!(f, "take the mass off the hand of joint {joint} again"),
+            Self::SeeLight => write!(f, "see that the board's green light blinks and its red one is off"),
+            Self::HoldButton => write!(f, "hold the board's blue button down"),
+            Self::LetGoOfButton => write!(f, "let go of the blue button"),
+            Self::Push { joint, metres } => {
+                write!(
+                    f,
+                    "push joint {joint} gently by {metres} m along its axis, against the object that you will feel, and stay there"
+                )
+            }
+            Self::PressStop => write!(f, "press the emergency stop, and leave it pressed"),
+            Self::ReleaseStop => write!(f, "release the emergency stop"),
+            Self::PullCable => write!(f, "pull the board's network cable"),
+            Self::PlugCable => write!(f, "put the network cable back, and wait until its lights are on"),
         }
     }
 }
@@ -100,6 +123,16 @@ impl std::fmt::Display for Task {
 pub trait Person {
     /// Asks for something to be done, and comes back when it is.
     fn please(&mut self, task: &Task) -> Result<(), String>;
+
+    /// Asks for something to be done while a board has to be kept: comes back at once.
+    fn begin(&mut self, task: &Task) -> Result<(), String> {
+        self.please(task)
+    }
+
+    /// Whether what was asked for is done.
+    fn is_done(&mut self) -> Result<bool, String> {
+        Ok(true)
+    }
 
     /// Asks for a number.
     fn reading(&mut self, what: &str) -> Result<f64, String>;

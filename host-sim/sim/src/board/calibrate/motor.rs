@@ -35,8 +35,30 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     Ok(Estimate { value, within })
 }
 
+/// What a motor's constant is measured against.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Against {
+    /// A force gauge, which the person reads.
+    Gauge,
+    /// A mass that the person fastens, kg.
+    Mass(f64),
+}
+
+/// Finds the constant of joint `number`'s motor.
+pub fn constant(
+    board: &mut dyn Board,
+    person: &mut dyn Person,
+    number: u32,
+    against: Against,
+) -> Result<Vec<Found>, String> {
+    match against {
+        Against::Gauge => gauge(board, person, number),
+        Against::Mass(kilograms) => mass(board, person, number, kilograms),
+    }
+}
+
 /// The constant for a force per full duty at the hand.
-fn constant(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Found {
+fn per_ampere(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Found {
     let estimate = newton_per_duty.times(joint.lever.abs() / settings.motor.full_scale_a);
     let unit = if joint.lever == 1.0 { "N/A" } else { "N·m/A" };
     Found::number("motor.newton_or_newton_metre_per_a", estimate, unit)
@@ -60,7 +82,7 @@ pub fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Res
             person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
         ));
     }
-    Ok(vec![constant(slope(&points)?, &settings, &joint)])
+    Ok(vec![per_ampere(slope(&points)?, &settings, &joint)])
 }
 
 /// Finds it with a mass, kg, that the person fastens to the hand.
@@ -82,7 +104,7 @@ pub fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilogra
     }
     let newton_per_duty = kilograms / difference;
     let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
-    Ok(vec![constant(estimate, &settings, &joint)])
+    Ok(vec![per_ampere(estimate, &settings, &joint)])
 }
 
 /// Checks joint `number` before arming, on a board that may still have it wrong, and gives `motor.reversed` as it should be. The

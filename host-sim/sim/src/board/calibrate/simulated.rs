@@ -1,7 +1,7 @@
 //! A board with a software device and a person at it: to practise calibration on, and to test it against a known truth.
 //!
 //! The device is what a scene says: its mass, friction, encoder and motor are the truth. The board starts with the defaults, as
-//! a new one does, and runs the peer's own tick; of the operator's lines it knows those that calibration needs. The person does
+//! a new one does, and runs the peer's own tick; of the operator's lines it knows those that calibration and bring-up need. The person does
 //! what is asked, exactly.
 
 use std::{cell::RefCell, rc::Rc};
@@ -9,7 +9,11 @@ use std::{cell::RefCell, rc::Rc};
 use haptic_core::device::probe::{End, Probe, Request, Shape};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::settings::{Choice, Settings, Value};
-use haptic_core::{device::velocity::VelocityName, num::Motion, safety::Mode};
+use haptic_core::{
+    device::velocity::VelocityName,
+    num::Motion,
+    safety::{Command, Mode},
+};
 
 use super::board::{Board, Tick};
 use super::{Person, Task};
@@ -28,6 +32,13 @@ pub struct Simulated {
     records: Vec<Tick>,
     /// The gauge that the hand is held against: force on it, N.
     gauge_n: Option<f64>,
+    stop_pressed: bool,
+    /// The stop was pressed while the motors were on.
+    stopped: bool,
+    /// Since the cable was pulled.
+    silent_s: Option<f64>,
+    /// The motors went off because of that.
+    let_go: bool,
 }
 
 /// A [`Simulated`] that board and person share.
@@ -54,6 +65,10 @@ impl Shared {
             every: 0,
             records: Vec::new(),
             gauge_n: None,
+            stop_pressed: false,
+            stopped: false,
+            silent_s: None,
+            let_go: false,
         };
         Ok(Self(Rc::new(RefCell::new(simulated))))
     }
@@ -66,6 +81,17 @@ impl Shared {
 
 impl Simulated {
     fn step(&mut self) {
+        if self.peer.mode() == Mode::Armed {
+            let silent = self.silent_s.is_some_and(|silent_s| silent_s >= self.settings.safety.operator_lost_s);
+            if self.stop_pressed || silent {
+                self.peer.command(Command::Disarm);
+                self.stopped |= self.stop_pressed;
+                self.let_go |= silent;
+            }
+        }
+        if let Some(silent_s) = &mut self.silent_s {
+            *silent_s += self.truth.peer.timing.control_period_s;
+        }
         let sensors = self.plant.sensors::<f32>();
         let actuators = self.peer.tick(&sensors);
         self.tick += 1;
@@ -106,6 +132,14 @@ impl Simulated {
             self.step();
         }
         *self.plant.free_axis().0 = Motion::at(self.plant.motions()[0].position);
+    }
+
+    /// Another device at the board.
+    fn replace(&mut self, device: &Scene) -> Result<(), String> {
+        self.plant = Plant::new(device, 0);
+        self.peer =
+            Laws::built_in().peer(&self.settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
+        Ok(())
     }
 
     fn begin(&mut self, probe: Result<Probe<f32>, haptic_core::settings::Refused<'static>>) -> String {
@@ -149,6 +183,34 @@ impl Simulated {
                     frequency_hz: hertz.first().map_or(Some(0.0), |hertz| hertz.parse().ok())?,
                 },
             )),
+            ["status"] => {
+                let (mode, fault) = match self.peer.mode() {
+                    Mode::Disarmed => ("disarmed", 0),
+                    Mode::Armed => ("armed", 0),
+                    Mode::Probing => ("probing", 0),
+                    Mode::Faulted(fault) => ("faulted", fault.number()),
+                };
+                let silent = if self.let_go { "; motors off: the operator was silent" } else { "" };
+                format!("ok board 1 {mode} fault {fault} ticks {}{silent}", self.tick)
+            }
+            // It steps when time passes, and so is never late.
+            ["time", _] => format!("ok cycles of 1 MHz: most 0 in tick 0; from:ticks 0:{}", self.tick),
+            ["arm"] if self.stopped => "error clear first: the emergency stop was pressed".to_owned(),
+            ["arm"] if self.stop_pressed => "error the emergency stop is pressed, or not connected".to_owned(),
+            ["arm"] => {
+                self.let_go = false;
+                self.peer.command(Command::Arm);
+                "ok armed".to_owned()
+            }
+            ["disarm"] => {
+                self.peer.command(Command::Disarm);
+                "ok disarmed".to_owned()
+            }
+            ["clear"] => {
+                self.stopped = false;
+                self.peer.command(Command::Clear);
+                "ok disarmed".to_owned()
+            }
             ["probed"] => {
                 let outcome = self.peer.probed();
                 let (joint, end) = (outcome.joint, outcome.end);
@@ -176,6 +238,9 @@ impl Board for Shared {
     fn ask(&mut self, line: &str) -> Result<String, String> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(0.002);
+        if simulated.silent_s.is_some() {
+            return Err("no answer: the cable is out".to_owned());
+        }
         Ok(simulated.answer(line).unwrap_or_else(|| "error the simulated board does not know this line".to_owned()))
     }
 
@@ -190,7 +255,7 @@ impl Person for Shared {
     fn please(&mut self, task: &Task) -> Result<(), String> {
         let mut simulated = self.0.borrow_mut();
         let Simulated { truth, .. } = &*simulated;
-        let (kinematics, mut heavier) = (truth.peer.kinematics, truth.clone());
+        let (kinematics, mut device) = (truth.peer.kinematics, truth.clone());
         match *task {
             Task::HoldStill { .. } => simulated.carry(0.0),
             Task::MoveMetres { metres, .. } => simulated.carry(metres),
@@ -200,14 +265,23 @@ impl Person for Shared {
                 simulated.carry(radians * kinematics.paddle_radius_m / kinematics.capstan_ratio);
             }
             Task::Gauge { .. } => simulated.gauge_n = Some(0.0),
-            Task::LetGo { .. } => simulated.steps(1.0),
-            Task::Fasten { kilograms, .. } => {
-                heavier.world.device.mass_kg += kilograms;
-                simulated.plant = Plant::new(&heavier, 0);
-                simulated.peer = Laws::built_in()
-                    .peer(&simulated.settings, [Motion::REST; AXES])
-                    .map_err(|refused| refused.to_string())?;
+            Task::LetGo { .. } => {
+                simulated.gauge_n = None;
+                simulated.steps(1.0);
             }
+            Task::Push { metres, .. } => simulated.carry(metres),
+            Task::PressStop | Task::ReleaseStop => {
+                simulated.stop_pressed = *task == Task::PressStop;
+                simulated.steps(0.01);
+            }
+            Task::PullCable => simulated.silent_s = Some(0.0),
+            Task::PlugCable => simulated.silent_s = None,
+            Task::SeeLight | Task::HoldButton | Task::LetGoOfButton => {}
+            Task::Fasten { kilograms, .. } => {
+                device.world.device.mass_kg += kilograms;
+                simulated.replace(&device)?;
+            }
+            Task::Unfasten { .. } => simulated.replace(&device)?,
         }
         Ok(())
     }

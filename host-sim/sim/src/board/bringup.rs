@@ -1,0 +1,347 @@
+//! Bring-up: one person, one board and its device, from the first light to the first contact; each step checks before it goes on.
+//!
+//! | step | passes if |
+//! |---|---|
+//! | light | the board answers, nothing stands against it, and its ticks come one after the other |
+//! | emergency stop | pressed, it is seen, before anything may move |
+//! | encoder | it counts over a known distance, and stands still where the joint does |
+//! | sign | a weak push moves the encoder the way the motor pushes |
+//! | motor | newtons per ampere against a gauge or a known mass, and what moves: mass and friction |
+//! | lowest force | armed with [`LOWEST_N`] and nobody at it, the joint stays where it is |
+//! | first contact | pushed against, the object pushes back, within that force |
+//! | stop | pressed while armed, the motors are off, and stay off until they are armed anew |
+//! | cable | out for longer than `safety.operator_lost_s`, the motors go off, and the board says why |
+//! | time | in all of that no tick began more than [`LATE_US`] late or off its period, or took more than [`LONG_US`] |
+//!
+//! What is found goes to the settings file and to the board; the limit of force is put back to what it was. A step that does not pass
+//! ends it, with what to look at. Current is not measured: no image does yet.
+
+use std::path::Path;
+
+use haptic_core::settings::{Settings, Value};
+
+use super::calibrate::board::{Board, Joint, Tick, say, settings};
+use super::calibrate::counts::{self, Distance};
+use super::calibrate::motor::{self, Against};
+use super::calibrate::{Found, Person, Task, motion, settings_file};
+
+/// The limit of force of the steps in which the board is armed, N.
+pub const LOWEST_N: f64 = 0.5;
+/// How far a joint may creep in a second in which nothing should push it, m.
+const CREEP_M: f64 = 0.002;
+/// How far the hand is pushed into the object, m.
+const PUSH_M: f64 = 0.02;
+/// Between two looks at whether the person is done, s.
+const LOOK_S: f64 = 0.02;
+/// How late a tick may begin, and how far from a period two may be apart, µs: a twentieth of the period.
+pub const LATE_US: f64 = 50.0;
+/// How long a tick may take, µs: half a period.
+pub const LONG_US: f64 = 500.0;
+/// How long the cable stays out beyond the operator's patience, s.
+const OUT_S: f64 = 2.0;
+
+/// What is brought up, and with what.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// Which joint, 1 or 2.
+    pub joint: u32,
+    /// By how much the person moves it for its scale.
+    pub distance: Distance,
+    /// What its motor is measured against.
+    pub against: Against,
+    /// Where what is found is kept.
+    pub file: &'a Path,
+}
+
+/// A step that passed.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Passed {
+    /// Its name.
+    pub step: &'static str,
+    /// What was seen.
+    pub seen: String,
+}
+
+/// The parties, and what they are about.
+struct BringUp<'a> {
+    board: &'a mut dyn Board,
+    person: &'a mut dyn Person,
+    plan: Plan<'a>,
+}
+
+/// A step: its name, what it does and sees, and what to look at if it does not pass.
+type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, String>, &'static str);
+
+fn steps<'a>() -> [Step<'a>; 10] {
+    [
+        ("light", BringUp::light, "docs/hardware.md, \"Flash, run, log\" and \"Give it its keys\""),
+        (
+            "emergency stop",
+            BringUp::stop_is_seen,
+            "the stop's first contact: PE15 to 3.3 V through it, normally closed",
+        ),
+        ("encoder", BringUp::encoder, "the encoder's supply and its wires A and B"),
+        ("sign", BringUp::sign, "the bridge's supply and enable, the motor's wires, and that nothing holds the joint"),
+        ("motor", BringUp::motor, "that nothing but the motor moves the joint, and that it moves freely"),
+        ("lowest force", BringUp::lowest_force, "what pulls the joint: its weight, a cable, a spring"),
+        ("first contact", BringUp::first_contact, "scale and signs of encoder and motor in the settings file"),
+        ("stop", BringUp::stop, "the stop's first contact, and do not use the device before it works"),
+        ("cable", BringUp::cable, "safety.operator_lost_s, and do not use the device before this works"),
+        ("time", BringUp::time, "`time` in docs/hardware.md, and what the board did in that tick"),
+    ]
+}
+
+/// Goes through the steps, tells `each` that passes, and gives them all.
+///
+/// # Errors
+/// The first that does not pass: its name, what was seen, what to look at. The board is disarmed then, if it can be reached.
+pub fn bring_up(
+    board: &mut dyn Board,
+    person: &mut dyn Person,
+    plan: Plan<'_>,
+    mut each: impl FnMut(&Passed),
+) -> Result<Vec<Passed>, String> {
+    let mut bring_up = BringUp { board, person, plan };
+    let mut passed = Vec::new();
+    for (step, run, look_at) in steps() {
+        let seen = run(&mut bring_up).map_err(|why| {
+            let off = say(bring_up.board, "disarm").map_or("; it cannot be told to disarm: press the stop", |_| "");
+            format!("{step}: {why}; look at {look_at}{off}")
+        })?;
+        let row = Passed { step, seen };
+        each(&row);
+        passed.push(row);
+    }
+    Ok(passed)
+}
+
+/// What was found, in a row.
+fn listed(found: &[Found]) -> String {
+    found.iter().map(|found| format!("{} = {}", found.key, found.said)).collect::<Vec<_>>().join(", ")
+}
+
+impl BringUp<'_> {
+    fn status(&mut self) -> Result<String, String> {
+        say(self.board, "status")
+    }
+
+    /// The answer to a line that must be refused, for this reason.
+    fn refused(&mut self, line: &str, why: &str) -> Result<(), String> {
+        let answer = self.board.ask(line)?;
+        if answer.starts_with("error") && answer.contains(why) {
+            return Ok(());
+        }
+        Err(format!("the board answers {line:?} with {answer:?}, and should refuse: {why}"))
+    }
+
+    /// Keeps what was found, and gives it to the board.
+    fn keep(&mut self, found: &[Found]) -> Result<(), String> {
+        settings_file::add(self.plan.file, found)?;
+        // What a newton and a metre are is set at the board only.
+        self.person.please(&Task::HoldButton)?;
+        let given = settings_file::give(self.board, self.plan.file);
+        self.person.please(&Task::LetGoOfButton)?;
+        given.map(drop)
+    }
+
+    /// Sets a key and has the board take it.
+    fn set(&mut self, key: &str, value: f64) -> Result<(), String> {
+        say(self.board, &format!("set {key} {value:?}"))?;
+        say(self.board, "apply").map(drop)
+    }
+
+    fn get(&mut self, key: &str) -> Result<f64, String> {
+        let answer = say(self.board, &format!("get {key}"))?;
+        let value = answer.rsplit(' ').next().map(Value::of_text);
+        let Some(Value::Number(number)) = value else { return Err(format!("{key} is no number: {answer:?}")) };
+        Ok(number)
+    }
+
+    /// Has the person do something while the board is kept, and gives the ticks meanwhile.
+    fn meanwhile(&mut self, task: &Task) -> Result<Vec<Tick>, String> {
+        self.person.begin(task)?;
+        let mut ticks = self.board.ticks(LOOK_S)?;
+        while !self.person.is_done()? {
+            ticks.extend(self.board.ticks(LOOK_S)?);
+        }
+        Ok(ticks)
+    }
+
+    /// Every tick of something: the joint's way along its axis (m), and the force on it as a share of full duty.
+    fn watch(
+        &mut self,
+        settings: &Settings,
+        act: impl FnOnce(&mut Self) -> Result<Vec<Tick>, String>,
+    ) -> Result<Vec<[f64; 2]>, String> {
+        let at = self.plan.joint as usize - 1;
+        let joint = Joint::of(settings, self.plan.joint)?;
+        let sign = if settings.motor.reversed { -1.0 } else { 1.0 } * joint.lever.signum();
+        self.board.ticks(0.0)?;
+        say(self.board, "stream 1")?;
+        let ticks = act(self)?;
+        say(self.board, "stream off")?;
+        let Some(first) = ticks.first() else { return Err("no tick came from the board".to_owned()) };
+        let along = |counts: u16| f64::from(counts.wrapping_sub(first.counts[at]).cast_signed()) * joint.m_per_count;
+        Ok(ticks.iter().map(|tick| [along(tick.counts[at]), sign * f64::from(tick.duties[at]) / 32767.0]).collect())
+    }
+
+    fn light(&mut self) -> Result<String, String> {
+        self.person.please(&Task::SeeLight)?;
+        let status = self.status()?;
+        if !status.contains(" disarmed fault 0 ") {
+            return Err(format!("it should be disarmed and without a fault: {status}"));
+        }
+        say(self.board, "stream 1")?;
+        self.board.ticks(0.1)?;
+        let ticks = self.board.ticks(0.5)?;
+        say(self.board, "stream off")?;
+        let gaps = ticks.windows(2).filter(|two| two[1].number.wrapping_sub(two[0].number) != 1).count();
+        if ticks.len() < 400 || gaps > 0 {
+            return Err(format!("{} of 500 ticks came, with {gaps} gaps: the network loses them", ticks.len()));
+        }
+        Ok(status)
+    }
+
+    fn stop_is_seen(&mut self) -> Result<String, String> {
+        self.person.please(&Task::PressStop)?;
+        self.refused("arm", "the emergency stop is pressed, or not connected")?;
+        self.person.please(&Task::ReleaseStop)?;
+        // Whatever else stands against arming, the stop does not.
+        let answer = self.board.ask("clear")?;
+        match answer.as_str() {
+            "ok disarmed" => Ok("pressed, arming is refused".to_owned()),
+            _ => Err(format!("released, the board answers \"clear\" with {answer:?}")),
+        }
+    }
+
+    fn encoder(&mut self) -> Result<String, String> {
+        let found = counts::calibrate(self.board, self.person, self.plan.joint, self.plan.distance)?;
+        self.keep(&found)?;
+        Ok(listed(&found))
+    }
+
+    fn sign(&mut self) -> Result<String, String> {
+        self.person.please(&Task::LetGo { joint: self.plan.joint })?;
+        let found = motor::sign(self.board, self.plan.joint)?;
+        self.keep(&found)?;
+        Ok(listed(&found))
+    }
+
+    fn motor(&mut self) -> Result<String, String> {
+        let joint = self.plan.joint;
+        let mut found = motor::constant(self.board, self.person, joint, self.plan.against)?;
+        self.keep(&found)?;
+        if let Against::Mass(_) = self.plan.against {
+            self.person.please(&Task::Unfasten { joint })?;
+        }
+        self.person.please(&Task::LetGo { joint })?;
+        let moves = [motion::inertia(self.board, joint)?, motion::friction(self.board, joint)?].concat();
+        settings_file::add(self.plan.file, &moves)?;
+        found.extend(moves);
+        Ok(listed(&found))
+    }
+
+    /// Armed with the lowest force, signs checked anew; calls `then`, and leaves the board disarmed with the limit that it had.
+    fn armed<T>(&mut self, then: impl FnOnce(&mut Self, &Settings) -> Result<T, String>) -> Result<T, String> {
+        let limit = self.get("safety.max_force_n")?;
+        self.set("safety.max_force_n", limit.min(LOWEST_N))?;
+        for joint in 1..=settings(self.board)?.axis.count {
+            self.person.please(&Task::LetGo { joint })?;
+            motor::sign(self.board, joint)?;
+        }
+        let settings = settings(self.board)?;
+        say(self.board, "arm")?;
+        let outcome = then(self, &settings)?;
+        say(self.board, "disarm")?;
+        self.set("safety.max_force_n", limit)?;
+        Ok(outcome)
+    }
+
+    fn lowest_force(&mut self) -> Result<String, String> {
+        self.armed(|this, settings| {
+            let seen = this.watch(settings, |this| this.board.ticks(1.0))?;
+            let crept = seen.iter().fold(0.0, |most: f64, [way, _]| most.max(way.abs()));
+            let status = this.status()?;
+            if !status.contains(" armed fault 0 ") || crept > CREEP_M {
+                return Err(format!("in a second it moved by {:.2} mm; {status}", 1e3 * crept));
+            }
+            Ok(format!("armed with {LOWEST_N} N, moved by {:.2} mm in a second", 1e3 * crept))
+        })
+    }
+
+    fn first_contact(&mut self) -> Result<String, String> {
+        self.armed(|this, settings| {
+            let joint = this.plan.joint;
+            let toward = if say(this.board, "get contact.side")?.ends_with("left") { 1.0 } else { -1.0 };
+            let seen = this.watch(settings, |this| this.meanwhile(&Task::Push { joint, metres: toward * PUSH_M }))?;
+            // Work on the hand, in metres of full duty: what pushes back takes it.
+            let work: f64 = seen.windows(2).map(|two| two[0][1] * (two[1][0] - two[0][0])).sum();
+            let duty = seen.iter().fold(0.0, |most: f64, [_, duty]| most.max(duty.abs()));
+            let newtons = duty * motion::newton_per_duty(settings, &Joint::of(settings, joint)?);
+            let status = this.status()?;
+            if !status.contains(" armed fault 0 ") || work >= 0.0 || newtons > 1.1 * LOWEST_N {
+                let which = if work >= 0.0 { "nothing pushed back" } else { "it pushed back" };
+                return Err(format!("{which}, with {newtons:.2} N at the most; {status}"));
+            }
+            Ok(format!("pushed back with {newtons:.2} N at the most"))
+        })
+    }
+
+    fn stop(&mut self) -> Result<String, String> {
+        self.armed(|this, _| {
+            this.meanwhile(&Task::PressStop)?;
+            let status = this.status()?;
+            if !status.contains(" disarmed ") {
+                return Err(format!("the motors are not off: {status}"));
+            }
+            this.refused("arm", "emergency stop")?;
+            this.person.please(&Task::ReleaseStop)?;
+            this.refused("arm", "clear first: the emergency stop was pressed")?;
+            say(this.board, "clear")?;
+            Ok("off, and off until cleared and armed anew".to_owned())
+        })
+    }
+
+    fn cable(&mut self) -> Result<String, String> {
+        let patience_s = self.get("safety.operator_lost_s")?;
+        self.armed(|this, _| {
+            this.meanwhile(&Task::PullCable)?;
+            this.board.ticks(patience_s + OUT_S)?;
+            this.person.please(&Task::PlugCable)?;
+            let mut status = this.status();
+            for _ in 0..10 {
+                if status.is_ok() {
+                    break;
+                }
+                this.board.ticks(1.0)?;
+                status = this.status();
+            }
+            let status = status?;
+            if !status.contains(" disarmed fault 0 ") || !status.contains("the operator was silent") {
+                return Err(format!("the motors should be off because the operator was silent: {status}"));
+            }
+            Ok("off while the operator was silent, and said so".to_owned())
+        })
+    }
+
+    fn time(&mut self) -> Result<String, String> {
+        let mut seen = Vec::new();
+        for (what, budget_us) in [("delay", LATE_US), ("duration", LONG_US), ("spacing", LATE_US)] {
+            let answer = say(self.board, &format!("time {what}"))?;
+            // `…, cycles of 480 MHz: most 312 in tick 41 …`
+            let number = |after: &str| {
+                let (_, rest) = answer.split_once(after)?;
+                rest.split_whitespace().next()?.parse::<f64>().ok()
+            };
+            let (Some(megahertz), Some(most)) = (number("cycles of "), number(": most ")) else {
+                return Err(format!("no times in {answer:?}"));
+            };
+            let most_us = most / megahertz;
+            if most_us > budget_us {
+                return Err(format!("{what} {most_us:.1} µs, may be {budget_us} µs: {answer}"));
+            }
+            seen.push(format!("{what} {most_us:.1} µs of {budget_us}"));
+        }
+        Ok(seen.join(", "))
+    }
+}

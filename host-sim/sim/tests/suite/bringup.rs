@@ -1,0 +1,143 @@
+//! The first hour, on simulated boards: it passes whichever signs are wrong, and each thing that does not work ends it at its step.
+
+use std::path::PathBuf;
+
+use haptic_sim::board::bringup::{Passed, Plan, bring_up};
+use haptic_sim::board::calibrate::board::{Board, Tick};
+use haptic_sim::board::calibrate::counts::Distance;
+use haptic_sim::board::calibrate::motor::Against;
+use haptic_sim::board::calibrate::simulated::Shared;
+use haptic_sim::board::calibrate::{Person, Task};
+use haptic_sim::scene::Scene;
+
+/// A person who does all that is asked but these tasks.
+struct Careless {
+    careful: Shared,
+    leaves_out: fn(&Task) -> bool,
+}
+
+impl Person for Careless {
+    fn please(&mut self, task: &Task) -> Result<(), String> {
+        if (self.leaves_out)(task) { Ok(()) } else { self.careful.please(task) }
+    }
+
+    fn reading(&mut self, what: &str) -> Result<f64, String> {
+        self.careful.reading(what)
+    }
+}
+
+fn run(name: &str, device: &str, leaves_out: fn(&Task) -> bool) -> (Scene, Result<Vec<Passed>, String>) {
+    let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
+    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let mut board = Shared::new(&truth).expect("a board");
+    let mut person = Careless { careful: board.clone(), leaves_out };
+    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
+    let _ = std::fs::remove_file(&file);
+    let turns = device.contains("capstan");
+    let distance = if turns { Distance::Revolutions(2.0) } else { Distance::Metres(0.05) };
+    let plan = Plan { joint: 1, distance, against: Against::Mass(0.2), file: &file };
+    let outcome = bring_up(&mut board, &mut person, plan, |_| ());
+    let found = outcome
+        .as_ref()
+        .map(|_| Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file"));
+    let before = haptic_core::settings::Settings::default().safety.max_force_n;
+    if outcome.is_ok() {
+        assert_eq!(board.settings().safety.max_force_n, before, "the limit is put back");
+    }
+    (found.unwrap_or(truth), outcome)
+}
+
+#[test]
+fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
+    const SLIDE: &str = "plant.coulomb_n=0.1 encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3";
+    const CAPSTAN: &str = "kinematics.model=capstan encoder.counts_per_rev=4000 kinematics.capstan_ratio=12 \
+                           kinematics.paddle_radius_m=0.07 motor.newton_or_newton_metre_per_a=0.05 plant.coulomb_n=0.1";
+    for (kind, device) in [("slide", SLIDE), ("capstan", CAPSTAN)] {
+        for (motor, encoder) in [(false, false), (true, false), (false, true), (true, true)] {
+            let signs = format!("device.mass_kg=0.17 motor.reversed={motor} encoder.reversed={encoder}");
+            let (found, passed) = run(&format!("{kind}-{motor}-{encoder}"), &format!("{device} {signs}"), |_| false);
+            let passed = passed.unwrap_or_else(|why| panic!("{kind} {signs}: {why}"));
+            assert_eq!(passed.len(), 10);
+            assert_eq!((found.peer.motor.reversed, found.peer.encoder.reversed), (motor, encoder), "{kind}");
+            assert!((found.world.device.mass_kg / 0.17 - 1.0).abs() < 0.03, "{kind}: {}", found.world.device.mass_kg);
+        }
+    }
+}
+
+/// Each of these is something that does not work, seen from the PC.
+#[test]
+fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
+    const DEVICE: &str = "device.mass_kg=0.17";
+    type Case = (&'static str, fn(&Task) -> bool, &'static str);
+    let cases: [Case; 5] = [
+        ("stop", |task| *task == Task::PressStop, "emergency stop: the board answers \"arm\" with \"ok armed\""),
+        ("encoder", |task| matches!(task, Task::MoveMetres { .. }), "encoder: the encoder counted 0"),
+        ("motor", |task| matches!(task, Task::Fasten { .. }), "motor: the added mass shows as "),
+        ("contact", |task| matches!(task, Task::Push { .. }), "first contact: nothing pushed back"),
+        ("cable", |task| *task == Task::PullCable, "cable: the motors should be off because"),
+    ];
+    for (name, leaves_out, expected) in cases {
+        let (_, outcome) = run(name, DEVICE, leaves_out);
+        let why = outcome.expect_err(name);
+        assert!(why.starts_with(expected) && why.contains("; look at "), "{name}: {why}");
+    }
+}
+
+/// A board whose device is pulled as soon as nobody looks for a second.
+struct Pulled(Shared);
+
+impl Board for Pulled {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        self.0.ask(line)
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        if seconds == 1.0 {
+            self.0.please(&Task::Push { joint: 1, metres: 0.005 })?;
+        }
+        self.0.ticks(seconds)
+    }
+}
+
+#[test]
+fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
+    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &["device.mass_kg=0.17".to_owned()]).expect("good");
+    let mut person = Shared::new(&truth).expect("a board");
+    let mut board = Pulled(person.clone());
+    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("brought-up-pulled.toml");
+    let _ = std::fs::remove_file(&file);
+    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
+    let why = bring_up(&mut board, &mut person, plan, |_| ()).expect_err("pulled");
+    assert!(why.starts_with("lowest force: in a second it moved by "), "{why}");
+    assert!(board.0.ask("status").expect("an answer").contains(" disarmed "), "it is disarmed");
+}
+
+/// A board one of whose ticks began 0.1 ms late.
+struct Late(Shared);
+
+impl Board for Late {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        match line {
+            "time delay" => {
+                Ok("ok from due to begun, cycles of 480 MHz: most 48000 in tick 41 sent; from:ticks 0:9".to_owned())
+            }
+            _ => self.0.ask(line),
+        }
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        self.0.ticks(seconds)
+    }
+}
+
+#[test]
+fn a_tick_that_begins_late_does_not_pass() {
+    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &["device.mass_kg=0.17".to_owned()]).expect("good");
+    let mut person = Shared::new(&truth).expect("a board");
+    let mut board = Late(person.clone());
+    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("brought-up-late.toml");
+    let _ = std::fs::remove_file(&file);
+    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
+    let why = bring_up(&mut board, &mut person, plan, |_| ()).expect_err("late");
+    assert!(why.starts_with("time: delay 100.0 µs, may be 50 µs: "), "{why}");
+}

@@ -1,0 +1,36 @@
+//! `host-sim board bringup`: the first hour with a board and its device, step by step.
+
+use clap::Args;
+
+use super::calibrate::{At, By, Reference};
+use crate::cli::{Failure, Ui};
+use haptic_sim::board::bringup::{Plan, bring_up};
+use haptic_sim::board::calibrate::settings_file;
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct BringUp {
+    #[command(flatten)]
+    at: At,
+    #[command(flatten)]
+    by: By,
+    #[command(flatten)]
+    reference: Reference,
+}
+
+impl BringUp {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let (distance, against) = (self.by.distance()?, self.reference.against()?);
+        let (mut board, mut person) = self.at.parties(ui)?;
+        let file = self.at.settings.as_path();
+        if file.exists() {
+            settings_file::give(&mut *board, file)?;
+        }
+        let plan = Plan { joint: self.at.joint, distance, against, file };
+        let passed = bring_up(&mut *board, &mut *person, plan, |passed| {
+            ui.status(format_args!("{}: passed: {}", passed.step, passed.seen));
+        })?;
+        ui.report("", &passed)?;
+        ui.status(format_args!("what was found is in {}; `save` keeps it on the board", file.display()));
+        Ok(())
+    }
+}
