@@ -172,3 +172,20 @@ fn a_stranger_gets_no_answer_and_changes_nothing() {
     assert_eq!(told(&mut bench) - before, sent, "every one was refused");
     bench.finish();
 }
+
+/// Two multiplications a side are 1.35 million instructions each: the tick goes on meanwhile, and they are done soon after the PHY's link
+/// is seen, for which it is asked every 500 ms.
+#[test]
+fn two_boards_have_met_when_a_second_has_passed() {
+    let firmware = Arc::new(Firmware::release());
+    let mut bench = Bench::start(&firmware, 2, Line::default());
+    for number in 1..=2 {
+        let status = bench.ask(number, "status");
+        assert!(status.contains("link idle") || status.contains("link running"), "{status}");
+    }
+    // A second after the first tick, and the PC has met both and been answered.
+    assert!(bench.now_ns() < 1_100_000_000, "asked at {} ns", bench.now_ns());
+    for report in bench.finish() {
+        assert_eq!(report.resets, Vec::<String>::new());
+    }
+}
