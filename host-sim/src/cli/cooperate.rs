@@ -45,13 +45,7 @@ impl Cooperate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let period_s = scene.peer.timing.control_period_s;
-        if self.time.seconds < period_s {
-            let message = format!(
-                "--seconds {} is not allowed: it must be a number from {period_s} (one control period) to 86400 s",
-                self.time.seconds
-            );
-            return Err(message.into());
-        }
+        self.time.check(&scene)?;
         let options = match ui.writes(&self.out) {
             true => Options::recorded(self.time.seconds, period_s),
             false => Options { duration_s: self.time.seconds, record_every: 0 },

@@ -124,6 +124,18 @@ pub(super) struct Time {
     pub(super) seconds: f64,
 }
 
+impl Time {
+    /// A run of this scene has a tick at least.
+    pub(super) fn check(self, scene: &Scene) -> Result<(), Failure> {
+        let period_s = scene.peer.timing.control_period_s;
+        if self.seconds >= period_s {
+            return Ok(());
+        }
+        let message = "is not allowed: it must be a number from";
+        Err(format!("--seconds {} {message} {period_s} (one control period) to {LONGEST_S} s", self.seconds).into())
+    }
+}
+
 /// One end of sealed lines over UDP, and how long it runs.
 #[derive(Clone, Debug, Args)]
 pub(super) struct End {

@@ -19,6 +19,7 @@ mod paper;
 mod play;
 mod shared;
 mod stability;
+mod sweep;
 mod ui;
 
 use std::{error::Error, ffi::OsString, process::ExitCode};
@@ -78,6 +79,8 @@ commands! {
         Stability(stability::Question),
         /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
         Campaign(campaign::Campaign),
+        /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.
+        Sweep(sweep::Sweep),
         /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
         Architectures(architectures::Architectures),
         /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.

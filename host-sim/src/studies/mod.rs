@@ -3,11 +3,13 @@
 pub mod accuracy;
 pub mod architectures;
 pub mod campaign;
+pub mod estimate;
 pub mod figures;
 pub mod force;
 pub(crate) mod paper;
 pub(crate) mod precision;
 pub mod record;
+pub mod sweep;
 
 use haptic_analysis::Verdict;
 use haptic_sim::{run::Reason, scene::Scene};

@@ -60,17 +60,6 @@ fn seeds_are_others_and_threads_change_nothing() {
     assert_eq!(counts.collect::<Vec<_>>(), [1, SEEDS as usize, 1]);
 }
 
-/// 1 to 20: mean 10.5, standard deviation √35, t = 2.093 with 19 degrees of freedom.
-#[test]
-fn an_interval_is_students() {
-    let values: Vec<f64> = (1..=20).map(f64::from).collect();
-    let Estimate { mean, within_95 } = Estimate::of(&values);
-    assert_eq!(mean, 10.5);
-    let want = 2.093_024 * (35.0_f64 / 20.0).sqrt();
-    assert!(within_95.is_some_and(|within| (within - want).abs() < 1e-9), "{within_95:?} is not {want}");
-    assert_eq!(Estimate::of(&[3.0]), Estimate { mean: 3.0, within_95: None });
-}
-
 /// A single run of twenty that failed takes the figures of the cell; one that came apart does not hide how far.
 #[test]
 fn one_failure_is_not_averaged_away() {

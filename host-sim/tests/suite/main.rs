@@ -26,3 +26,4 @@ mod restarts;
 mod signals;
 mod squash;
 mod static_scene;
+mod sweep;

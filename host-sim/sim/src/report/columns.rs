@@ -531,9 +531,14 @@ impl Serialize for Columns {
     }
 }
 
-/// What is called so within a value, which is made an object for it, or a list for a number.
+/// What is called so within a value, which is made an object for it, or a list for a number that counts from 0.
 fn within<'a>(at: &'a mut Value, name: &str) -> &'a mut Value {
-    let Some(index) = name.parse::<usize>().ok().filter(|_| !at.is_object()) else { return &mut at[name] };
+    let in_list = |index: &usize| match &*at {
+        Value::Null => *index == 0,
+        Value::Array(items) => *index <= items.len(),
+        _ => false,
+    };
+    let Some(index) = name.parse::<usize>().ok().filter(in_list) else { return &mut at[name] };
     if at.is_null() {
         *at = Value::Array(Vec::new());
     }

@@ -12,16 +12,13 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 
 use super::networks;
-use crate::studies::Failure;
+use crate::studies::{Failure, estimate::Estimate};
 
 /// Simulated time of a run, s.
 pub const DURATION_S: f64 = 20.0;
 
 /// Runs of a cell whose network is random.
 pub const SEEDS: u32 = 20;
-
-/// Student's t for a two-sided 95 % interval with [`SEEDS`] − 1 degrees of freedom.
-const STUDENT_95: f64 = 2.093_024;
 
 /// What either user pushes in the run that measures the way, N.
 pub const WAY_N: f64 = 1.0;
@@ -31,26 +28,6 @@ pub const WAY_S: f64 = 1.0;
 
 /// After how long at rest, s: a line that follows the network has learned it.
 pub const REST_S: f64 = 3.0;
-
-/// A mean over seeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// Mean.
-    pub mean: f64,
-    /// The true mean is that far from it at most, with 95 % confidence; nothing of a single run.
-    pub within_95: Option<f64>,
-}
-
-impl Estimate {
-    /// Of values from [`SEEDS`] seeds, or of the one that is sure.
-    pub fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
-        let within = || STUDENT_95 * (squares / (count - 1.0) / count).sqrt();
-        Self { mean, within_95: (values.len() == SEEDS as usize).then(within) }
-    }
-}
 
 /// What a common push shows.
 #[derive(Clone, Copy, Debug)]

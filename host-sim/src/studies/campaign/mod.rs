@@ -42,7 +42,7 @@ use haptic_sim::{scenes, user::User};
 use self::networks::Named;
 use super::Failure;
 
-pub use self::cells::{Cell, DURATION_S, Estimate, REST_S, SEEDS, WAY_N, WAY_S};
+pub use self::cells::{Cell, DURATION_S, REST_S, SEEDS, WAY_N, WAY_S};
 
 /// Communications, with what they need: name, settings, and whether they promise passivity.
 pub const COMMS: [(&str, &[&str], bool); 5] = [

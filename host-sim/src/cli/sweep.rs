@@ -1,0 +1,123 @@
+//! `host-sim sweep`: a scene over a grid of its keys, and over seeds.
+
+use std::path::{Path, PathBuf};
+use std::{collections::BTreeSet, fs};
+
+use clap::Args;
+use haptic_sim::report::{Columns, Files, Made};
+use haptic_sim::user::User;
+use serde_json::json;
+
+use super::flags::{Out, Time};
+use super::{Failure, SceneArgs, Ui};
+use crate::studies::sweep::{self, Axis, Journal};
+
+#[derive(Debug, Args)]
+pub(super) struct Sweep {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    time: Time,
+    /// A key and its values: N from A to B, at equal ratios with :log, or those of a list; repeat it for a grid.
+    #[arg(long, required = true, value_name = "TABLE.KEY=A..B:N[:log]|X,Y,Z")]
+    over: Vec<Axis>,
+    /// Runs of every point, with the scene's seed and those after it.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    seeds: u32,
+    /// Only the points of shard I of N; without it all, those that shards have done in the same folder included.
+    #[arg(long, default_value = "1/1", value_name = "I/N", value_parser = shard, requires = "out")]
+    shard: (usize, usize),
+    #[command(flatten)]
+    out: Out,
+}
+
+impl Sweep {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        self.time.check(&scene)?;
+        let (axes, seeds, seconds) = (self.over.clone(), self.seeds, self.time.seconds);
+        let sweep = sweep::Sweep { scene, axes, seeds, seconds };
+        sweep.check()?;
+        if !sweep.scene.users.iter().any(User::acts) && !self.over.iter().any(|axis| axis.key.starts_with("user.")) {
+            ui.warn("nobody pushes: set user.1.push_n (or load a scene)");
+        }
+        let question = sweep.question(ui.made())?;
+        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let (journal, there) = match &folder {
+            Some(folder) => {
+                Journal::open(folder, &question, self.shard).map(|(journal, rows)| (Some(journal), rows))?
+            }
+            None => (None, Vec::new()),
+        };
+        let points = || sweep.points_of(self.shard);
+        let all: BTreeSet<usize> = points().collect();
+        let new: usize = sweep.missing(&all, &there).iter().map(|(_, seeds)| seeds.len()).sum();
+        let (rows, wall_s) = ui.work(new, "sweep", |step| {
+            sweep.run(points(), there, &|row| {
+                step();
+                journal.as_ref().map_or(Ok(()), |journal| journal.append(row))
+            })
+        })?;
+        let summary = sweep.summary(&rows);
+        let whole = rows.len() == sweep.runs();
+        let files = match &folder {
+            Some(folder) if whole => write(folder, &sweep.columns(&rows), &question)?,
+            _ => Vec::new(),
+        };
+        if let Some(journal) = journal {
+            journal.finish()?;
+        }
+        let failed = rows.iter().filter(|row| !row.reason.is_empty()).count();
+        ui.document_of(
+            &question,
+            &json!({
+                "points": summary, "runs": rows.len(), "of_runs": sweep.runs(), "new_runs": new, "not_stable_runs": failed,
+                "wall_s": wall_s, "files": files,
+            }),
+        )?;
+        ui.table(&summary);
+        writeln!(
+            ui,
+            "{} runs of {}, {failed} of them not stable; {new} new ones in {wall_s:.1} s",
+            rows.len(),
+            sweep.runs()
+        );
+        ui.wrote(&files);
+        Ok(())
+    }
+
+    /// Where it is kept: one folder for a question, so that asking again goes on.
+    fn folder(&self, question: &Made) -> PathBuf {
+        let usual = || Path::new("out/sweep").join(format!("{}-{}", self.scene.name(), sweep::tag(question)));
+        self.out.out.clone().unwrap_or_else(usual)
+    }
+}
+
+/// The rows as `sweep.csv` and `sweep.parquet`, each whole or as it was before. One process at a time does so: the one that holds the
+/// only journal of all points.
+fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
+    let half = folder.join(".half");
+    // Of one that was killed here.
+    let _ = fs::remove_dir_all(&half);
+    let mut files = Files::new(&half, "sweep", question.clone());
+    files.csv(rows)?;
+    files.parquet(rows)?;
+    files.write()?;
+    let mut paths = Vec::new();
+    for name in ["sweep.csv", "sweep.parquet"] {
+        let path = folder.join(name);
+        fs::rename(half.join(name), &path).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+        paths.push(path);
+    }
+    fs::remove_dir_all(&half).map_err(|cause| format!("cannot remove {}: {cause}", half.display()))?;
+    paths.push(folder.join("sweep.toml"));
+    Ok(paths)
+}
+
+/// `I/N` on the command line.
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let parts = text.split_once('/').and_then(|(shard, shards)| Some((shard.parse().ok()?, shards.parse().ok()?)));
+    parts
+        .filter(|(shard, shards)| (1..=*shards).contains(shard))
+        .ok_or_else(|| "write it as I/N, I from 1 to N".to_owned())
+}

@@ -1,0 +1,182 @@
+//! What a sweep has found so far, in a folder, so that it goes on where it was stopped.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `sweep.toml` | the question: the scene, and in its table `[made]` what is varied, seeds, time, version and commit |
+//! | `rows-I-of-N.csv` | the runs of shard I of N, a line each, in the order in which they ended |
+//!
+//! Rows are only ever appended, whole lines at a time, and reach the disk within [`SYNC`] and at the end. A line without an end,
+//! which a kill may leave, is cut off by the process that goes on, and its run is done again. One process writes a file at a time, which
+//! a lock sees to where the file system has locks. Every file of the folder is read, so that shards know of each other's runs.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use haptic_sim::report::Made;
+use serde::{Deserialize, Serialize};
+
+use super::merits::MERITS;
+use crate::studies::Failure;
+
+/// Longest that a row waits for the disk while others come, if the machine itself stops.
+const SYNC: Duration = Duration::from_secs(1);
+
+/// What one run gave. What is no number there is NaN.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Row {
+    /// Which point of the grid, from 0; the last key varies fastest.
+    pub point: usize,
+    /// The seed of the run.
+    pub seed: u32,
+    /// `stable`, `apart` or `NO`.
+    pub verdict: String,
+    /// Why it is not stable; empty where it is.
+    pub reason: String,
+    /// Largest |eigenvalue| of a packet period.
+    pub spectral_radius: f64,
+    /// Figures of merit; NaN where there is none.
+    pub merits: [f64; MERITS.len()],
+    /// Hash of both peers' states over every tick.
+    pub state_hash: String,
+}
+
+impl Row {
+    /// Heading of a file of rows.
+    fn heading() -> String {
+        let merits: Vec<String> = MERITS.iter().map(|merit| merit.name()).collect();
+        format!("point,seed,verdict,reason,spectral_radius,{},state_hash\n", merits.join(","))
+    }
+
+    fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        rows.iter().try_for_each(|row| writer.serialize(row))?;
+        Ok(writer.into_inner()?)
+    }
+}
+
+/// A file of rows that is being written.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    /// And when it last reached the disk.
+    file: Mutex<(File, Instant)>,
+}
+
+impl Journal {
+    /// Goes on with the sweep in this folder, or begins it there; returns every row that is there. `shard` is I and N.
+    pub fn open(folder: &Path, question: &Made, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
+        fs::create_dir_all(folder).map_err(|cause| format!("cannot make {}: {cause}", folder.display()))?;
+        same_question(folder, &question.toml())?;
+        let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
+        let failed = |cause| format!("cannot write {}: {cause}", path.display());
+        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(format!("{} is being written by another process: wait for its end", path.display()).into());
+        }
+        let whole = whole_lines(&path)?;
+        file.set_len(whole.len() as u64).map_err(failed)?;
+        if whole.is_empty() {
+            file.write_all(Row::heading().as_bytes()).map_err(failed)?;
+        }
+        file.sync_all().map_err(failed)?;
+        let rows = rows_in(folder)?;
+        Ok((Self { path, file: Mutex::new((file, Instant::now())) }, rows))
+    }
+
+    /// Adds these rows.
+    pub fn append(&self, rows: &[Row]) -> Result<(), Failure> {
+        let lines = Row::lines(rows)?;
+        let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let (file, synced) = &mut *guard;
+        let mut written = file.write_all(&lines);
+        if synced.elapsed() >= SYNC {
+            written = written.and_then(|()| file.sync_data());
+            *synced = Instant::now();
+        }
+        written.map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+    }
+
+    /// Has everything reach the disk.
+    pub fn finish(self) -> Result<(), Failure> {
+        let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
+        file.sync_all().map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+    }
+}
+
+/// Sees to it that `sweep.toml` of this folder asks just this.
+fn same_question(folder: &Path, question: &str) -> Result<(), Failure> {
+    let path = folder.join("sweep.toml");
+    if !path.exists() {
+        // Whole or not at all, and never over another's.
+        let half = folder.join(format!(".sweep-{}.toml", std::process::id()));
+        let linked = fs::write(&half, question).and_then(|()| match fs::hard_link(&half, &path) {
+            Err(_) if path.exists() => Ok(()),
+            done => done,
+        });
+        let removed = fs::remove_file(&half);
+        linked.and(removed).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+    }
+    let there = fs::read_to_string(&path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    let (there, here) = (asked(&there), asked(question));
+    let line =
+        |of: &[String], at: usize| of.get(at).map_or_else(|| "nothing more".to_owned(), |line| format!("`{line}`"));
+    match (0..there.len().max(here.len())).find(|at| there.get(*at) != here.get(*at)) {
+        None => Ok(()),
+        Some(at) => Err(format!(
+            "{} is of another sweep: it says {}, this one {}; each sweep needs a folder of its own",
+            path.display(),
+            line(&there, at),
+            line(&here, at)
+        )
+        .into()),
+    }
+}
+
+/// The lines of a question that matter: not when it was asked.
+pub(super) fn asked(text: &str) -> Vec<String> {
+    text.lines().filter(|line| !line.starts_with("started = ")).map(str::to_owned).collect()
+}
+
+/// The text of a file up to the end of its last whole line.
+fn whole_lines(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = fs::read(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
+    Ok(bytes)
+}
+
+/// Every row of every shard, the first one of each run, in the order of points and seeds of each.
+fn rows_in(folder: &Path) -> Result<Vec<Row>, Failure> {
+    let failed = |cause| format!("cannot read {}: {cause}", folder.display());
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        if name.starts_with("rows-") && name.ends_with(".csv") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    let mut rows = Vec::new();
+    for path in &paths {
+        let text = whole_lines(path)?;
+        let heading = Row::heading();
+        let Some(lines) = text.strip_prefix(heading.as_bytes()) else {
+            if text.is_empty() {
+                continue;
+            }
+            return Err(format!("{}:1: it must be {}", path.display(), heading.trim_end()).into());
+        };
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines);
+        for (at, row) in reader.deserialize().enumerate() {
+            let wrong =
+                |cause| format!("{}:{}: {cause}; without this line its run is done again", path.display(), at + 2);
+            rows.push(row.map_err(wrong)?);
+        }
+    }
+    rows.sort_by_key(|row: &Row| (row.point, row.seed));
+    rows.dedup_by_key(|row| (row.point, row.seed));
+    Ok(rows)
+}

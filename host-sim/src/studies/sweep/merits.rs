@@ -1,0 +1,64 @@
+//! The figures of merit of a run that a sweep keeps: those that `cooperate` and the campaign tell, as [`Outcome`] gives them.
+
+use haptic_sim::{report::Rows, run::Outcome};
+
+/// A figure of merit.
+#[derive(Clone, Copy, Debug)]
+pub struct Merit {
+    /// Its name without the unit.
+    pub stem: &'static str,
+    /// The unit, as names end; empty for a ratio.
+    pub unit: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Whether a table for people shows it.
+    pub shown: bool,
+    /// Of a run; none of one that failed.
+    pub of: fn(&Outcome) -> Option<f64>,
+}
+
+impl Merit {
+    /// Its name, with the unit.
+    pub fn name(&self) -> String {
+        self.named("")
+    }
+
+    /// The name of half its 95 % interval.
+    pub fn name_95(&self) -> String {
+        self.named("_95")
+    }
+
+    /// The last column in text only where people are shown it.
+    pub(super) fn in_text<'a, R>(&self, columns: Rows<'a, R>) -> Rows<'a, R> {
+        if self.shown { columns } else { columns.data_only() }
+    }
+
+    fn named(&self, what: &str) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!("_{}", self.unit) };
+        format!("{}{what}{unit}", self.stem)
+    }
+}
+
+macro_rules! merits {
+    ($($stem:literal $unit:literal $shown:literal $meaning:literal $of:expr;)+) => {
+        [$(Merit { stem: $stem, unit: $unit, meaning: $meaning, shown: $shown, of: $of }),+]
+    };
+}
+
+/// All of them. What is told of a run in which the copies came apart, too, is `whole`; the others are of stable runs alone.
+pub const MERITS: [Merit; 10] = merits! {
+    "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.true_discrepancy_mm);
+    "largest_true_discrepancy" "mm" false "the largest |x_o1 - x_o2|" |o| o.whole(|o| o.largest_true_discrepancy_mm);
+    "true_discrepancy" "mm_per_n" false "the same mean over that of the contact force" |o| {
+        o.merit(|o| (o.contact_force_n > 0.0).then(|| o.true_discrepancy_mm / o.contact_force_n)).flatten()
+    };
+    "decoded_discrepancy" "mm" false "mean of |x_o - x_d| at peer 2 over the last half" |o| o.merit(|o| o.decoded_discrepancy_mm);
+    "coordination_force_mean" "n" true "mean of F_T at peer 2 over the last half" |o| o.merit(|o| o.coordination_force_n.mean);
+    "coordination_force_sd" "n" false "standard deviation of it" |o| o.merit(|o| o.coordination_force_n.sd);
+    "peak_coordination_force" "n" true "largest |F_T| of either peer" |o| o.whole(|o| o.peak_coordination_force_n);
+    "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.whole(|o| o.largest_jump_n);
+    "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.whole(Outcome::energy_out_over_in);
+    "peer_energy_out_over_in" "" false "the same of the worse peer's coordination" |o| {
+        o.whole(Outcome::peer_energy_out_over_in).flatten()
+    };
+};

@@ -1,0 +1,254 @@
+//! A scene over a grid of its keys and over seeds: a row a run, and per point the mean over the seeds with its 95 % interval.
+//!
+//! A **point** is one choice of a value for every [`Axis`]; the last axis varies fastest. Every point is run with the same seeds: the
+//! scene's `network.seed` and those after it. A run is that of `cooperate`, in f64, with what the analyser says of the point
+//! (an oscillation may be too slow to grow in a run); its figures of merit are [`MERITS`].
+//!
+//! **Nothing is chosen**: a run that is not stable is a row with its reason, and a point of which a run has no such figure has no mean
+//! of it. There is no interval of a single run, nor where every seed gave the same run.
+//!
+//! **The same rows** come of any number of threads, any order and any shard (points I − 1, I − 1 + N, …), to the last bit; the spectral
+//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. [`Journal`] keeps them, so that a sweep goes on where it was stopped.
+
+mod axis;
+mod journal;
+mod merits;
+
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+use ring::digest::{SHA256, digest};
+
+use haptic_sim::report::{Columns, Made, Rows};
+use haptic_sim::run::{Options, Verdict, run};
+use haptic_sim::scene::{Scene, SceneError};
+
+use super::{Failure, doubt, estimate::Estimate};
+
+pub use self::axis::Axis;
+pub use self::journal::{Journal, Row};
+pub use self::merits::{MERITS, Merit};
+
+/// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
+pub const MOST_RUNS: usize = 10_000_000;
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// What every point starts from.
+    pub scene: Scene,
+    /// What is varied.
+    pub axes: Vec<Axis>,
+    /// Runs of a point.
+    pub seeds: u32,
+    /// Simulated time of a run, s.
+    pub seconds: f64,
+}
+
+impl Sweep {
+    /// Points of the grid.
+    pub fn points(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul)
+    }
+
+    /// Runs of the whole sweep.
+    pub fn runs(&self) -> usize {
+        self.points().saturating_mul(self.seeds as usize)
+    }
+
+    /// Which value of each axis a point has.
+    fn place(&self, point: usize) -> Vec<usize> {
+        let mut rest = point;
+        let digit = |axis: &Axis| {
+            let at = rest % axis.values.len();
+            rest /= axis.values.len();
+            at
+        };
+        let mut place: Vec<usize> = self.axes.iter().rev().map(digit).collect();
+        place.reverse();
+        place
+    }
+
+    /// The scene of a point, with the first seed.
+    pub fn scene_at(&self, point: usize) -> Result<Scene, SceneError> {
+        let settings = self.axes.iter().zip(self.place(point));
+        let settings = settings.map(|(axis, at)| format!("{}={}", axis.key, axis.values[at]));
+        let mut scene = self.scene.clone();
+        settings.clone().try_for_each(|setting| scene.apply_override(&setting))?;
+        scene.check(&settings.collect::<Vec<_>>().join(" "))?;
+        Ok(scene)
+    }
+
+    /// Refuses what could not be run: a key that there is not, a value or a combination that is not allowed, too much of it.
+    pub fn check(&self) -> Result<(), Failure> {
+        for (at, axis) in self.axes.iter().enumerate() {
+            if axis.key == "network.seed" {
+                return Err("network.seed is no key to sweep over: every point is run with the same seeds".into());
+            }
+            if self.axes[..at].iter().any(|other| other.key == axis.key) {
+                return Err(format!("{} is varied twice", axis.key).into());
+            }
+        }
+        if self.runs() > MOST_RUNS {
+            return Err(
+                format!("{} points with {} seeds are more than {MOST_RUNS} runs", self.points(), self.seeds).into()
+            );
+        }
+        // What is wrong first, whatever the number of threads.
+        let wrong = (0..self.points()).into_par_iter().find_map_first(|point| self.scene_at(point).err());
+        wrong.map_or(Ok(()), |wrong| Err(wrong.into()))
+    }
+
+    /// What it asks, for [`Journal::open`] and for the files of what it found; traces are told by what is in them.
+    pub fn question(&self, made: Made) -> Result<Made, Failure> {
+        let mut made = made.settings(self.scene.settings()).with("number_type", "f64").with("seconds", self.seconds);
+        made = made.with("seeds", self.seeds);
+        for (number, axis) in (1..).zip(&self.axes) {
+            made = made.with(&format!("over_{number}"), format!("{}={}", axis.key, axis.values.join(",")));
+        }
+        let named = |axis: &Axis| if axis.key.ends_with(".trace") { axis.values.clone() } else { Vec::new() };
+        let users = self.scene.users.iter().filter_map(|user| user.trace.as_ref().map(|trace| &trace.file));
+        let network = self.scene.network_trace.iter().map(|trace| &trace.file);
+        let traces = users.chain(network).cloned().chain(self.axes.iter().flat_map(named).map(Into::into));
+        for (number, trace) in (1..).zip(traces) {
+            let bytes = std::fs::read(&trace).map_err(|cause| format!("cannot read {}: {cause}", trace.display()))?;
+            made = made.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
+        }
+        Ok(made)
+    }
+
+    /// The points of shard I of N.
+    pub fn points_of(&self, (shard, shards): (usize, usize)) -> impl Iterator<Item = usize> {
+        (shard - 1..self.points()).step_by(shards)
+    }
+
+    /// Runs what `there` lacks of these points, all cores at work; hands every row to `keep` as soon as it is there and returns all of
+    /// these points, those that were there included, by point and seed.
+    pub fn run(
+        &self,
+        points: impl Iterator<Item = usize>,
+        there: Vec<Row>,
+        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
+    ) -> Result<Vec<Row>, Failure> {
+        let points: BTreeSet<usize> = points.collect();
+        let todo = self.missing(&points, &there);
+        let of = |(point, seeds): (usize, Vec<u32>)| {
+            let scene = self.scene_at(point)?;
+            let verdict = haptic_analysis::verdict(&scene)?;
+            let row = |seed| {
+                let mut scene = scene.clone();
+                scene.world.network.seed = seed;
+                let outcome = run::<f64>(&scene, Options { duration_s: self.seconds, record_every: 0 }, &|_| {})?;
+                let outcome = outcome.doubted(doubt(&scene, &verdict));
+                let row = Row {
+                    point,
+                    seed,
+                    verdict: outcome.verdict().name().to_owned(),
+                    reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
+                    spectral_radius: verdict.spectral_radius,
+                    merits: MERITS.map(|merit| (merit.of)(&outcome).unwrap_or(f64::NAN)),
+                    state_hash: format!("{:016x}", outcome.hash),
+                };
+                keep(std::slice::from_ref(&row))?;
+                Ok::<_, Failure>(row)
+            };
+            seeds.into_iter().map(row).collect::<Result<Vec<_>, _>>()
+        };
+        let new: Vec<Vec<Row>> = todo.into_par_iter().map(of).collect::<Result<_, _>>()?;
+        let mut rows: Vec<Row> = there.into_iter().filter(|row| points.contains(&row.point)).collect();
+        rows.extend(new.into_iter().flatten());
+        rows.sort_by_key(|row| (row.point, self.turn(row.seed)));
+        Ok(rows)
+    }
+
+    /// The seeds of a point, in their order.
+    fn all_seeds(&self) -> impl Iterator<Item = u32> {
+        let first = self.scene.world.network.seed;
+        (0..self.seeds).map(move |later| first.wrapping_add(later))
+    }
+
+    /// Which of the seeds this is.
+    fn turn(&self, seed: u32) -> u32 {
+        seed.wrapping_sub(self.scene.world.network.seed)
+    }
+
+    /// The runs of these points that are not there yet.
+    pub fn missing(&self, points: &BTreeSet<usize>, there: &[Row]) -> Vec<(usize, Vec<u32>)> {
+        let done: BTreeSet<(usize, u32)> = there.iter().map(|row| (row.point, row.seed)).collect();
+        let missing = |point: usize| self.all_seeds().filter(|seed| !done.contains(&(point, *seed))).collect();
+        points
+            .iter()
+            .map(|point| (*point, missing(*point)))
+            .filter(|(_, seeds): &(_, Vec<u32>)| !seeds.is_empty())
+            .collect()
+    }
+
+    /// One column for every axis.
+    fn keys<'a, R>(&self, mut rows: Rows<'a, R>, point: impl Fn(&R) -> usize + Copy) -> Rows<'a, R> {
+        for (at, axis) in self.axes.iter().enumerate() {
+            rows = rows.value(axis.key.as_str(), |row| axis.cell(self.place(point(row))[at]));
+        }
+        rows
+    }
+
+    /// Every run as a table.
+    pub fn columns(&self, rows: &[Row]) -> Columns {
+        let mut columns = Columns::of(rows).value("point", |row| row.point).means("which of the grid, from 0");
+        columns = self.keys(columns, |row| row.point).value("seed", |row| row.seed);
+        columns = columns
+            .value("stable", |row| row.verdict == Verdict::Stable.name())
+            .value("verdict", |row| row.verdict.as_str());
+        columns = columns.value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()));
+        columns = columns.number("spectral_radius", 6, |row| row.spectral_radius);
+        for (at, merit) in MERITS.iter().enumerate() {
+            let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
+            columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
+        }
+        columns
+            .value("state_hash", |row| row.state_hash.as_str())
+            .means("hash of both peers' states over every tick")
+            .done()
+    }
+
+    /// Every point as a table: means over the seeds, with half of their 95 % interval.
+    pub fn summary(&self, rows: &[Row]) -> Columns {
+        let points: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
+        let count = |runs: &[Row], verdict: Verdict| runs.iter().filter(|run| run.verdict == verdict.name()).count();
+        let mut columns = Columns::of(&points).value("point", |runs| runs[0].point);
+        columns = self.keys(columns, |runs| runs[0].point).value("runs", |runs| runs.len());
+        columns = columns.value("unstable_runs", |runs| count(runs, Verdict::Unstable)).head("unstable");
+        columns = columns.value("apart_runs", |runs| count(runs, Verdict::Apart)).head("apart");
+        for (at, merit) in MERITS.iter().enumerate() {
+            let of = |runs: &&[Row]| estimate(runs, at);
+            columns = columns.significant(merit.name(), 4, move |runs| of(runs).map(|found| found.mean));
+            columns = merit.in_text(columns);
+            columns = columns.significant(merit.name_95(), 2, move |runs| of(runs)?.within_95).head("±");
+            columns = merit.in_text(columns);
+        }
+        let worst = |runs: &&[Row]| {
+            let of = |verdict: Verdict| runs.iter().find(|run| run.verdict == verdict.name());
+            of(Verdict::Unstable).or(of(Verdict::Apart)).map(|run| run.reason.clone())
+        };
+        columns.value("reason", worst).done()
+    }
+}
+
+/// A figure of merit over the runs of a point, if every one of them has it.
+fn estimate(runs: &[Row], merit: usize) -> Option<Estimate> {
+    let values: Vec<f64> = runs.iter().map(|run| run.merits[merit]).collect();
+    if values.iter().any(|value| value.is_nan()) {
+        return None;
+    }
+    let same = runs.iter().all(|run| run.state_hash == runs[0].state_hash);
+    Some(Estimate::of(&values)).map(|found| Estimate { within_95: found.within_95.filter(|_| !same), ..found })
+}
+
+/// A short text that tells a question from others, whenever it is asked.
+pub fn tag(question: &Made) -> String {
+    let asked = journal::asked(&question.toml()).join("\n");
+    hex(&digest(&SHA256, asked.as_bytes()).as_ref()[..4])
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

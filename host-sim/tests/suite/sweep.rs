@@ -1,0 +1,243 @@
+//! `host-sim sweep` as a user runs it: the rows of single runs, the same rows in every way they can come, nothing lost by a kill.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use haptic_sim::rng::Rng;
+use serde_json::Value;
+
+use crate::program::{host_sim, report};
+
+/// 24 points, among them faulted ones and ones in which the seeds differ.
+const QUESTION: &[&str] = &[
+    "sweep",
+    "--json",
+    "--scene",
+    "paper-5.2-wave-16ms",
+    "--over",
+    "coordination.stiffness_n_per_m=200..20000:8:log",
+    "--over",
+    "network.loss=0,0.2,0.5",
+    "--seconds",
+    "4",
+];
+/// With three seeds.
+const RUNS: usize = 72;
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep").join(name);
+    let _ = fs::remove_dir_all(&folder);
+    folder
+}
+
+fn arguments<'a>(folder: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
+    let out = ["--out", folder.to_str().expect("a name in UTF-8")];
+    let seeds: &[&str] = if more.contains(&"--seeds") { &[] } else { &["--seeds", "3"] };
+    [QUESTION, seeds, &out, more].concat()
+}
+
+fn sweep(folder: &Path, more: &[&str]) -> Value {
+    report(host_sim(&arguments(folder, more)).spawn().expect("host-sim runs"))
+}
+
+fn text(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap_or_default()
+}
+
+/// The runs of a folder's journals, sorted; without a line that was torn.
+fn journals(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").file_name());
+    let names = names.map(|name| name.to_string_lossy().into_owned()).filter(|name| name.starts_with("rows-"));
+    let lines = |name: String| {
+        let text = text(folder, &name);
+        text.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let mut lines: Vec<String> = names.flat_map(lines).collect();
+    lines.sort();
+    lines
+}
+
+/// What nobody disturbed.
+fn undisturbed(name: &str) -> (PathBuf, String) {
+    let folder = folder(name);
+    let done = sweep(&folder, &[]);
+    assert_eq!((&done["runs"], &done["new_runs"]), (&RUNS.into(), &RUNS.into()));
+    let csv = text(&folder, "sweep.csv");
+    assert_eq!(csv.lines().count(), RUNS + 1);
+    (folder, csv)
+}
+
+/// A row is what `cooperate` says of the same settings and seed; one that failed says why, and has no figures.
+#[test]
+fn a_row_is_a_run_of_cooperate() {
+    let (_, csv) = undisturbed("rows");
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let names = reader.headers().expect("a heading").clone();
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("rows");
+    let cell = |row: &csv::StringRecord, name: &str| {
+        row[names.iter().position(|known| known == name).unwrap_or_else(|| panic!("no column {name}"))].to_owned()
+    };
+    let (mut stable, mut failed) = (0, 0);
+    for row in rows.iter().step_by(5) {
+        let set = |key: &str| format!("{key}={}", cell(row, key));
+        let sets = ["coordination.stiffness_n_per_m", "network.loss", "network.seed"];
+        let sets =
+            sets.map(|key| if key == "network.seed" { format!("{key}={}", cell(row, "seed")) } else { set(key) });
+        let mut arguments = vec!["cooperate", "--json", "--seconds", "4", "--scene", "paper-5.2-wave-16ms"];
+        sets.iter().for_each(|set| arguments.extend(["--set", set]));
+        let alone = report(host_sim(&arguments).spawn().expect("host-sim runs"));
+        for name in ["state_hash", "verdict", "reason"] {
+            assert_eq!(alone[name].as_str().unwrap_or_default(), cell(row, name), "{name} of {sets:?}");
+        }
+        let figures = [
+            ("true_discrepancy_mm", &alone["true_discrepancy_mm"]),
+            ("coordination_force_mean_n", &alone["coordination_force_n"]["mean"]),
+            ("peak_coordination_force_n", &alone["peak_coordination_force_n"]),
+            ("energy_out_over_in", &alone["energy_out_over_in"]),
+        ];
+        for (name, figure) in figures {
+            // serde_json reads to the last bit but one.
+            match (figure.as_f64(), cell(row, name).parse::<f64>().ok()) {
+                (Some(alone), Some(swept)) => {
+                    assert!((alone - swept).abs() <= 1e-15 * alone.abs(), "{name} of {sets:?}")
+                }
+                (alone, swept) => assert_eq!(alone, swept, "{name} of {sets:?}"),
+            }
+        }
+        *(if alone["stable"] == true { &mut stable } else { &mut failed }) += 1;
+    }
+    assert!(stable > 2 && failed > 2, "{stable} stable, {failed} failed: neither is tried");
+}
+
+/// Mean and interval by hand from the rows; none where the seeds are the same run, and none where any run failed.
+#[test]
+fn a_point_is_the_mean_of_its_runs_and_never_of_some_of_them() {
+    let folder = folder("points");
+    let done = sweep(&folder, &[]);
+    let mut reader = csv::Reader::from_path(folder.join("sweep.csv")).expect("a table");
+    let rows: Vec<std::collections::HashMap<String, String>> =
+        reader.deserialize().map(|row| row.expect("a row")).collect();
+    let points = done["points"].as_array().expect("points");
+    assert_eq!(points.len(), 24);
+    let (mut random, mut sure, mut none, mut some) = (0, 0, 0, 0);
+    for (point, runs) in points.iter().zip(rows.chunks(3)) {
+        let got = &point["coordination_force_mean_n"];
+        let values: Vec<f64> = runs.iter().filter_map(|run| run["coordination_force_mean_n"].parse().ok()).collect();
+        if runs.iter().any(|run| run["stable"] != "1") {
+            assert!(got.is_null() && point["reason"].is_string(), "{point}");
+            *(if values.is_empty() { &mut none } else { &mut some }) += 1;
+            continue;
+        }
+        let mean = values.iter().sum::<f64>() / 3.0;
+        assert!((got.as_f64().expect("a mean") - mean).abs() < 1e-12);
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 2.0;
+        let within = &point["coordination_force_mean_95_n"];
+        if point["network"]["loss"] == 0.0 {
+            assert!(within.is_null(), "{point}");
+            sure += 1;
+        } else {
+            let want = 4.302_652_73 * (variance / 3.0).sqrt();
+            assert!((within.as_f64().expect("an interval") / want - 1.0).abs() < 1e-8, "{within} is not {want}");
+            random += 1;
+        }
+    }
+    let all = [random, sure, none, some];
+    assert!(all.iter().all(|count| *count > 0), "{all:?}: random, sure, failed, failed with some seeds");
+}
+
+/// Shards, threads and order change no byte; who asks for all of it after the shards runs nothing again.
+#[test]
+fn any_number_of_shards_and_threads_gives_the_same_rows() {
+    let (whole, csv) = undisturbed("whole");
+    let shards = folder("shards");
+    for shard in ["2/3", "1/3", "3/3"] {
+        let part = sweep(&shards, &["--shard", shard]);
+        assert_eq!((&part["new_runs"], &part["files"]), (&24.into(), &Value::Array(vec![])));
+    }
+    assert_eq!(sweep(&shards, &[])["new_runs"], 0);
+    assert_eq!(text(&shards, "sweep.csv"), csv);
+    assert_eq!(journals(&shards), journals(&whole));
+
+    let one = folder("one-thread");
+    report(host_sim(&arguments(&one, &[])).env("RAYON_NUM_THREADS", "1").spawn().expect("host-sim runs"));
+    assert_eq!(text(&one, "sweep.csv"), csv);
+}
+
+/// Killed again and again, after as many rows as are drawn: the next one goes on, and in the end the rows are those of one that nobody
+/// disturbed.
+#[test]
+fn kills_lose_nothing_and_repeat_nothing() {
+    let (whole, killed) = (folder("undisturbed"), folder("killed"));
+    let question = ["--seeds", "25"];
+    let runs = 24 * 25;
+    assert_eq!(sweep(&whole, &question)["new_runs"], runs);
+    let mut random = Rng::new(20_261_121);
+    let mut there = vec![0];
+    for _ in 0..8 {
+        let until = there[there.len() - 1] + random.below(100) as usize;
+        let mut child = host_sim(&arguments(&killed, &question)).spawn().expect("host-sim runs");
+        while (!killed.exists() || journals(&killed).len() < until) && child.try_wait().expect("a child").is_none() {
+            std::thread::sleep(Duration::from_micros(random.below(2000)));
+        }
+        child.kill().expect("it can be killed");
+        child.wait().expect("it ends");
+        there.push(if killed.exists() { journals(&killed).len() } else { 0 });
+    }
+    assert!(there.is_sorted(), "rows got lost: {there:?}");
+    let struck = there.windows(2).filter(|pair| pair[0] < pair[1] && pair[1] < runs).count();
+    assert!(struck >= 2, "only {struck} kills came in the middle: {there:?}");
+    let new = sweep(&killed, &question)["new_runs"].as_u64().expect("a count") as usize;
+    assert_eq!(new, runs - there[there.len() - 1], "after {there:?}");
+    assert_eq!(journals(&killed), journals(&whole), "after {there:?}");
+    assert_eq!(text(&killed, "sweep.csv"), text(&whole, "sweep.csv"));
+}
+
+/// Whatever of a line a kill left: it is cut off, and its run is done again.
+#[test]
+fn a_torn_line_is_done_again() {
+    let (folder, csv) = undisturbed("torn");
+    let path = folder.join("rows-1-of-1.csv");
+    let (rows, lines) = (fs::read(&path).expect("rows"), journals(&folder));
+    let line = rows.len() - rows[..rows.len() - 1].iter().rposition(|byte| *byte == b'\n').expect("a line") - 1;
+    for (cut, again) in
+        [(1, 1), (line / 2, 1), (line - 1, 1), (line, 1), (line + 1, 2), (rows.len() - 5, RUNS), (rows.len(), RUNS)]
+    {
+        fs::write(&path, &rows[..rows.len() - cut]).expect("written");
+        assert_eq!(sweep(&folder, &[])["new_runs"], again, "{cut} bytes short");
+        assert_eq!(journals(&folder), lines, "{cut} bytes short");
+        assert_eq!(text(&folder, "sweep.csv"), csv);
+    }
+}
+
+/// What is wrong is said in one line, and leaves what is there as it is.
+#[test]
+fn another_question_and_bad_ones_are_refused() {
+    let (folder, _) = undisturbed("refused");
+    let before = journals(&folder);
+    let refused = |arguments: &[&str], names: &[&str]| {
+        let output = host_sim(arguments).output().expect("host-sim runs");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), error.trim_end().lines().count()), (Some(2), 1), "{arguments:?}: {error}");
+        names.iter().for_each(|name| assert!(error.contains(name), "{arguments:?}: {name:?} is missing in: {error}"));
+    };
+    refused(
+        &arguments(&folder, &["--set", "object.mass_kg=0.5"]),
+        &["sweep.toml is of another sweep", "`object.mass_kg = 0.5`"],
+    );
+    refused(&arguments(&folder, &["--over", "network.jitter_s=0,0.001"]), &["of another sweep", "over_3"]);
+    assert_eq!(journals(&folder), before);
+
+    let over = |over: &str, names: &[&str]| refused(&["sweep", "--json", "--over", over], names);
+    over("object.mas_kg=1,2", &["there is no key object.mas_kg", "did you mean object.mass_kg?"]);
+    over("object.mass_kg=-1..1:3", &["object.mass_kg = -1 is not allowed"]);
+    over("network.one_way_delay_packets=1..2:3", &["network.one_way_delay_packets = 1.5 is not allowed", "whole"]);
+    over("network.jitter=none,gama", &["network.jitter = \"gama\"", "did you mean gamma?"]);
+    over("network.seed=1,2", &["network.seed is no key to sweep over"]);
+    over("network.loss=0..0.1:1", &["2 to 1000000 values"]);
+    over("network.loss=0..0.1:3:log", &["ends above 0"]);
+    over("network.loss=0..0.1", &["TABLE.KEY=A..B:N"]);
+    over("network.loss=0.1,0.1", &["0.1 stands there twice"]);
+    refused(&["sweep", "--over", "network.loss=0,0.1", "--shard", "3/2", "--out", "x"], &["I/N, I from 1 to N"]);
+}
