@@ -115,7 +115,7 @@ impl Ticker {
         Self { seconds, ..self }
     }
 
-    fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         self.kept.ticks as f64 * self.period.as_secs_f64() >= self.seconds
     }
 
@@ -125,8 +125,13 @@ impl Ticker {
         self.start + Duration::from_nanos(period_ns.saturating_mul(self.kept.ticks))
     }
 
-    /// Sleeps until the next tick, if that is still to come.
-    pub fn wait(&mut self) {
+    /// Every tick from the next on comes so much later.
+    pub(crate) fn postpone(&mut self, by: Duration) {
+        self.start += by;
+    }
+
+    /// Sleeps until the next tick, if that is still to come; how late it begins.
+    pub fn wait(&mut self) -> Duration {
         let deadline = self.deadline();
         std::thread::sleep(deadline.saturating_duration_since(Instant::now()));
         let late = Instant::now().saturating_duration_since(deadline);
@@ -135,6 +140,7 @@ impl Ticker {
         self.kept.missed += u64::from(late > self.period);
         self.kept.worst_us = self.kept.worst_us.max(late_us);
         self.kept.total_us += late_us;
+        late
     }
 }
 

@@ -6,7 +6,7 @@
 //! disarm them every minute.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use haptic_sim::scene::Scene;
 use serde::Serialize;
@@ -14,13 +14,13 @@ use serde::Serialize;
 use super::desk::{Command, Desk, Papers, Status};
 use super::partner::Model;
 use super::session::{PERIOD_S, Sample, Session};
-use crate::live::endpoint::{Stop, realtime};
+use crate::live::endpoint::{Punctuality, Stop, Ticker};
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);
 
 /// How well the beat was kept.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Kept {
     /// Ticks.
     pub(crate) ticks: u64,
@@ -37,27 +37,21 @@ pub(crate) struct Kept {
 /// Keeps the beat until it is stopped, or so many seconds are over.
 pub(super) fn run(desk: &Desk, scene: Scene, seconds: f64, stop: &Stop) -> Result<Kept, String> {
     let mut session = Session::new(scene, Model::default()).map_err(|refused| refused.to_string())?;
-    let period = Duration::from_secs_f64(PERIOD_S);
-    let mut kept = Kept { realtime_priority: realtime(), ..Kept::default() };
-    let mut waiting = VecDeque::new();
-    let mut deadline = Instant::now();
-    while !stop.is_asked() && kept.ticks as f64 * PERIOD_S < seconds {
-        std::thread::sleep(deadline.saturating_duration_since(Instant::now()));
-        let late = deadline.elapsed();
-        deadline += period;
+    let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
+    let (mut slept, mut waiting) = (0, VecDeque::new());
+    while !stop.is_asked() && !ticker.is_over() {
+        let late = ticker.wait();
         if late > SLEPT {
-            kept.slept += 1;
-            deadline = Instant::now() + period;
+            slept += 1;
+            ticker.postpone(late);
         }
-        kept.ticks += 1;
-        kept.late += u64::from(late > period);
-        kept.worst_us = kept.worst_us.max(late.as_micros() as u64);
         if let Some(mut papers) = desk.try_lock() {
-            exchange(&mut session, &mut papers, &mut waiting, &kept)?;
+            exchange(&mut session, &mut papers, &mut waiting, &ticker.kept)?;
         }
         waiting.push_back(session.step());
     }
-    Ok(kept)
+    let Punctuality { ticks, missed: late, worst_us, realtime_priority, .. } = ticker.kept;
+    Ok(Kept { ticks, late, worst_us, slept, realtime_priority })
 }
 
 /// Takes what lies on the desk, and lays down what it is waited for.
@@ -65,7 +59,7 @@ fn exchange(
     session: &mut Session,
     papers: &mut Papers,
     waiting: &mut VecDeque<Sample>,
-    kept: &Kept,
+    kept: &Punctuality,
 ) -> Result<(), String> {
     let refused = |refused: haptic_core::settings::Refused<'_>| refused.to_string();
     while let Some(command) = papers.next_command() {
@@ -94,7 +88,7 @@ fn exchange(
     }
     waiting.drain(..).for_each(|sample| papers.put(sample));
     papers.status = Status {
-        late: u32::try_from(kept.late).unwrap_or(u32::MAX),
+        late: u32::try_from(kept.missed).unwrap_or(u32::MAX),
         worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
         modes: session.modes(),
         cut: session.is_cut(),

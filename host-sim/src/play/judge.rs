@@ -22,6 +22,7 @@ use serde_json::json;
 use super::desk::Desk;
 use super::hand::{DAMPING, STIFFNESS};
 use super::orders::apply;
+use super::session::same_but_for_network;
 
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
@@ -76,8 +77,7 @@ fn run(desk: &Desk, mut scene: Scene, orders: &Receiver<Ask>) {
                 continue;
             }
         };
-        let told = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
-        let free = anyway || finding.stable != Some(true) || told(&wanted).eq(told(&scene));
+        let free = anyway || finding.stable != Some(true) || same_but_for_network(&wanted, &scene);
         if free {
             // It acts now; what is to be said of it comes after.
             desk.lock().scene = Some(Box::new(wanted.clone()));

@@ -112,11 +112,7 @@ impl Session {
         let before = std::mem::replace(&mut self.scene, scene);
         // What the receivers were built with is no more the network's.
         let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
-        let same = |one: &Scene, other: &Scene| {
-            let told = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
-            built(one) == built(other) && told(one).eq(told(other))
-        };
-        if !same(&before, &self.scene) {
+        if built(&before) != built(&self.scene) || !same_but_for_network(&before, &self.scene) {
             let armed = self.modes() == [ARMED; 2];
             self.start()?;
             if !armed {
@@ -261,6 +257,12 @@ impl Session {
             self.restarts as f32,
         ]
     }
+}
+
+/// Whether two scenes are the same but for their networks.
+pub(super) fn same_but_for_network(one: &Scene, other: &Scene) -> bool {
+    let told = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
+    told(one).eq(told(other))
 }
 
 fn sides(scene: &Scene) -> [Side; 2] {

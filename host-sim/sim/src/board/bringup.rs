@@ -18,9 +18,9 @@
 
 use std::path::Path;
 
-use haptic_core::settings::{Settings, Value};
+use haptic_core::settings::Settings;
 
-use super::calibrate::board::{Board, Joint, Tick, say, settings};
+use super::calibrate::board::{self, Board, Joint, Tick, say, settings};
 use super::calibrate::counts::{self, Distance};
 use super::calibrate::motor::{self, Against};
 use super::calibrate::{Found, Person, Task, motion, settings_file};
@@ -151,10 +151,8 @@ impl BringUp<'_> {
     }
 
     fn get(&mut self, key: &str) -> Result<f64, String> {
-        let answer = say(self.board, &format!("get {key}"))?;
-        let value = answer.rsplit(' ').next().map(Value::of_text);
-        let Some(Value::Number(number)) = value else { return Err(format!("{key} is no number: {answer:?}")) };
-        Ok(number)
+        let text = board::get(self.board, key)?;
+        text.parse().map_err(|_| format!("{key} is no number: {text:?}"))
     }
 
     /// Has the person do something while the board is kept, and gives the ticks meanwhile.
@@ -272,7 +270,7 @@ impl BringUp<'_> {
     fn first_contact(&mut self) -> Result<String, String> {
         self.armed(|this, settings| {
             let joint = this.plan.joint;
-            let toward = if say(this.board, "get contact.side")?.ends_with("left") { 1.0 } else { -1.0 };
+            let toward = if board::get(this.board, "contact.side")? == "left" { 1.0 } else { -1.0 };
             let seen = this.watch(settings, |this| this.meanwhile(&Task::Push { joint, metres: toward * PUSH_M }))?;
             // Work on the hand, in metres of full duty: what pushes back takes it.
             let work: f64 = seen.windows(2).map(|two| two[0][1] * (two[1][0] - two[0][0])).sum();

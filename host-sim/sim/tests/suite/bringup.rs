@@ -10,6 +10,8 @@ use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Person, Task};
 use haptic_sim::scene::Scene;
 
+const DEVICE: &str = "device.mass_kg=0.17";
+
 /// A person who does all that is asked but these tasks.
 struct Careless {
     careful: Shared,
@@ -26,25 +28,29 @@ impl Person for Careless {
     }
 }
 
-fn run(name: &str, device: &str, leaves_out: fn(&Task) -> bool) -> (Scene, Result<Vec<Passed>, String>) {
+/// Brings up a new board with this device, as `wrap` shows it; gives what the settings file says of the device, the board, and the outcome.
+fn run<B: Board>(
+    name: &str,
+    device: &str,
+    leaves_out: fn(&Task) -> bool,
+    wrap: fn(Shared) -> B,
+) -> (Option<Scene>, B, Result<Vec<Passed>, String>) {
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
     let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
-    let mut board = Shared::new(&truth).expect("a board");
-    let mut person = Careless { careful: board.clone(), leaves_out };
+    let careful = Shared::new(&truth).expect("a board");
+    let (mut board, mut person) = (wrap(careful.clone()), Careless { careful: careful.clone(), leaves_out });
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
     let _ = std::fs::remove_file(&file);
     let turns = device.contains("capstan");
     let distance = if turns { Distance::Revolutions(2.0) } else { Distance::Metres(0.05) };
     let plan = Plan { joint: 1, distance, against: Against::Mass(0.2), file: &file };
     let outcome = bring_up(&mut board, &mut person, plan, |_| ());
-    let found = outcome
-        .as_ref()
-        .map(|_| Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file"));
-    let before = haptic_core::settings::Settings::default().safety.max_force_n;
-    if outcome.is_ok() {
-        assert_eq!(board.settings().safety.max_force_n, before, "the limit is put back");
-    }
-    (found.unwrap_or(truth), outcome)
+    let found = outcome.is_ok().then(|| {
+        let before = haptic_core::settings::Settings::default().safety.max_force_n;
+        assert_eq!(careful.settings().safety.max_force_n, before, "the limit is put back");
+        Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file")
+    });
+    (found, board, outcome)
 }
 
 #[test]
@@ -55,9 +61,11 @@ fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
     for (kind, device) in [("slide", SLIDE), ("capstan", CAPSTAN)] {
         for (motor, encoder) in [(false, false), (true, false), (false, true), (true, true)] {
             let signs = format!("device.mass_kg=0.17 motor.reversed={motor} encoder.reversed={encoder}");
-            let (found, passed) = run(&format!("{kind}-{motor}-{encoder}"), &format!("{device} {signs}"), |_| false);
+            let (found, _, passed) =
+                run(&format!("{kind}-{motor}-{encoder}"), &format!("{device} {signs}"), |_| false, |board| board);
             let passed = passed.unwrap_or_else(|why| panic!("{kind} {signs}: {why}"));
             assert_eq!(passed.len(), 10);
+            let found = found.expect("what it found");
             assert_eq!((found.peer.motor.reversed, found.peer.encoder.reversed), (motor, encoder), "{kind}");
             assert!((found.world.device.mass_kg / 0.17 - 1.0).abs() < 0.03, "{kind}: {}", found.world.device.mass_kg);
         }
@@ -67,7 +75,6 @@ fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
 /// Each of these is something that does not work, seen from the PC.
 #[test]
 fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
-    const DEVICE: &str = "device.mass_kg=0.17";
     type Case = (&'static str, fn(&Task) -> bool, &'static str);
     let cases: [Case; 5] = [
         ("stop", |task| *task == Task::PressStop, "emergency stop: the board answers \"arm\" with \"ok armed\""),
@@ -77,7 +84,7 @@ fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
         ("cable", |task| *task == Task::PullCable, "cable: the motors should be off because"),
     ];
     for (name, leaves_out, expected) in cases {
-        let (_, outcome) = run(name, DEVICE, leaves_out);
+        let (_, _, outcome) = run(name, DEVICE, leaves_out, |board| board);
         let why = outcome.expect_err(name);
         assert!(why.starts_with(expected) && why.contains("; look at "), "{name}: {why}");
     }
@@ -101,13 +108,8 @@ impl Board for Pulled {
 
 #[test]
 fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
-    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &["device.mass_kg=0.17".to_owned()]).expect("good");
-    let mut person = Shared::new(&truth).expect("a board");
-    let mut board = Pulled(person.clone());
-    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("brought-up-pulled.toml");
-    let _ = std::fs::remove_file(&file);
-    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
-    let why = bring_up(&mut board, &mut person, plan, |_| ()).expect_err("pulled");
+    let (_, mut board, outcome) = run("pulled", DEVICE, |_| false, Pulled);
+    let why = outcome.expect_err("pulled");
     assert!(why.starts_with("lowest force: in a second it moved by "), "{why}");
     assert!(board.0.ask("status").expect("an answer").contains(" disarmed "), "it is disarmed");
 }
@@ -132,12 +134,7 @@ impl Board for Late {
 
 #[test]
 fn a_tick_that_begins_late_does_not_pass() {
-    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &["device.mass_kg=0.17".to_owned()]).expect("good");
-    let mut person = Shared::new(&truth).expect("a board");
-    let mut board = Late(person.clone());
-    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("brought-up-late.toml");
-    let _ = std::fs::remove_file(&file);
-    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
-    let why = bring_up(&mut board, &mut person, plan, |_| ()).expect_err("late");
+    let (_, _, outcome) = run("late", DEVICE, |_| false, Late);
+    let why = outcome.expect_err("late");
     assert!(why.starts_with("time: delay 100.0 µs, may be 50 µs: "), "{why}");
 }

@@ -10,7 +10,12 @@ use serde_json::json;
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::{live::endpoint::Stop, live::operator::Operator};
-use haptic_sim::board::{calibrate::board::say, calibrate::settings_file, operator::PORT, recording};
+use haptic_sim::board::{
+    calibrate::board::{get, say},
+    calibrate::settings_file,
+    operator::PORT,
+    recording,
+};
 use haptic_sim::report::files::write_csv;
 
 /// Between two looks at what was typed.
@@ -101,8 +106,7 @@ impl Operate {
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
     fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
-        let period = say(operator, "get timing.control_period_s")?;
-        let period_s = period.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.001);
+        let period_s = get(operator, "timing.control_period_s")?.parse().unwrap_or(0.001);
         let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
         let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s);

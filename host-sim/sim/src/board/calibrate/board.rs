@@ -54,15 +54,20 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     }
 }
 
+/// What a board has a key set to, as text.
+pub fn get(board: &mut dyn Board, key: &str) -> Result<String, String> {
+    let answer = say(board, &format!("get {key}"))?;
+    Ok(answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"').to_owned())
+}
+
 /// The settings that a calibration depends on, as the board has them.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
     for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
-        let answer = say(board, &format!("get {}", key.name))?;
-        let text = answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"');
+        let text = get(board, key.name)?;
         settings
-            .set(key.name, Value::of_text(text))
+            .set(key.name, Value::of_text(&text))
             .map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
     }
     Ok(settings)
