@@ -16,6 +16,7 @@ use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing};
+use crate::device::stage::Measured;
 use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
@@ -37,6 +38,8 @@ pub struct Sensors<S> {
     pub reading: Reading<S>,
     /// The last tick had not ended when this one was due.
     pub overrun: bool,
+    /// What the power stage measured; none where there is no current loop.
+    pub stage: Option<Measured>,
 }
 
 /// What the tick commands.

@@ -52,13 +52,29 @@ numbered! {
         13 OutOfWorkspace: "an axis was further than safety.workspace_m from where the encoders were first read",
         14 BridgeFailed: "a motor bridge reported that it is too hot, carries too much current or has too little supply",
         15 ChipFailed: "the supply, the clock or the core of the board's chip failed: its timer turned the motors off",
+        16 MotorTooWarm: "a motor carried more than motor.continuous_a over motor.thermal_s",
+        17 CurrentNotFollowed: "a motor's current was not the one asked for: look at the motor, its wires and its bridge",
+        18 CurrentSensor: "a current sensor read the end of its range, or a current with the bridges off",
+        19 SupplyOutOfRange: "the supply of the bridges was below motor.min_supply_v or above motor.max_supply_v",
+        20 LostCounts: "an encoder's index came at another count than before: it lost or made up counts",
+        21 EncoderImplausible: "an encoder's speed was not the one that the motor's voltage and current show",
+        22 EncoderWire: "one channel of an encoder showed edges and the other none: look at its wires",
     }
 }
 
 impl Fault {
     /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::device::probe`]).
     pub fn doubts_encoders(self) -> bool {
-        matches!(self, Self::EncoderJump | Self::Overspeed | Self::EncoderStuck | Self::Runaway)
+        matches!(
+            self,
+            Self::EncoderJump
+                | Self::Overspeed
+                | Self::EncoderStuck
+                | Self::Runaway
+                | Self::LostCounts
+                | Self::EncoderImplausible
+                | Self::EncoderWire
+        )
     }
 
     /// The fault's number, for logs and telemetry.

@@ -8,6 +8,7 @@
 //! | [`constraint`] | the force that holds an unused axis on its line |
 //! | [`motor`] | joint force → duty |
 //! | [`current`] | duty, which is a current, → voltage of the motor: 20 000 times a second |
+//! | [`stage`] | what the power stage of the motors measured |
 //! | [`thermal`] | how warm a motor's winding is |
 //! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
@@ -23,6 +24,7 @@ pub mod envelope;
 pub mod kinematics;
 pub mod motor;
 pub mod probe;
+pub mod stage;
 pub mod thermal;
 pub mod velocity;
 pub mod watch;

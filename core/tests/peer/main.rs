@@ -37,7 +37,7 @@ impl<S: Scalar> Bench<S> {
 
     /// A tick with this reading.
     fn read(&mut self, reading: Reading<S>) -> Actuators<S> {
-        self.peer.tick(&Sensors { reading, overrun: false })
+        self.peer.tick(&Sensors { reading, overrun: false, stage: None })
     }
 
     /// A tick with the device here, moving like this.

@@ -166,7 +166,7 @@ fn a_peer_whose_packets_come_too_late() {
 fn a_tick_that_overruns() {
     let mut bench = Bench::armed(&Settings::default());
     let reading = Reading::Exact([Motion::REST; AXES]);
-    let last = bench.peer.tick(&Sensors { reading, overrun: true });
+    let last = bench.peer.tick(&Sensors { reading, overrun: true, stage: None });
     bench.assert_stopped(last, Fault::TickOverrun);
 }
 
@@ -216,8 +216,16 @@ fn fault_numbers_never_change() {
         Fault::OutOfWorkspace,
         Fault::BridgeFailed,
         Fault::ChipFailed,
+        Fault::MotorTooWarm,
+        Fault::CurrentNotFollowed,
+        Fault::CurrentSensor,
+        Fault::SupplyOutOfRange,
+        Fault::LostCounts,
+        Fault::EncoderImplausible,
+        Fault::EncoderWire,
     ];
-    assert_eq!(faults.map(Fault::number), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
+    let numbers = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22];
+    assert_eq!(faults.map(Fault::number), numbers);
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

@@ -10,8 +10,10 @@
 //!
 //! Off, a bridge lets go: the current is gone at once.
 
+use haptic_core::device::AXES;
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
 use haptic_core::device::motor::Duty;
+use haptic_core::device::stage::{self, Measured};
 use haptic_core::settings::{Refused, Settings};
 
 use super::winding::{Flow, Winding};
@@ -57,8 +59,35 @@ struct Closed {
     sensor: Sensor,
     converter: Converter,
     supply_mv: u32,
+    /// Since the last command: sums of what was read (codes) and given (counts), the last that was read, and of how many.
+    codes: i32,
+    volts: i32,
+    last: i32,
+    periods: i32,
     /// When in a period the current is sampled, s.
     sample_s: f64,
+}
+
+impl Closed {
+    /// Another tick's periods begin.
+    fn begin(&mut self) {
+        (self.codes, self.volts, self.periods) = (0, 0, 0);
+    }
+
+    /// Means of the periods since.
+    fn flow(&self) -> Option<stage::Flow> {
+        // What does not fit is at the end of the numbers.
+        let code = |number: i32| number.clamp(-i32::from(i16::MAX), i32::from(i16::MAX)) as i16;
+        let mean = |sum: i32| sum.checked_div(self.periods).map(code);
+        Some(stage::Flow { mean: mean(self.codes)?, last: code(self.last), voltage: mean(self.volts)? })
+    }
+}
+
+/// What the power stage of a device measured since the last tick; none without a current loop.
+pub(super) fn measured(drives: &[Drive; AXES], plant: &PlantSettings) -> Option<Measured> {
+    let [Some(one), Some(two)] = drives.each_ref().map(Drive::measured) else { return None };
+    let supply_mv = (1e3 * plant.supply_v).round() as u16;
+    Some(Measured { motors: [one, two], supply_mv, supply_counts: plant.timer_counts() })
 }
 
 /// The power stage and the motor of one joint.
@@ -70,6 +99,8 @@ pub struct Drive {
     /// Counts of the timer that are all of the supply.
     counts: f64,
     closed: Option<Closed>,
+    /// The bridge conducts.
+    on: bool,
     /// The duty that acts, and the one that does from the next period on, each with the back-EMF that is expected, counts.
     now: (Duty, i32),
     next: (Duty, i32),
@@ -98,6 +129,10 @@ impl Drive {
                     sensor: Sensor::build(settings, plant.current_bits),
                     converter: Converter::new(settings, plant, seed),
                     supply_mv,
+                    codes: 0,
+                    volts: 0,
+                    last: 0,
+                    periods: 0,
                     sample_s: (1.5 - plant.loop_delay_periods) * PWM_PERIOD_S,
                 })
             }
@@ -112,6 +147,7 @@ impl Drive {
             force_per_a: motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
             counts: f64::from(counts),
             closed,
+            on: false,
             now: (Duty::OFF, 0),
             next: (Duty::OFF, 0),
             voltage: 0,
@@ -122,8 +158,10 @@ impl Drive {
     /// The bridge lets go, and the loop forgets.
     pub fn off(&mut self) {
         (self.now, self.next, self.voltage, self.current_a) = ((Duty::OFF, 0), (Duty::OFF, 0), 0, 0.0);
+        self.on = false;
         if let Some(closed) = &mut self.closed {
             closed.controller = Controller::default();
+            closed.begin();
         }
     }
 
@@ -131,20 +169,36 @@ impl Drive {
     pub fn command(&mut self, duty: Duty, joint_speed: f64) {
         let forward = |closed: &Closed| closed.design.forward(joint_speed as f32, closed.supply_mv);
         self.next = (duty, self.closed.as_ref().map_or(0, forward));
+        self.on = true;
+        if let Some(closed) = &mut self.closed {
+            closed.begin();
+        }
+    }
+
+    /// What the stage measured since the last command; none without a current loop, or before the first period.
+    pub fn measured(&self) -> Option<stage::Flow> {
+        self.closed.as_ref().and_then(Closed::flow)
     }
 
     /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.
     pub fn period(&mut self, joint_speed: f64) -> f64 {
         let sample_s = self.closed.as_ref().map_or(0.0, |closed| closed.sample_s);
         let share = f64::from(self.voltage) / self.counts;
-        let Flow { sampled_a, mean_a, end_a } =
-            self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s);
+        let Flow { sampled_a, mean_a, end_a } = if self.on {
+            self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s)
+        } else {
+            Flow::default()
+        };
         self.current_a = end_a;
         let (duty, forward) = self.now;
         self.now = self.next;
         self.voltage = match &mut self.closed {
-            Some(Closed { gains, controller, sensor, converter, .. }) => {
-                controller.step(gains, duty, sensor.codes(converter.read(sampled_a)), forward)
+            Some(closed) => {
+                closed.last = closed.sensor.codes(closed.converter.read(sampled_a));
+                closed.codes += closed.last;
+                closed.volts += self.voltage;
+                closed.periods += 1;
+                if self.on { closed.controller.step(&closed.gains, duty, closed.last, forward) } else { 0 }
             }
             None => (f64::from(self.now.0.0) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32,
         };

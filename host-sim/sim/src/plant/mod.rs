@@ -15,11 +15,12 @@ mod joints;
 mod linear;
 mod winding;
 
-use haptic_core::device::{AXES, Reading, current::periods_per_tick};
+use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 
-use crate::{scene::Scene, user::User};
+use crate::scene::{PlantSettings, Scene};
+use crate::user::User;
 pub use drive::{Converter, Drive};
 use joints::Joints;
 pub use linear::Linear;
@@ -33,6 +34,9 @@ struct Windings {
     periods: u32,
     /// Joint positions that the last tick read, m or rad.
     seen: [f64; AXES],
+    /// What the power stage measured in the last tick; none without a current loop.
+    measured: Option<Measured>,
+    plant: PlantSettings,
 }
 
 /// A device, its user's hand on it.
@@ -74,6 +78,8 @@ impl Plant {
             }),
             periods: periods_per_tick(settings).expect("a scene that was checked"),
             seen: joints.seen(scene.start(index)),
+            measured: None,
+            plant: world.plant,
         });
         let period_s = scene.peer.timing.control_period_s;
         // With windings the steps are PWM periods, and nothing else is late.
@@ -147,7 +153,8 @@ impl Plant {
                 velocity: S::from_f64(motion.velocity),
             })),
         };
-        Sensors { reading, overrun: false }
+        let stage = self.windings.as_ref().and_then(|windings| windings.measured);
+        Sensors { reading, overrun: false, stage }
     }
 
     /// One control period from `time_s` on, under what the peer commands.
@@ -188,6 +195,7 @@ impl Plant {
                 *mean += force / f64::from(windings.periods);
             }
         }
+        windings.measured = drive::measured(&windings.drives, &windings.plant);
         self.windings = Some(windings);
     }
 

@@ -116,6 +116,28 @@ fn an_open_bridge_drags_and_a_loop_does_not() {
     assert!((against + 10.0).abs() < 0.06, "{against}");
 }
 
+/// In the end a stage measures the current that was asked for, and of the voltage what resistance and back-EMF take.
+#[test]
+fn a_stage_measures_what_flows() {
+    let mut drive = drive(&["plant.drive=current", "plant.supply_v=20"]);
+    assert_eq!(drive.measured(), None, "nothing yet");
+    for _ in 0..100 {
+        drive.command(Duty(8192), 0.3);
+        for _ in 0..20 {
+            drive.period(0.3);
+        }
+    }
+    let flow = drive.measured().unwrap();
+    // 3.2 mA of noise are 21 codes, a step of the converter 18; the mean is of 20.
+    assert!((i32::from(flow.mean) - 8192).abs() < 20 && (i32::from(flow.last) - 8192).abs() < 100, "{flow:?}");
+    let volts = 20.0 * f64::from(flow.voltage) / 32767.0;
+    assert!((volts - (4.8 * 1.25 + 8.0 * 0.3)).abs() < 0.05, "{volts}");
+    drive.off();
+    (0..20).for_each(|_| assert_eq!(drive.period(0.3), 0.0));
+    let off = drive.measured().unwrap();
+    assert!(off.mean.abs() < 20 && off.voltage == 0, "{off:?}");
+}
+
 /// A period of the tick, one of the loop, and then it comes; without the loop a period earlier.
 #[test]
 fn a_force_comes_when_it_is_said_to() {

@@ -1,0 +1,32 @@
+//! What the power stage of the motors measured since the tick before: currents, voltages and the bridges' supply.
+//!
+//! Only a device with a current loop ([`super::current`]) has it. The loop runs once a PWM period and the tick once a control
+//! period, so a stage says means over the PWM periods in between.
+//!
+//! Units: currents in codes, 1/32767 of `motor.full_scale_a`, as a [`super::motor::Duty`]; one beyond is at the end of the numbers.
+//! Voltages in counts of the timer, of which the supply has [`Measured::supply_counts`]. Both along the motor: positive as a positive
+//! duty makes them.
+
+use crate::device::AXES;
+
+/// What flowed through one motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flow {
+    /// Mean of the current, codes.
+    pub mean: i16,
+    /// The last current that was sampled, codes.
+    pub last: i16,
+    /// Mean of the voltage that the bridge gave, counts; 0 while it is off.
+    pub voltage: i16,
+}
+
+/// What the power stage measured since the tick before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measured {
+    /// Each motor.
+    pub motors: [Flow; AXES],
+    /// Supply of the bridges, mV.
+    pub supply_mv: u16,
+    /// Counts of the timer that are all of the supply.
+    pub supply_counts: u16,
+}
