@@ -15,7 +15,7 @@ use crate::device::encoder::{Encoder, EncoderState};
 use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
-use crate::device::probe::{End, Outcome, Probe, Probing};
+use crate::device::probe::{End, Outcome, Probe, Probing, Push};
 use crate::device::stage::Measured;
 use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
@@ -51,6 +51,9 @@ pub struct Actuators<S> {
     pub duties: [Duty; AXES],
     /// The hardware enable line of the motor bridges.
     pub enable: bool,
+    /// No loop is closed around the currents: duties are voltages, shares of the supply. They are given to the bridges' inputs even
+    /// while `enable` is low, when none of them may come out. Of a probe only, and only where there is a current loop.
+    pub open: bool,
 }
 
 /// What a tick saw and did, for telemetry, reports and tests.
@@ -392,7 +395,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             self.envelope.rest(&mut self.load);
             let object = Motion::at(self.object.position);
             self.observed = Observed { device: free, object, desired: object, ..Observed::default() };
-            return if self.mode == Mode::Probing { self.push() } else { Actuators::default() };
+            return if self.mode == Mode::Probing { self.push(sensors.stage) } else { Actuators::default() };
         }
 
         let Moved { next, felt, coupled } = self.advance(free);
@@ -454,9 +457,9 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// One tick of a probe; disarmed when it is over.
     #[cold]
-    fn push(&mut self) -> Actuators<S> {
-        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total)) {
-            Some(duties) => Actuators { duties, enable: true, ..Actuators::default() },
+    fn push(&mut self, stage: Option<Measured>) -> Actuators<S> {
+        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total), stage) {
+            Some(Push { duties, enable, open }) => Actuators { duties, enable, open, ..Actuators::default() },
             None => {
                 self.mode = Mode::Disarmed;
                 Actuators::default()
@@ -568,7 +571,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
         }
         self.forces = forces;
-        Actuators { forces, duties, enable: true }
+        Actuators { forces, duties, enable: true, open: false }
     }
 
     /// Once a packet period, and not in the tick that is the longest: whether a joint's encoder does not count.

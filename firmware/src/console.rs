@@ -16,9 +16,9 @@ use firmware_parts::operator::{self, Misread, Request, Time};
 use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
-use haptic_core::device::probe::{End, Outcome, Probe};
+use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Choice, Refused, SetError, Settings};
+use haptic_core::settings::{Allowed, Refused, SetError, Settings};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
@@ -302,18 +302,7 @@ impl Console {
 
     fn probed(&mut self, to: &mut Line) -> fmt::Result {
         self.probed.fetch();
-        let outcome = *self.probed.get();
-        let Outcome { joint, end, most_counts, least_counts, verdict_counts, check } = outcome;
-        write!(to, "ok joint {joint} {}", end.name())?;
-        if matches!(end, End::None | End::Running) {
-            return write!(to, ": {}", end.explain());
-        }
-        write!(to, " work {most_counts} {least_counts} of {verdict_counts}: {}", end.explain())?;
-        if check {
-            let verdict = outcome.verdict();
-            write!(to, "; {}: {}", verdict.name(), verdict.explain())?;
-        }
-        Ok(())
+        write!(to, "ok {}", self.probed.get())
     }
 
     fn disarmed(&self) -> Result<(), No<'static>> {

@@ -79,7 +79,7 @@ impl Misread {
                  capture, time"
             }
             Self::Arguments => {
-                "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine duty seconds [hertz], \
+                "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine|winding duty seconds [hertz], \
                  set key value, get key, stream n, stream off, capture n, time delay|duration|spacing"
             }
         }

@@ -13,6 +13,7 @@
 //! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
 //! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
+//! | [`winding`] | what voltage and current say of motor, sensor, bridge and encoder, before a loop is closed around them |
 //!
 //! A *joint* is what an encoder and a motor share: a slide (m, N) or something that turns (rad, N·m). An *axis* is a
 //! direction of the task: always m, m/s, N. Positions are zero where the encoders were when they were first read.
@@ -28,6 +29,7 @@ pub mod stage;
 pub mod thermal;
 pub mod velocity;
 pub mod watch;
+pub mod winding;
 
 use crate::num::Motion;
 

@@ -10,7 +10,8 @@
 //! | `pulse` | 1 | holding against a gauge |
 //! | `swing` | 1, −1, −1, 1, a quarter of the time each | sign, inertia: a device without friction ends where it began, at rest |
 //! | `ramp` | from 0 to 1 | the force at which it breaks away |
-//! | `sine` | cos 2πft: velocity begins at zero, so it does not drift | friction and inertia |
+//! | `sine` | cos 2πft: velocity begins at zero, so it does not drift | friction and inertia, back-EMF |
+//! | `winding` | a voltage, a share of the supply: 0, then one way or the other from tick to tick ([`winding`]) | resistance, inductance |
 //!
 //! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
 //! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
@@ -18,11 +19,19 @@
 //! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
 //! count.
 //!
+//! **With a current loop** the check begins with a [`Trial`], before the loop is closed, and ends with what voltage and current say
+//! of the winding and of the encoder's scale ([`Electric`]). A probe ends as soon as a motor's current is [`RUNAWAY`] times what was asked
+//! for, and more: a loop around a sensor of the wrong sign drives it there within a tick or two.
+//!
 //! Units: duty as a fraction of full scale, counts along the joint, s, Hz.
 //! Limits: duty steps as the shape does, without a slew limit; counts come from encoders, so a simulated device that gives
 //! exact positions does not seem to move.
 
-use crate::names::words;
+use core::fmt;
+
+use super::stage::Measured;
+use super::winding::{self, Electric, Expected, Sums, Trial};
+use crate::names::{Choice, words};
 use crate::settings::{Allowed, Refused, Settings, Value};
 use crate::{device::AXES, device::motor::Duty, num::Scalar};
 
@@ -33,6 +42,7 @@ words! {
         "swing" => Swing, "one way, the other way for twice as long, the first way again";
         "ramp" => Ramp, "evenly up from zero";
         "sine" => Sine, "a cosine";
+        "winding" => Winding, "a voltage, none and then one way or the other from tick to tick";
     }
 
     /// How a probe ended.
@@ -43,6 +53,12 @@ words! {
         "travel" => Travel, "the device went as far as the probe may";
         "speed" => Speed, "the device was faster than probe.max_speed_counts_per_s";
         "stopped" => Stopped, "it was stopped by command or by a fault";
+        "current" => Current, "the current was far beyond what was asked for: a short circuit, or a current sensor that lies";
+        "unmeasured" => Unmeasured, "nothing measures the current: a winding is for boards with a current loop";
+        "enable" => Enable,
+            "current or motion while the enable was low: let go of it; else the bridge does not obey its enable";
+        "sensor" => Sensor, "the current flows against the voltage: swap the two wires at the current's sensor";
+        "open" => Open, "no current flows: look at the motor's wires, the bridge's supply and the current's sensor";
     }
 
     /// What a probe says about the signs of motor and encoder.
@@ -53,6 +69,11 @@ words! {
         "still" => Still,
             "did not move: let go of it; if nothing holds it, raise probe.check_duty or look at the encoder";
         "unclear" => Unclear, "something else moved it, or it went too far: let go of it, or lower probe.check_duty";
+        "stage" => Stage, "so the loop around the current may not be closed";
+        "winding" => Winding, "motor and encoder agree, but the current is not that of motor.resistance_ohm: `calibrate winding`";
+        "scale" => Scale,
+            "motor and encoder agree, but the voltage that the motor makes by moving does not fit the encoder's scale and the \
+             motor's constant: one of them is wrong; `calibrate counts`, `calibrate motor`";
     }
 }
 
@@ -63,7 +84,7 @@ pub struct Request {
     pub joint: u32,
     /// How.
     pub shape: Shape,
-    /// Largest duty, a fraction of full scale; along the joint as `motor.reversed` has it.
+    /// Largest duty, a fraction of full scale (of a winding: voltage, a fraction of the supply); along the joint as `motor.reversed` has it.
     pub duty: f64,
     /// For how long, s.
     pub duration_s: f64,
@@ -86,7 +107,15 @@ pub struct Probe<S> {
     /// Work at which a verdict is passed, counts.
     verdict_counts: i32,
     check: bool,
+    /// Most current, codes: with the loop around it closed, and without.
+    most_codes: [i32; 2],
+    expected: Expected,
 }
+
+/// Times the largest duty that a motor's current may not pass while a loop holds it; and [`SMALL_CODES`] on top.
+pub const RUNAWAY: i32 = 2;
+/// A thirty-second of full scale: more than any noise.
+pub const SMALL_CODES: i32 = 1024;
 
 /// Ticks after a change of sign that do not count; a force that follows its duty by two is still told right.
 const LATE_TICKS: u32 = 3;
@@ -124,6 +153,8 @@ impl<S: Scalar> Probe<S> {
             max_step_counts: (limits.max_speed_counts_per_s * period_s + 1.0) as i32,
             verdict_counts: limits.check_counts as i32,
             check: false,
+            most_codes: [RUNAWAY * code.saturating_abs() + SMALL_CODES, (settings.motor.max_duty * full_scale) as i32],
+            expected: Expected::build(settings),
         })
     }
 
@@ -158,6 +189,7 @@ impl<S: Scalar> Probe<S> {
             Shape::Swing => self.code,
             // At most 10⁶ ticks: 10 s at the shortest control period.
             Shape::Ramp => self.code * S::from_i32(tick as i32).ratio(S::from_i32(self.ticks.max(1) as i32)),
+            Shape::Winding => self.code * S::from_i32(winding::way(tick)),
             Shape::Sine => self.code * (self.radians_per_tick * S::from_i32(tick as i32)).sin_cos().1,
         };
         Duty(code.limit(self.code.abs()).round_to_i32() as i16)
@@ -187,6 +219,8 @@ pub struct Outcome {
     pub verdict_counts: i32,
     /// It was the check before arming.
     pub check: bool,
+    /// What voltage and current said at its end; none without a current loop.
+    pub electric: Option<Electric>,
 }
 
 impl Outcome {
@@ -201,12 +235,40 @@ impl Outcome {
         // A steady push from rest, by a hand or a slope, shows a seventh to a ninth of its most on the wrong side; right
         // signs show no more than a count of rounding. Division by a constant: no panic.
         let hardly = enough / 16;
+        if matches!(self.end, End::Enable | End::Sensor | End::Open | End::Current) {
+            return Verdict::Stage;
+        }
         match (self.most_counts, self.least_counts) {
             (most, least) if most < enough && least > -enough => Verdict::Still,
             _ if self.end != End::Done => Verdict::Unclear,
-            (most, least) if most >= enough && least >= -hardly => Verdict::Agree,
+            (most, least) if most >= enough && least >= -hardly => match self.electric {
+                Some(electric) if !electric.is_winding() => Verdict::Winding,
+                Some(electric) if !electric.is_scale() => Verdict::Scale,
+                _ => Verdict::Agree,
+            },
             (most, least) if least <= -enough && most <= hardly => Verdict::Disagree,
             _ => Verdict::Unclear,
+        }
+    }
+}
+
+/// As the operator is told.
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { joint, end, most_counts, least_counts, verdict_counts, check, electric } = self;
+        write!(f, "joint {joint} {}", end.name())?;
+        if !matches!(end, End::None | End::Running) {
+            write!(f, " work {most_counts} {least_counts} of {verdict_counts}")?;
+        }
+        write!(f, ": {}", end.explain())?;
+        if !check || matches!(end, End::None | End::Running) {
+            return Ok(());
+        }
+        let verdict = self.verdict();
+        write!(f, "; {}: {}", verdict.name(), verdict.explain())?;
+        match electric {
+            Some(electric) => write!(f, "; {electric}"),
+            None => Ok(()),
         }
     }
 }
@@ -222,7 +284,17 @@ pub struct Probing<S> {
     pushing: i32,
     late: u32,
     work: i32,
+    /// What comes before the loop is closed: of a check with a current loop.
+    trial: Option<Trial>,
+    sums: Sums,
     outcome: Outcome,
+}
+
+/// What the bridges are to do for a probe.
+pub(crate) struct Push {
+    pub(crate) duties: [Duty; AXES],
+    pub(crate) enable: bool,
+    pub(crate) open: bool,
 }
 
 impl<S: Scalar> Probing<S> {
@@ -235,7 +307,7 @@ impl<S: Scalar> Probing<S> {
             check: probe.check,
             ..Outcome::default()
         };
-        Self { probe, tick: 0, places: None, pushing: 0, late: 0, work: 0, outcome }
+        Self { probe, outcome, ..Self::default() }
     }
 
     /// What came of it.
@@ -250,41 +322,82 @@ impl<S: Scalar> Probing<S> {
         }
     }
 
-    /// One tick, with every joint's counts; nothing when it is over.
+    /// One tick, with every joint's counts and what the power stage measured since the last; nothing when it is over.
     #[inline]
-    pub(crate) fn step(&mut self, mut counts: impl Iterator<Item = i32>) -> Option<[Duty; AXES]> {
+    pub(crate) fn step(&mut self, mut counts: impl Iterator<Item = i32>, stage: Option<Measured>) -> Option<Push> {
         let now = counts.nth(self.probe.joint).unwrap_or_default();
+        if self.places.is_none() && stage.is_some() && self.probe.check {
+            self.trial = Some(Trial::default());
+        }
         let (start, last) = *self.places.get_or_insert((now, now));
         self.places = Some((start, now));
         let step = now.saturating_sub(last);
         if self.late == 0 {
             self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
         }
-        self.late = self.late.saturating_sub(1);
         self.outcome.most_counts = self.outcome.most_counts.max(self.work);
         self.outcome.least_counts = self.outcome.least_counts.min(self.work);
-        if now.saturating_sub(start).saturating_abs() > self.probe.max_travel_counts {
+        let moved = now.saturating_sub(start).saturating_abs();
+        if moved > self.probe.max_travel_counts {
             self.end(End::Travel);
         }
         if step.saturating_abs() > self.probe.max_step_counts {
             self.end(End::Speed);
         }
-        if self.tick >= self.probe.ticks {
-            self.end(End::Done);
+        let open = self.trial.is_some() || self.probe.shape == Shape::Winding;
+        let flow = stage.and_then(|stage| stage.motors.get(self.probe.joint).map(|flow| (stage, *flow)));
+        if let Some((stage, flow)) = flow {
+            let [closed_most, open_most] = self.probe.most_codes;
+            let most = if open { open_most } else { closed_most };
+            if i32::from(flow.mean).abs().max(i32::from(flow.last).abs()) >= most {
+                self.end(End::Current);
+            }
+            // Not before there is a voltage to be compared with.
+            if self.late == 0 && self.pushing != 0 {
+                self.sums.add(&stage, flow, step);
+            }
+        } else if open {
+            self.end(End::Unmeasured);
+        }
+        self.late = self.late.saturating_sub(1);
+        let mut duty = Duty::OFF;
+        let mut enable = true;
+        if let (Some(trial), Some((_, flow))) = (&mut self.trial, flow) {
+            match trial.step(self.probe.along * i32::from(flow.mean), moved) {
+                winding::Next::Way(way, enabled) => {
+                    // At most ±32767, and a sign.
+                    duty = Duty((self.probe.code * S::from_i32(way)).round_to_i32() as i16);
+                    enable = enabled;
+                }
+                winding::Next::Passed => self.trial = None,
+                winding::Next::Failed(why) => self.end(match why {
+                    winding::Why::Enable => End::Enable,
+                    winding::Why::Sensor => End::Sensor,
+                    winding::Why::Open => End::Open,
+                }),
+            }
+        }
+        if self.trial.is_none() {
+            if self.tick >= self.probe.ticks {
+                if flow.is_some() && self.probe.check {
+                    self.outcome.electric = Some(self.sums.fit(&self.probe.expected));
+                }
+                self.end(End::Done);
+            }
+            duty = self.probe.duty(self.tick);
+            self.tick += 1;
+            let pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
+            if pushing != self.pushing {
+                (self.pushing, self.late) = (pushing, LATE_TICKS);
+            }
         }
         if self.outcome.end != End::Running {
             return None;
-        }
-        let duty = self.probe.duty(self.tick);
-        self.tick += 1;
-        let pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
-        if pushing != self.pushing {
-            (self.pushing, self.late) = (pushing, LATE_TICKS);
         }
         let mut duties = [Duty::OFF; AXES];
         if let Some(own) = duties.get_mut(self.probe.joint) {
             *own = duty;
         }
-        Some(duties)
+        Some(Push { duties, enable, open: self.trial.is_some() || self.probe.shape == Shape::Winding })
     }
 }

@@ -1,0 +1,229 @@
+//! What voltage and current say of a motor's winding, of its current's sensor, of the bridge and of the encoder's scale.
+//!
+//! Over a tick L·Δi = ∫(u − R·i − k·v) dt, whatever happens within it: mean voltage and current, the change of the current and the
+//! encoder's step, which a tick knows all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
+//! records (host-sim's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
+//!
+//! **Before the loop is closed**, [`Trial`]: with the enable low and a voltage at the bridge's inputs, neither current nor motion
+//! may come; with it high, current must come, and along the voltage. Otherwise a loop around the current would run away, or
+//! push with all its voltage.
+//!
+//! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
+//! is even in time about its middle where the speed is odd, so an error in one (dead time looks like resistance) is none in the other.
+//! k holds the encoder's scale and the motor's constant together: a scale that is wrong by [`SCALE_PERCENT`] and a constant that is wrong the other
+//! way are not told.
+//!
+//! Units: currents in codes, 1/32767 of `motor.full_scale_a`; voltages in counts of the timer.
+//!
+//! Limits: dead time is within the resistance (so its tolerance is wide), and the swing must be fast enough to make a voltage: one that
+//! is too slow to tell the scale to a few percent has not passed.
+
+use core::f64::consts::TAU;
+use core::fmt;
+
+use super::stage::{Flow, Measured};
+use crate::device::motor::Duty;
+use crate::names::KinematicsName;
+use crate::settings::Settings;
+
+/// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
+pub const REST_TICKS: u32 = 40;
+/// Which way the voltage goes after that, tick after tick, over and over. Sum and first moment are zero: a rotor that is free to move comes
+/// back to where it was, at rest (Thue and Morse).
+pub const WAYS: [i32; 8] = [1, -1, -1, 1, -1, 1, 1, -1];
+
+/// Which way the voltage of a winding's probe goes at a tick.
+#[inline]
+pub fn way(tick: u32) -> i32 {
+    tick.checked_sub(REST_TICKS).map_or(0, alternating)
+}
+
+fn alternating(tick: u32) -> i32 {
+    WAYS.get(tick as usize % WAYS.len()).copied().unwrap_or_default()
+}
+
+/// Current that is one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six ticks are sure to a few codes.
+pub const LEAST_CODES: i32 = 16;
+/// Counts that an encoder may go to and fro by at rest.
+const REST_COUNTS: i32 = 2;
+
+/// What comes before the loop is closed: so many ticks without voltage, with one at the inputs of a bridge that is not enabled (one way,
+/// then the other), enabled without voltage until it is awake, and with [`WAYS`] twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Trial {
+    tick: u32,
+    /// Sum of the currents along the voltage, codes.
+    along: i32,
+}
+
+/// What a trial does next.
+pub(crate) enum Next {
+    /// This way with the voltage, and whether the bridge is enabled.
+    Way(i32, bool),
+    /// The loop may be closed.
+    Passed,
+    /// It may not.
+    Failed(Why),
+}
+
+/// What stands against closing the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Why {
+    /// Current or motion while the enable was low.
+    Enable,
+    /// The current flows against the voltage.
+    Sensor,
+    /// No current flows.
+    Open,
+}
+
+const DISABLED: u32 = 4;
+const AGAINST: u32 = 8;
+const AWAKE: u32 = 12;
+const DRIVEN: u32 = 16;
+const OVER: u32 = DRIVEN + 2 * WAYS.len() as u32;
+
+impl Trial {
+    /// Which way the voltage goes at a tick.
+    fn way(tick: u32) -> i32 {
+        match tick {
+            DISABLED..AGAINST => 1,
+            AGAINST..AWAKE => -1,
+            DRIVEN..OVER => alternating(tick - DRIVEN),
+            _ => 0,
+        }
+    }
+
+    /// A tick: what flowed along the joint since the last one, codes, and how far the joint is from where it began, counts.
+    pub(crate) fn step(&mut self, mean: i32, moved_counts: i32) -> Next {
+        let tick = self.tick;
+        // What was measured is of the tick before; in the first after a change of a voltage that stands it may be that of the other.
+        let (before, earlier) = (Self::way(tick.wrapping_sub(1)), Self::way(tick.wrapping_sub(2)));
+        if before == earlier || tick > DRIVEN {
+            self.along += before * mean;
+        }
+        if tick <= AWAKE && moved_counts > REST_COUNTS {
+            return Next::Failed(Why::Enable);
+        }
+        match tick {
+            // Of three ticks each way.
+            AWAKE if self.along.abs() > 6 * LEAST_CODES => return Next::Failed(Why::Enable),
+            AWAKE => self.along = 0,
+            OVER if self.along < -(2 * WAYS.len() as i32) * LEAST_CODES => return Next::Failed(Why::Sensor),
+            OVER if self.along < 2 * WAYS.len() as i32 * LEAST_CODES => return Next::Failed(Why::Open),
+            OVER => return Next::Passed,
+            _ => {}
+        }
+        self.tick += 1;
+        Next::Way(Self::way(tick), tick >= AWAKE)
+    }
+}
+
+/// What the settings say: volts along the motor per code of current, and per count that the joint makes in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Expected {
+    per_code: f64,
+    per_count: f64,
+}
+
+impl Expected {
+    pub(crate) fn build(settings: &Settings) -> Self {
+        let (motor, encoder) = (&settings.motor, &settings.encoder);
+        let counts_per_unit = match settings.kinematics.model {
+            KinematicsName::Direct => encoder.counts_per_m,
+            _ => encoder.counts_per_rev / TAU,
+        };
+        let along = if motor.reversed { -1.0 } else { 1.0 };
+        Self {
+            per_code: motor.resistance_ohm * motor.full_scale_a / f64::from(Duty::FULL_SCALE),
+            // A constant in newtons per ampere is one in volts per metre per second.
+            per_count: along * motor.newton_or_newton_metre_per_a / counts_per_unit / settings.timing.control_period_s,
+        }
+    }
+}
+
+/// Sums of u = R·i + k·Δcounts, exact: a number of 16 bits times another, 2³¹ times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sums {
+    ticks: u32,
+    /// mV in as many counts, of the last tick.
+    supply: [u16; 2],
+    uu: i64,
+    ui: i64,
+    uc: i64,
+    ii: i64,
+    ic: i64,
+    cc: i64,
+}
+
+impl Sums {
+    /// One tick, and the counts that the joint made in it.
+    pub(crate) fn add(&mut self, stage: &Measured, flow: Flow, step_counts: i32) {
+        let [u, i, c] = [i64::from(flow.voltage), i64::from(flow.mean), i64::from(step_counts)];
+        self.ticks = self.ticks.saturating_add(1);
+        self.supply = [stage.supply_mv, stage.supply_counts];
+        self.uu += u * u;
+        self.ui += u * i;
+        self.uc += u * c;
+        self.ii += i * i;
+        self.ic += i * c;
+        self.cc += c * c;
+    }
+
+    /// The fit; of too little one that no settings expect.
+    pub(crate) fn fit(&self, expected: &Expected) -> Electric {
+        let [uu, ui, uc, ii, ic, cc] = [self.uu, self.ui, self.uc, self.ii, self.ic, self.cc].map(|sum| sum as f64);
+        let determinant = ii * cc - ic * ic;
+        let (per_code, per_count) = ((ui * cc - uc * ic) / determinant, (uc * ii - ui * ic) / determinant);
+        let variance = (uu - per_code * ui - per_count * uc).max(0.0) / (f64::from(self.ticks) - 2.0);
+        let [supply_mv, counts] = self.supply.map(f64::from);
+        let volts = supply_mv / counts / 1e3;
+        // A cast saturates, and takes NaN to 0.
+        let percent = |share: f64| (100.0 * volts * share) as i32;
+        Electric {
+            resistance_percent: percent(per_code / expected.per_code),
+            constant_percent: percent(per_count / expected.per_count),
+            unsure_percent: percent(libm::sqrt(variance * ii / determinant) / expected.per_count).saturating_abs(),
+        }
+    }
+}
+
+/// How far from 100 the constant may be, its standard error included.
+pub const SCALE_PERCENT: i32 = 30;
+/// Resistance of a winding that is the one of the settings: warm, with the dead time of its bridge, and within what a loop bears.
+pub const RESISTANCE_PERCENT: [i32; 2] = [40, 300];
+
+/// What voltage and current of a check said, in percent of what the settings say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Electric {
+    /// R.
+    pub resistance_percent: i32,
+    /// Back-EMF per count: motor constant over the encoder's scale.
+    pub constant_percent: i32,
+    /// Its standard error.
+    pub unsure_percent: i32,
+}
+
+impl Electric {
+    /// The winding is that of the settings.
+    pub fn is_winding(self) -> bool {
+        let [least, most] = RESISTANCE_PERCENT;
+        (least..=most).contains(&self.resistance_percent)
+    }
+
+    /// So are the motor's constant and the encoder's scale.
+    pub fn is_scale(self) -> bool {
+        let off = self.constant_percent.saturating_sub(100).saturating_abs();
+        off.saturating_add(self.unsure_percent) <= SCALE_PERCENT
+    }
+}
+
+impl fmt::Display for Electric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { resistance_percent, constant_percent, unsure_percent } = self;
+        write!(
+            f,
+            "resistance {resistance_percent} %, back-EMF {constant_percent} ± {unsure_percent} % of the settings'"
+        )
+    }
+}
