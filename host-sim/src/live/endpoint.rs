@@ -155,6 +155,15 @@ pub fn realtime() -> bool {
     .is_ok()
 }
 
+/// Has this thread, and those that it starts, stand back behind the others by so much niceness, where each thread has one of its own.
+pub(crate) fn stand_back(niceness: i32) {
+    // Who is not nicer is no fault.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(niceness);
+    #[cfg(not(target_os = "linux"))]
+    let _ = niceness;
+}
+
 /// How long a run is once everybody is there, and how long to wait for that, s.
 #[derive(Clone, Copy)]
 pub(crate) struct Span {

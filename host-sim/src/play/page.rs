@@ -39,9 +39,14 @@ impl Page {
         self.site.address(person)
     }
 
-    /// Keeps the beat until it is stopped, or so many seconds are over.
+    /// Keeps the beat until it is stopped, or so many seconds are over: on a thread of its own, for what a thread starts inherits
+    /// its real-time priority.
     pub(crate) fn run(&self, seconds: f64, stop: &Stop) -> Result<Kept, String> {
-        let kept = beat::run(&self.desk, self.scene.clone(), seconds, stop);
+        let beat = || beat::run(&self.desk, self.scene.clone(), seconds, stop);
+        let kept = std::thread::scope(|scope| {
+            let beat = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, beat);
+            beat.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
+        });
         // Windows ask 60 times a second: each sees that it is over, and closes.
         self.desk.lock().over = true;
         std::thread::sleep(Duration::from_millis(100));

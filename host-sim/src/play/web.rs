@@ -43,6 +43,7 @@ use super::judge::Ask;
 use super::orders::CLICKS;
 use super::partner::Model;
 use super::session::{COLUMNS, FAULT, PERIOD_S, REACH_M};
+use crate::live::endpoint::stand_back;
 
 const FILES: [(&str, &str, &str); 3] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
@@ -58,6 +59,8 @@ const SOONEST: Duration = Duration::from_millis(4);
 /// Longest head of a request, and longest message of a window, bytes: a scene file of every key has 5,000.
 const LONGEST_HEAD: usize = 4096;
 const LONGEST_MESSAGE: usize = 16384;
+/// How far windows stand back behind the beat where that gets no real-time priority.
+const NICENESS: i32 = 5;
 /// Connections at a time.
 const MOST: usize = 16;
 /// Bytes before the samples.
@@ -97,6 +100,7 @@ impl Site {
     pub(super) fn serve(&self, listener: TcpListener, desk: &Arc<Desk>, asks: SyncSender<Ask>) -> Result<(), String> {
         let (site, desk, gate) = (self.clone(), Arc::clone(desk), Arc::new(()));
         let accept = move || {
+            stand_back(NICENESS);
             for stream in listener.incoming().flatten() {
                 let (site, desk, asks, pass) = (site.clone(), Arc::clone(&desk), asks.clone(), Arc::clone(&gate));
                 if Arc::strong_count(&gate) <= MOST + 1 {
