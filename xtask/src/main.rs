@@ -138,11 +138,17 @@ panic planted outside ITCM, which must fail on both counts.",
     },
     Chore {
         name: "page",
-        options: " [--write]",
-        does: "Checks the sources of host-sim play's page: types, lints, format",
+        options: " [--write] [--measure] [--seconds S]",
+        does: "Checks the sources of host-sim play's page: types, lints, format; or measures it in a browser",
         more: "TypeScript and Biome, in the versions and with the hashes of tests/page/package-lock.json. Installs npm if apt-get can.
-  --write   write the format, and mend what can be mended without thought",
-        run: |given| page::page(given.flag("--write")),
+  --write    write the format, and mend what can be mended without thought
+  --measure  print instead, for the release build without windows and with two in Chromium, how many ticks were late, and
+             how long it takes from a moved pointer to its picture
+  --seconds  for how long each, 10 to 3600 s [default: 60]",
+        run: |given| match given.flag("--measure") {
+            true => page::measure(given.value("--seconds").unwrap_or("60")),
+            false => page::page(given.flag("--write")),
+        },
     },
     Chore {
         name: "provision",

@@ -1,5 +1,5 @@
 //! `cargo xtask page`: types, lints and format of the live page's sources (host-sim/src/play/site), with tools whose versions and hashes
-//! stand in tests/page/package-lock.json; and the browser that the page is tested in.
+//! stand in tests/page/package-lock.json; and the browser that the page is tested and measured in.
 
 use std::path::Path;
 
@@ -29,6 +29,21 @@ pub(crate) fn page(write: bool) -> Result<(), Failure> {
     }
     run::run(&mut npm(&["run", "--silent", "check"]))
         .map_err(|failure| Failure::new(format!("{failure}; `cargo xtask page --write` mends what is format")))
+}
+
+/// Prints how punctual the release build is without and with two windows in Chromium, and how soon a moved pointer is a picture.
+pub(crate) fn measure(seconds: &str) -> Result<(), Failure> {
+    if !seconds.parse().is_ok_and(|seconds: u32| (10..=3600).contains(&seconds)) {
+        return Err(Failure::usage(format!(
+            "--seconds {seconds} is not allowed: it must be a whole number from 10 to 3600"
+        )));
+    }
+    browser()?;
+    let mut test = run::cargo(&["test", "--locked", "--release", "--package", "host-sim", "--test", "suite", "--"]);
+    test.args(["--ignored", "--exact", "--nocapture", "play::how_punctual_and_how_soon"]);
+    let said = run::output(test.env("HAPTIC_MEASURE_S", seconds))?;
+    said.lines().filter(|line| line.starts_with('|')).for_each(|line| println!("{line}"));
+    Ok(())
 }
 
 /// Makes sure of Chromium, which the page's test drives; without it that test fails.

@@ -24,8 +24,17 @@ const KEPT = 16384;
 /** No sample yet: everything that the program has. */
 const NOTHING = 0xffffffff;
 
-// The address: whose hand, the token of this run, and what to order first, each behind a "/".
-const [place = "", ...orders] = decodeURIComponent(location.hash.slice(1)).split("/");
+/** What stands behind the "#" of an address: whose hand and the token of a run, and behind a "/" the scene that a link carries.
+ * @param {string} link */
+function carried(link) {
+  const [place = "", ...rest] = link.slice(link.indexOf("#") + 1).split("/");
+  try {
+    return { place, order: decodeURIComponent(rest.join("/")) };
+  } catch {
+    return { place, order: "" };
+  }
+}
+let { place, order: first } = carried(location.hash);
 const [person = "0", token = ""] = place.split("-");
 const me = person === "2" ? 2 : 1;
 const watches = person !== "1" && person !== "2";
@@ -99,7 +108,8 @@ function greeted(greeting) {
       return button;
     }),
   );
-  for (const order of orders.splice(0)) ask(order);
+  if (first) follow(first);
+  first = "";
 }
 
 /** @param {HTMLSelectElement} select @param {string[]} names */
@@ -235,7 +245,7 @@ let moved;
 function measureLag(now) {
   if (!moved || !(Math.abs(value(`wanted_${me}`) - moved[1]) > 0)) return;
   lags.push(now - moved[0]);
-  if (lags.length > 200) lags.shift();
+  if (lags.length > 1000) lags.shift();
   moved = undefined;
 }
 
@@ -675,11 +685,32 @@ input("open").addEventListener("change", async () => {
   if (file) ask(`file ${await file.text()}`, "file");
   input("open").value = "";
 });
-element("link").addEventListener("click", async () => {
+/** A link to this scene, for any run: it has no token. */
+function asLink() {
   const keys = (holds?.changed ?? []).map(([key, text]) => `${key}=${text.replaceAll('"', "")}`).join(" ");
-  const link = `${location.origin}/#${place}/${encodeURIComponent(`scene default ${keys}`)}`;
-  history.replaceState(null, "", link);
+  return `${location.origin}/#/${encodeURIComponent(`scene default ${keys}`.trim())}`;
+}
+
+/** Asks for the scene that a link carries, and for nothing else that a page can order. @param {string} order */
+function follow(order) {
+  if (/^scene [\w.-]+( [\w.]+=\S+)*$/.test(order)) ask(order);
+  else element("refused").textContent = "this link carries no scene";
+}
+
+element("link").addEventListener("click", async () => {
+  const link = asLink();
+  input("paste").value = link;
+  input("paste").select();
   await navigator.clipboard?.writeText(link).catch(() => undefined);
+});
+element("paste-form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  follow(carried(input("paste").value.trim()).order);
+});
+addEventListener("hashchange", () => {
+  const { place: other, order } = carried(location.hash);
+  if (other && other !== place) location.reload();
+  else if (order) follow(order);
 });
 
 // --- once a frame ---
@@ -704,7 +735,9 @@ function frame(now) {
 }
 
 element("who").textContent = watches ? "– watching" : `– person ${me}`;
-Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, lag } });
-connect();
+input("paste").value = token ? "" : location.href;
+Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, asLink, lag } });
+if (token) connect();
+else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
 requestAnimationFrame(frame);
 export {};

@@ -138,6 +138,12 @@ impl Browser {
         self.call(window, "Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "code": key }));
     }
 
+    /// Where what pages save goes.
+    pub(super) fn downloads(&mut self, folder: &Path) {
+        let allow = json!({ "behavior": "allow", "downloadPath": folder.display().to_string() });
+        self.send(None, "Browser.setDownloadBehavior", &allow);
+    }
+
     /// The window as a PNG.
     pub(super) fn picture(&mut self, window: &Window, file: &Path) {
         let picture = self.call(window, "Page.captureScreenshot", json!({ "format": "png" }));

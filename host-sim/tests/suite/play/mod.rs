@@ -4,10 +4,13 @@
 //! `target/tmp/suite/play`.
 
 mod devtools;
+mod files;
+mod inputs;
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command};
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 
@@ -29,6 +32,15 @@ impl Play {
         let address = |line: String| line.split_once("http://").map(|(_, rest)| format!("http://{rest}"));
         let addresses = said.by_ref().lines().map_while(Result::ok).filter_map(address).take(3).collect();
         Self { child, addresses, _said: said }
+    }
+
+    /// What it reports when it ends.
+    fn report(mut self) -> serde_json::Value {
+        assert!(self.child.wait().expect("it ends").success());
+        let mut said = String::new();
+        let out = self.child.stdout.as_mut().expect("its output is kept");
+        out.read_to_string(&mut said).expect("text");
+        serde_json::from_str(&said).expect("one JSON document")
     }
 }
 
@@ -58,12 +70,28 @@ fn click(browser: &mut Browser, window: &Window, id: &str) {
     browser.evaluate(window, &format!("document.getElementById('{id}').click()"));
 }
 
+/// Presses the button that says this.
+fn press(browser: &mut Browser, window: &Window, text: &str) {
+    let buttons = "[...document.querySelectorAll('button')]";
+    browser.evaluate(window, &format!("{buttons}.find((button) => button.textContent === '{text}').click()"));
+}
+
+/// Types into a field or moves a range, as a person who then leaves it.
+fn set(browser: &mut Browser, window: &Window, id: &str, value: &str) {
+    let expression = format!(
+        "{{ const e = document.getElementById('{id}'); e.value = {}; \
+         for (const kind of ['input', 'change']) e.dispatchEvent(new Event(kind)); }}",
+        json!(value)
+    );
+    browser.evaluate(window, &expression);
+}
+
 /// Moves a pressed mouse by so many mm of the scene, as a hand does, in 40 frames.
 fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f64; 2] {
     let [per_mm] = browser.numbers(window, "[scene.getScreenCTM().a]");
     for step in 1..=40 {
         browser.mouse(window, "mouseMoved", [x + per_mm * mm * f64::from(step) / 40.0, y]);
-        std::thread::sleep(std::time::Duration::from_millis(16));
+        std::thread::sleep(Duration::from_millis(16));
     }
     [x + per_mm * mm, y]
 }
@@ -71,15 +99,50 @@ fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f
 /// Asked to end, it closes its windows, reports its ticks and says so with status 0.
 #[test]
 fn it_ends_when_it_is_asked_to() {
-    let mut play = Play::start(&["--json"]);
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    let play = Play::start(&["--json"]);
+    std::thread::sleep(Duration::from_millis(300));
     let asked = Command::new("kill").args(["-s", "INT", &play.child.id().to_string()]).status();
-    assert!(asked.expect("kill runs").success() && play.child.wait().expect("it ends").success());
-    let mut said = String::new();
-    let out = play.child.stdout.as_mut().expect("its output is kept");
-    out.read_to_string(&mut said).expect("text");
-    let report: serde_json::Value = serde_json::from_str(&said).expect("one JSON document");
+    assert!(asked.expect("kill runs").success());
+    let report = play.report();
     assert!(report["ticks"].as_u64() > Some(100), "{report}");
+}
+
+/// How punctual the beat is without and with two windows, and how soon a moved pointer is a picture: a table for
+/// `cargo xtask page --measure`, which says for how long.
+#[test]
+#[ignore = "takes minutes, and tells of the machine"]
+fn how_punctual_and_how_soon() {
+    let seconds = std::env::var("HAPTIC_MEASURE_S").unwrap_or_else(|_| "60".into());
+    println!("| windows | ticks | late | worst, ms | pointer to picture, ms at 50 and 95 % | frames a second |");
+    println!("|---|---|---|---|---|---|");
+    for windows in [0, 2] {
+        let play = Play::start(&["--json", "--partner", "follows", "--seconds", &seconds]);
+        let seen = (windows > 0).then(|| pointer_to_picture(&play));
+        let kept = play.report();
+        let late = format!("{} | {} | {:.2}", kept["ticks"], kept["late"], kept["worst_us"].as_f64().unwrap() * 1e-3);
+        let soon = seen.map_or(" | ".to_owned(), |[half, most, frames]| format!("{half:.0}, {most:.0} | {frames:.0}"));
+        println!("| {windows} | {late} | {soon} |");
+    }
+}
+
+/// Drags the hand of window 1 to and fro while window 2 looks on, until the program ends; lags at 50 and 95 %, ms, and frames a second.
+fn pointer_to_picture(play: &Play) -> [f64; 3] {
+    let mut browser = Browser::start(folder().join("measured"));
+    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    for window in [&one, &two] {
+        browser.wait(window, "page.frames() > 20 && page.value('device_1', 500) === 0");
+    }
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    let ([start, mut frames], started) = (browser.numbers(&one, "[page.frames(), 0]"), Instant::now());
+    let (mut at, mut way, mut seen, mut took) = (hand, 30.0, [f64::NAN; 2], 0.0);
+    while browser.evaluate(&one, "document.getElementById('status').textContent.startsWith('closed')") != true {
+        at = drag(&mut browser, &one, at, way);
+        way = -way;
+        let [half, most, now] = browser.numbers(&one, "[page.lag(0.5), page.lag(0.95), page.frames()]");
+        (seen, frames, took) = ([half, most], now, started.elapsed().as_secs_f64());
+    }
+    [seen[0], seen[1], (frames - start) / took]
 }
 
 #[test]
