@@ -1,4 +1,4 @@
-//! `host-sim sweep`: a scene over a grid of its keys, and over seeds.
+//! `host-sim sweep`: a scene over a grid or a sample of its keys, and over seeds.
 
 use std::path::{Path, PathBuf};
 use std::{collections::BTreeSet, fs};
@@ -8,9 +8,12 @@ use haptic_sim::report::{Columns, Files, Made};
 use haptic_sim::user::User;
 use serde_json::json;
 
-use super::flags::{Out, Time};
+use super::flags::{Out, Time, choice};
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::sweep::{self, Axis, Journal};
+use crate::studies::sweep::{self, Axis, Design, Journal, Sample, Spread};
+
+/// Most points that are printed for people.
+const MOST_SHOWN: usize = 200;
 
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
@@ -19,8 +22,20 @@ pub(super) struct Sweep {
     #[command(flatten)]
     time: Time,
     /// A key and its values: N from A to B, at equal ratios with :log, or those of a list; repeat it for a grid.
-    #[arg(long, required = true, value_name = "TABLE.KEY=A..B:N[:log]|X,Y,Z")]
+    #[arg(long, required_unless_present = "sample", value_name = "TABLE.KEY=A..B:N[:log]|X,Y,Z")]
     over: Vec<Axis>,
+    /// A key that is drawn from a range, at equal ratios with :log, or from a list; repeat it. At each point of the grid.
+    #[arg(long, requires = "points", value_name = "TABLE.KEY=A..B[:log|:whole]|X,Y,Z")]
+    sample: Vec<Spread>,
+    /// Points of the sample.
+    #[arg(long, requires = "sample", value_name = "N")]
+    points: Option<usize>,
+    /// How they are spread.
+    #[arg(long, requires = "sample", default_value = "sobol", value_parser = choice::<Design>())]
+    design: Design,
+    /// Another sample of the same design.
+    #[arg(long, requires = "sample", default_value_t = 1, value_name = "N")]
+    sample_seed: u32,
     /// Runs of every point, with the scene's seed and those after it.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: u32,
@@ -36,9 +51,11 @@ impl Sweep {
         let scene = self.scene.load(ui)?;
         self.time.check(&scene)?;
         let (axes, seeds, seconds) = (self.over.clone(), self.seeds, self.time.seconds);
-        let sweep = sweep::Sweep { scene, axes, seeds, seconds };
+        let sample = |points| Sample::new(self.design, points, self.sample_seed, self.sample.clone());
+        let sample = self.points.map(sample).transpose()?;
+        let sweep = sweep::Sweep { scene, axes, sample, seeds, seconds };
         sweep.check()?;
-        if !sweep.scene.users.iter().any(User::acts) && !self.over.iter().any(|axis| axis.key.starts_with("user.")) {
+        if !sweep.scene.users.iter().any(User::acts) && !sweep.keys().any(|key| key.starts_with("user.")) {
             ui.warn("nobody pushes: set user.1.push_n (or load a scene)");
         }
         let question = sweep.question(ui.made())?;
@@ -75,7 +92,11 @@ impl Sweep {
                 "wall_s": wall_s, "files": files,
             }),
         )?;
-        ui.table(&summary);
+        if summary.len() <= MOST_SHOWN {
+            ui.table(&summary);
+        } else {
+            writeln!(ui, "{} points: too many to print", summary.len());
+        }
         writeln!(
             ui,
             "{} runs of {}, {failed} of them not stable; {new} new ones in {wall_s:.1} s",

@@ -33,9 +33,12 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn arguments<'a>(folder: &'a Path, more: &[&'a str]) -> Vec<&'a str> {
-    let out = ["--out", folder.to_str().expect("a name in UTF-8")];
     let seeds: &[&str] = if more.contains(&"--seeds") { &[] } else { &["--seeds", "3"] };
-    [QUESTION, seeds, &out, more].concat()
+    with_out(&[QUESTION, seeds, more].concat(), folder)
+}
+
+fn with_out<'a>(question: &[&'a str], folder: &'a Path) -> Vec<&'a str> {
+    [question, &["--out", folder.to_str().expect("a name in UTF-8")]].concat()
 }
 
 fn sweep(folder: &Path, more: &[&str]) -> Value {
@@ -165,20 +168,21 @@ fn any_number_of_shards_and_threads_gives_the_same_rows() {
     assert_eq!(text(&one, "sweep.csv"), csv);
 }
 
-/// Killed again and again, after as many rows as are drawn: the next one goes on, and in the end the rows are those of one that nobody
-/// disturbed.
-#[test]
-fn kills_lose_nothing_and_repeat_nothing() {
-    let (whole, killed) = (folder("undisturbed"), folder("killed"));
-    let question = ["--seeds", "25"];
-    let runs = 24 * 25;
-    assert_eq!(sweep(&whole, &question)["new_runs"], runs);
+/// Killed again and again, each time when as much more has been written as is drawn: the next one goes on, and in the end the rows are
+/// those of one that nobody disturbed.
+fn killed(name: &str, question: &[&str], runs: usize, kills: u64) {
+    let (whole, killed) = (folder(&format!("{name}-undisturbed")), folder(&format!("{name}-killed")));
+    let start = |folder: &Path| host_sim(&with_out(question, folder)).spawn().expect("host-sim runs");
+    let sweep = |folder: &Path| report(start(folder));
+    assert_eq!(sweep(&whole)["new_runs"], runs);
+    let bytes = |folder: &Path| fs::metadata(folder.join("rows-1-of-1.csv")).map_or(0, |file| file.len());
+    let all = bytes(&whole);
     let mut random = Rng::new(20_261_121);
     let mut there = vec![0];
-    for _ in 0..8 {
-        let until = there[there.len() - 1] + random.below(100) as usize;
-        let mut child = host_sim(&arguments(&killed, &question)).spawn().expect("host-sim runs");
-        while (!killed.exists() || journals(&killed).len() < until) && child.try_wait().expect("a child").is_none() {
+    for _ in 0..kills {
+        let until = bytes(&killed) + random.below(all / kills);
+        let mut child = start(&killed);
+        while bytes(&killed) < until && child.try_wait().expect("a child").is_none() {
             std::thread::sleep(Duration::from_micros(random.below(2000)));
         }
         child.kill().expect("it can be killed");
@@ -188,10 +192,76 @@ fn kills_lose_nothing_and_repeat_nothing() {
     assert!(there.is_sorted(), "rows got lost: {there:?}");
     let struck = there.windows(2).filter(|pair| pair[0] < pair[1] && pair[1] < runs).count();
     assert!(struck >= 2, "only {struck} kills came in the middle: {there:?}");
-    let new = sweep(&killed, &question)["new_runs"].as_u64().expect("a count") as usize;
+    let new = sweep(&killed)["new_runs"].as_u64().expect("a count") as usize;
     assert_eq!(new, runs - there[there.len() - 1], "after {there:?}");
-    assert_eq!(journals(&killed), journals(&whole), "after {there:?}");
-    assert_eq!(text(&killed, "sweep.csv"), text(&whole, "sweep.csv"));
+    assert!(journals(&killed) == journals(&whole), "other rows after {there:?}");
+    assert!(text(&killed, "sweep.csv") == text(&whole, "sweep.csv"), "another table after {there:?}");
+    println!("{runs} runs, killed when there were {there:?}: the same rows");
+}
+
+#[test]
+fn kills_lose_nothing_and_repeat_nothing() {
+    killed("grid", &[QUESTION, &["--seeds", "25"]].concat(), 24 * 25, 8);
+}
+
+/// Short runs at points of Sobol's sequence.
+const SAMPLED: &[&str] = &[
+    "sweep",
+    "--json",
+    "--scene",
+    "paper-5.2-wave-16ms",
+    "--sample",
+    "coordination.stiffness_n_per_m=10..20000:log",
+    "--sample",
+    "network.loss=0..0.5",
+    "--sample",
+    "object.mass_kg=0.1..1:log",
+    "--seconds",
+    "0.02",
+];
+
+#[test]
+fn five_kills_of_a_sample() {
+    killed("sample", &[SAMPLED, &["--points", "3000"]].concat(), 3000, 5);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --release -p host-sim --test suite -- --ignored --nocapture five_kills"]
+fn five_kills_of_a_hundred_thousand_points() {
+    killed("sample-100000", &[SAMPLED, &["--points", "100000"]].concat(), 100_000, 5);
+}
+
+/// Shards of a sample over a grid are its rows, and a row lies where the sample says, whoever runs it and whatever else is run.
+#[test]
+fn a_sample_is_the_same_in_shards_and_beside_more_points() {
+    let question =
+        [SAMPLED, &["--over", "coordination.comm=power,wave", "--design", "latin-hypercube", "--points", "20"]];
+    let question = question.concat();
+    let with = |folder: &Path, more: &[&str]| {
+        report(host_sim(&with_out(&[&question, more].concat(), folder)).spawn().expect("host-sim runs"))
+    };
+    let (whole, shards) = (folder("sample-whole"), folder("sample-shards"));
+    assert_eq!(with(&whole, &[])["new_runs"], 40);
+    for shard in ["3/3", "1/3", "2/3"] {
+        with(&shards, &["--shard", shard]);
+    }
+    assert_eq!(with(&shards, &[])["new_runs"], 0);
+    assert_eq!(text(&shards, "sweep.csv"), text(&whole, "sweep.csv"));
+
+    let mut reader = csv::Reader::from_path(whole.join("sweep.csv")).expect("a table");
+    let rows: Vec<std::collections::HashMap<String, String>> =
+        reader.deserialize().map(|row| row.expect("a row")).collect();
+    for (power, wave) in rows[..20].iter().zip(&rows[20..]) {
+        assert_eq!((power["coordination.comm"].as_str(), wave["coordination.comm"].as_str()), ("power", "wave"));
+        for key in ["coordination.stiffness_n_per_m", "network.loss", "object.mass_kg"] {
+            assert_eq!(power[key], wave[key]);
+        }
+    }
+    // One of 20 equal parts of a range each.
+    let mut parts: Vec<usize> =
+        rows[..20].iter().map(|row| (row["network.loss"].parse::<f64>().expect("a number") * 40.0) as usize).collect();
+    parts.sort_unstable();
+    assert_eq!(parts, (0..20).collect::<Vec<_>>());
 }
 
 /// Whatever of a line a kill left: it is cut off, and its run is done again.
@@ -239,5 +309,15 @@ fn another_question_and_bad_ones_are_refused() {
     over("network.loss=0..0.1:3:log", &["ends above 0"]);
     over("network.loss=0..0.1", &["TABLE.KEY=A..B:N"]);
     over("network.loss=0.1,0.1", &["0.1 stands there twice"]);
+    let sample = |more: &[&str], names: &[&str]| refused(&[&["sweep", "--json"], more].concat(), names);
+    sample(&["--sample", "network.loss=0..1.5", "--points", "64"], &["network.loss = 1.", "is not allowed"]);
+    sample(&["--sample", "network.loss=0..0.1"], &["--points"]);
+    sample(&["--sample", "network.loss=0.1..0", "--points", "9"], &["from a number to a larger one"]);
+    sample(&["--sample", "network.loss=0..0.1", "--points", "0"], &["1 to 1000000 points"]);
+    sample(&["--sample", "network.seed=1..9:whole", "--points", "9"], &["network.seed is no key to sweep over"]);
+    sample(
+        &["--sample", "network.loss=0..0.1", "--over", "network.loss=0,0.1", "--points", "9"],
+        &["network.loss is varied twice"],
+    );
     refused(&["sweep", "--over", "network.loss=0,0.1", "--shard", "3/2", "--out", "x"], &["I/N, I from 1 to N"]);
 }

@@ -5,8 +5,8 @@ use std::{collections::BTreeSet, str::FromStr};
 use haptic_core::settings::Value;
 use haptic_sim::report::Cell;
 
-/// Most values of an axis.
-const MOST: usize = 1_000_000;
+/// Most values of an axis, and points of a sample.
+pub(super) const MOST: usize = 1_000_000;
 
 /// A key and its values.
 ///
@@ -30,14 +30,12 @@ pub struct Axis {
     pub values: Vec<String>,
 }
 
-impl Axis {
-    /// This value as a cell of a table.
-    pub fn cell(&self, at: usize) -> Cell {
-        match Value::of_text(&self.values[at]) {
-            Value::Number(number) => number.into(),
-            Value::Flag(flag) => flag.into(),
-            Value::Text(text) => text.into(),
-        }
+/// A value that a scene file writes so, as a cell of a table.
+pub(super) fn cell(value: &str) -> Cell {
+    match Value::of_text(value) {
+        Value::Number(number) => number.into(),
+        Value::Flag(flag) => flag.into(),
+        Value::Text(text) => text.into(),
     }
 }
 
@@ -45,7 +43,7 @@ impl FromStr for Axis {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let form = || "write it as TABLE.KEY=A..B:N, TABLE.KEY=A..B:N:log or TABLE.KEY=X,Y,Z".to_owned();
+        let form = || form("A..B:N, A..B:N:log");
         let (key, values) = text.split_once('=').ok_or_else(form)?;
         let (key, values) = (key.trim().to_owned(), values.trim());
         let values = match values.split_once("..") {
@@ -61,11 +59,23 @@ impl FromStr for Axis {
     }
 }
 
+/// How it is to be written: a range in one of these forms, or a list.
+pub(super) fn form(ranges: &str) -> String {
+    let ranges: Vec<String> = ranges.split(", ").map(|range| format!("TABLE.KEY={range}")).collect();
+    format!("write it as {} or TABLE.KEY=X,Y,Z", ranges.join(", "))
+}
+
+/// The ends of a range, if these are numbers.
+pub(super) fn ends(first: &str, last: &str) -> Option<(f64, f64)> {
+    let number = |end: &str| end.trim().parse::<f64>().ok().filter(|end| end.is_finite());
+    number(first).zip(number(last))
+}
+
 /// The numbers of `FIRST..REST`, or what is wrong with them; none where it is not written so.
 fn range(first: &str, rest: &str) -> Option<Result<Vec<String>, String>> {
     let mut parts = rest.split(':');
-    let [first, last] = [first, parts.next()?].map(|end| end.trim().parse::<f64>().ok().filter(|end| end.is_finite()));
-    let (first, last, count) = (first?, last?, parts.next()?.trim().parse::<usize>().ok()?);
+    let (first, last) = ends(first, parts.next()?)?;
+    let count = parts.next()?.trim().parse::<usize>().ok()?;
     let log = match (parts.next().map(str::trim), parts.next()) {
         (None, _) => false,
         (Some("log"), None) => true,

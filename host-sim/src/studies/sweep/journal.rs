@@ -27,7 +27,7 @@ const SYNC: Duration = Duration::from_secs(1);
 /// What one run gave. What is no number there is NaN.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
-    /// Which point of the grid, from 0; the last key varies fastest.
+    /// Which point, from 0; in a grid the last key varies fastest.
     pub point: usize,
     /// The seed of the run.
     pub seed: u32,

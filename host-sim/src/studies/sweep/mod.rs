@@ -1,6 +1,7 @@
-//! A scene over a grid of its keys and over seeds: a row a run, and per point the mean over the seeds with its 95 % interval.
+//! A scene over its keys and over seeds: a row a run, and per point the mean over the seeds with its 95 % interval.
 //!
-//! A **point** is one choice of a value for every [`Axis`]; the last axis varies fastest. Every point is run with the same seeds: the
+//! A **point** is one choice of a value for every [`Axis`] of a grid, the last one varying fastest, and at each point of the grid one
+//! point of a [`Sample`], which varies faster still. Every point is run with the same seeds: the
 //! scene's `network.seed` and those after it. A run is that of `cooperate`, in f64, with what the analyser says of the point
 //! (an oscillation may be too slow to grow in a run); its figures of merit are [`MERITS`].
 //!
@@ -13,12 +14,14 @@
 mod axis;
 mod journal;
 mod merits;
+mod sample;
 
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
+use haptic_core::names::Choice;
 use haptic_sim::report::{Columns, Made, Rows};
 use haptic_sim::run::{Options, Verdict, run};
 use haptic_sim::scene::{Scene, SceneError};
@@ -28,6 +31,7 @@ use super::{Failure, doubt, estimate::Estimate};
 pub use self::axis::Axis;
 pub use self::journal::{Journal, Row};
 pub use self::merits::{MERITS, Merit};
+pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 
 /// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
 pub const MOST_RUNS: usize = 10_000_000;
@@ -37,8 +41,10 @@ pub const MOST_RUNS: usize = 10_000_000;
 pub struct Sweep {
     /// What every point starts from.
     pub scene: Scene,
-    /// What is varied.
+    /// What is varied over a grid.
     pub axes: Vec<Axis>,
+    /// And what at each point of it.
+    pub sample: Option<Sample>,
     /// Runs of a point.
     pub seeds: u32,
     /// Simulated time of a run, s.
@@ -46,9 +52,14 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Points of the grid.
+    /// Points: those of the sample at each of the grid.
     pub fn points(&self) -> usize {
-        self.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul)
+        self.axes.iter().map(|axis| axis.values.len()).fold(self.sampled(), usize::saturating_mul)
+    }
+
+    /// Points of the sample at each point of the grid.
+    fn sampled(&self) -> usize {
+        self.sample.as_ref().map_or(1, |sample| sample.points)
     }
 
     /// Runs of the whole sweep.
@@ -56,37 +67,51 @@ impl Sweep {
         self.points().saturating_mul(self.seeds as usize)
     }
 
-    /// Which value of each axis a point has.
-    fn place(&self, point: usize) -> Vec<usize> {
-        let mut rest = point;
+    /// What is drawn at each point of the grid.
+    fn spreads(&self) -> &[Spread] {
+        self.sample.as_ref().map_or(&[], |sample| &sample.spreads)
+    }
+
+    /// The keys that are varied.
+    pub fn keys(&self) -> impl Iterator<Item = &str> + Clone {
+        let drawn = self.spreads().iter().map(|spread| spread.key.as_str());
+        self.axes.iter().map(|axis| axis.key.as_str()).chain(drawn)
+    }
+
+    /// The value of each of them at a point.
+    fn values(&self, point: usize) -> Vec<String> {
+        let mut rest = point / self.sampled();
         let digit = |axis: &Axis| {
             let at = rest % axis.values.len();
             rest /= axis.values.len();
-            at
+            axis.values[at].clone()
         };
-        let mut place: Vec<usize> = self.axes.iter().rev().map(digit).collect();
-        place.reverse();
-        place
+        let mut values: Vec<String> = self.axes.iter().rev().map(digit).collect();
+        values.reverse();
+        if let Some(sample) = &self.sample {
+            values.extend((0..sample.spreads.len()).map(|key| sample.value(key, point % sample.points)));
+        }
+        values
     }
 
     /// The scene of a point, with the first seed.
     pub fn scene_at(&self, point: usize) -> Result<Scene, SceneError> {
-        let settings = self.axes.iter().zip(self.place(point));
-        let settings = settings.map(|(axis, at)| format!("{}={}", axis.key, axis.values[at]));
+        let settings = self.keys().zip(self.values(point)).map(|(key, value)| format!("{key}={value}"));
+        let settings: Vec<String> = settings.collect();
         let mut scene = self.scene.clone();
-        settings.clone().try_for_each(|setting| scene.apply_override(&setting))?;
-        scene.check(&settings.collect::<Vec<_>>().join(" "))?;
+        settings.iter().try_for_each(|setting| scene.apply_override(setting))?;
+        scene.check(&settings.join(" "))?;
         Ok(scene)
     }
 
     /// Refuses what could not be run: a key that there is not, a value or a combination that is not allowed, too much of it.
     pub fn check(&self) -> Result<(), Failure> {
-        for (at, axis) in self.axes.iter().enumerate() {
-            if axis.key == "network.seed" {
+        for (at, key) in self.keys().enumerate() {
+            if key == "network.seed" {
                 return Err("network.seed is no key to sweep over: every point is run with the same seeds".into());
             }
-            if self.axes[..at].iter().any(|other| other.key == axis.key) {
-                return Err(format!("{} is varied twice", axis.key).into());
+            if self.keys().take(at).any(|other| other == key) {
+                return Err(format!("{key} is varied twice").into());
             }
         }
         if self.runs() > MOST_RUNS {
@@ -106,10 +131,20 @@ impl Sweep {
         for (number, axis) in (1..).zip(&self.axes) {
             made = made.with(&format!("over_{number}"), format!("{}={}", axis.key, axis.values.join(",")));
         }
-        let named = |axis: &Axis| if axis.key.ends_with(".trace") { axis.values.clone() } else { Vec::new() };
+        if let Some(sample) = &self.sample {
+            made = made.with("design", sample.design.name()).with("sample_points", sample.points);
+            made = made.with("sample_seed", sample.seed);
+            for (number, spread) in (1..).zip(&sample.spreads) {
+                made = made.with(&format!("sample_{number}"), spread.text());
+            }
+        }
+        let listed = self.axes.iter().map(|axis| (&axis.key, axis.values.as_slice()));
+        let listed = listed.chain(self.spreads().iter().map(|spread| (&spread.key, spread.listed())));
+        let named =
+            listed.filter(|(key, _)| key.ends_with(".trace")).flat_map(|(_, files)| files.iter().map(Into::into));
         let users = self.scene.users.iter().filter_map(|user| user.trace.as_ref().map(|trace| &trace.file));
         let network = self.scene.network_trace.iter().map(|trace| &trace.file);
-        let traces = users.chain(network).cloned().chain(self.axes.iter().flat_map(named).map(Into::into));
+        let traces = users.chain(network).cloned().chain(named);
         for (number, trace) in (1..).zip(traces) {
             let bytes = std::fs::read(&trace).map_err(|cause| format!("cannot read {}: {cause}", trace.display()))?;
             made = made.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
@@ -136,19 +171,7 @@ impl Sweep {
             let scene = self.scene_at(point)?;
             let verdict = haptic_analysis::verdict(&scene)?;
             let row = |seed| {
-                let mut scene = scene.clone();
-                scene.world.network.seed = seed;
-                let outcome = run::<f64>(&scene, Options { duration_s: self.seconds, record_every: 0 }, &|_| {})?;
-                let outcome = outcome.doubted(doubt(&scene, &verdict));
-                let row = Row {
-                    point,
-                    seed,
-                    verdict: outcome.verdict().name().to_owned(),
-                    reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
-                    spectral_radius: verdict.spectral_radius,
-                    merits: MERITS.map(|merit| (merit.of)(&outcome).unwrap_or(f64::NAN)),
-                    state_hash: format!("{:016x}", outcome.hash),
-                };
+                let row = Row::of_run(point, seed, &scene, &verdict, self.seconds)?;
                 keep(std::slice::from_ref(&row))?;
                 Ok::<_, Failure>(row)
             };
@@ -183,18 +206,18 @@ impl Sweep {
             .collect()
     }
 
-    /// One column for every axis.
-    fn keys<'a, R>(&self, mut rows: Rows<'a, R>, point: impl Fn(&R) -> usize + Copy) -> Rows<'a, R> {
-        for (at, axis) in self.axes.iter().enumerate() {
-            rows = rows.value(axis.key.as_str(), |row| axis.cell(self.place(point(row))[at]));
+    /// One column for every key.
+    fn of_keys<'a, R>(&self, mut rows: Rows<'a, R>, point: impl Fn(&R) -> usize + Copy) -> Rows<'a, R> {
+        for (at, key) in self.keys().enumerate() {
+            rows = rows.value(key, |row| axis::cell(&self.values(point(row))[at]));
         }
         rows
     }
 
     /// Every run as a table.
     pub fn columns(&self, rows: &[Row]) -> Columns {
-        let mut columns = Columns::of(rows).value("point", |row| row.point).means("which of the grid, from 0");
-        columns = self.keys(columns, |row| row.point).value("seed", |row| row.seed);
+        let mut columns = Columns::of(rows).value("point", |row| row.point).means("which of them, from 0");
+        columns = self.of_keys(columns, |row| row.point).value("seed", |row| row.seed);
         columns = columns
             .value("stable", |row| row.verdict == Verdict::Stable.name())
             .value("verdict", |row| row.verdict.as_str());
@@ -215,7 +238,7 @@ impl Sweep {
         let points: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
         let count = |runs: &[Row], verdict: Verdict| runs.iter().filter(|run| run.verdict == verdict.name()).count();
         let mut columns = Columns::of(&points).value("point", |runs| runs[0].point);
-        columns = self.keys(columns, |runs| runs[0].point).value("runs", |runs| runs.len());
+        columns = self.of_keys(columns, |runs| runs[0].point).value("runs", |runs| runs.len());
         columns = columns.value("unstable_runs", |runs| count(runs, Verdict::Unstable)).head("unstable");
         columns = columns.value("apart_runs", |runs| count(runs, Verdict::Apart)).head("apart");
         for (at, merit) in MERITS.iter().enumerate() {
@@ -230,6 +253,31 @@ impl Sweep {
             of(Verdict::Unstable).or(of(Verdict::Apart)).map(|run| run.reason.clone())
         };
         columns.value("reason", worst).done()
+    }
+}
+
+impl Row {
+    /// One run of a scene with this seed, and what the analyser says of the scene.
+    pub(crate) fn of_run(
+        point: usize,
+        seed: u32,
+        scene: &Scene,
+        verdict: &haptic_analysis::Verdict,
+        seconds: f64,
+    ) -> Result<Self, Failure> {
+        let mut scene = scene.clone();
+        scene.world.network.seed = seed;
+        let outcome = run::<f64>(&scene, Options { duration_s: seconds, record_every: 0 }, &|_| {})?;
+        let outcome = outcome.doubted(doubt(&scene, verdict));
+        Ok(Self {
+            point,
+            seed,
+            verdict: outcome.verdict().name().to_owned(),
+            reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
+            spectral_radius: verdict.spectral_radius,
+            merits: MERITS.map(|merit| (merit.of)(&outcome).unwrap_or(f64::NAN)),
+            state_hash: format!("{:016x}", outcome.hash),
+        })
     }
 }
 
