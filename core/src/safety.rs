@@ -155,10 +155,8 @@ impl<S: Scalar> Guard<S> {
     pub fn limit(&self, last: S, wanted: S) -> S {
         let target = wanted.limit(self.max_force);
         let step = target - last;
-        if step > self.max_step {
-            last + self.max_step
-        } else if step < -self.max_step {
-            last - self.max_step
+        if step.abs() > self.max_step {
+            if step > S::ZERO { last + self.max_step } else { last - self.max_step }
         } else {
             target
         }

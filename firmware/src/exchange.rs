@@ -193,15 +193,15 @@ pub struct Producer<'a, T, const N: usize> {
 }
 
 impl<T: Copy, const N: usize> Producer<'_, T, N> {
-    /// Puts a value in; false if the queue is full.
+    /// Puts a value in that is made where it will lie; false, and none is made, if the queue is full.
     #[inline]
-    pub fn put(&mut self, value: T) -> bool {
+    pub fn put(&mut self, make: impl FnOnce(&mut T)) -> bool {
         let head = self.queue.head.load(Ordering::Relaxed);
         if head.wrapping_sub(self.queue.tail.load(Ordering::Acquire)) >= N as u32 {
             return false;
         }
         // SAFETY: the reader gave this slot back, and sees it again only after the store below.
-        self.queue.slot(head).with_mut(|slot| unsafe { *slot = value });
+        self.queue.slot(head).with_mut(|slot| make(unsafe { &mut *slot }));
         self.queue.head.store(head.wrapping_add(1), Ordering::Release);
         true
     }

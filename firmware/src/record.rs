@@ -55,45 +55,45 @@ pub struct Record(pub [u32; WORDS]);
 impl Record {
     /// What a tick read and did. `flags` are [`ENABLED`] and the others.
     #[inline]
-    pub fn new<L: Law<f32>>(
+    pub fn fill<L: Law<f32>>(
+        &mut self,
         tick: u32,
         counts: [Counts; AXES],
         incoming: Option<Packet<f32>>,
         flags: u8,
         peer: &mut Peer<f32, L>,
         actuators: &Actuators<f32>,
-    ) -> Self {
-        let [Counts(count_a), Counts(count_b)] = counts;
-        let [duty_a, duty_b] = actuators.duties.map(|duty| duty.0.cast_unsigned());
-        let incoming = incoming.unwrap_or_default();
+    ) {
         let digest = digest(peer);
         let (seen, ledger) = (peer.observed(), peer.ledger());
+        let incoming = incoming.unwrap_or_default();
         let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
-        Self([
-            tick,
-            u32::from(count_a) | u32::from(count_b) << 16,
-            u32::from(duty_a) | u32::from(duty_b) << 16,
-            peer.mode().code() | u32::from(flags) << 16,
-            incoming.motion.position.to_bits(),
-            incoming.motion.velocity.to_bits(),
-            incoming.wave.to_bits(),
-            seen.device.position.to_bits(),
-            seen.device.velocity.to_bits(),
-            seen.object.position.to_bits(),
-            seen.object.velocity.to_bits(),
-            seen.desired.position.to_bits(),
-            seen.desired.velocity.to_bits(),
-            seen.contact_force.to_bits(),
-            seen.coordination_force.to_bits(),
-            digest,
-            ledger.received_j().to_bits(),
-            ledger.sent_j().to_bits(),
-            energy as u32,
-            (energy >> 32) as u32,
-            integral as u32,
-            (integral >> 32) as u32,
-            incoming.live_ticks,
-        ])
+        let halves = |[low, high]: [u16; AXES]| u32::from(low) | u32::from(high) << 16;
+        // One after the other: an array of all of them would go by way of the stack.
+        let Self(words) = self;
+        words[0] = tick;
+        words[1] = halves(counts.map(|Counts(count)| count));
+        words[2] = halves(actuators.duties.map(|duty| duty.0.cast_unsigned()));
+        words[3] = peer.mode().code() | u32::from(flags) << 16;
+        words[4] = incoming.motion.position.to_bits();
+        words[5] = incoming.motion.velocity.to_bits();
+        words[6] = incoming.wave.to_bits();
+        words[7] = seen.device.position.to_bits();
+        words[8] = seen.device.velocity.to_bits();
+        words[9] = seen.object.position.to_bits();
+        words[10] = seen.object.velocity.to_bits();
+        words[11] = seen.desired.position.to_bits();
+        words[12] = seen.desired.velocity.to_bits();
+        words[13] = seen.contact_force.to_bits();
+        words[14] = seen.coordination_force.to_bits();
+        words[15] = digest;
+        words[16] = ledger.received_j().to_bits();
+        words[17] = ledger.sent_j().to_bits();
+        words[18] = energy as u32;
+        words[19] = (energy >> 32) as u32;
+        words[20] = integral as u32;
+        words[21] = (integral >> 32) as u32;
+        words[22] = incoming.live_ticks;
     }
 
     /// The bytes on the wire.
@@ -165,14 +165,15 @@ impl Record {
     }
 }
 
-/// A digest of the bits of a peer's dynamic state, cheap enough for every tick: one multiplication a number.
+/// A digest of the bits of a peer's dynamic state, cheap enough for every tick: one instruction a number.
+///
+/// A difference in one number always shows. Differences in several show unless they are the same bits, turned by [`TURN`] a number.
 #[inline]
 pub fn digest(state: &mut (impl StateVector<f32> + ?Sized)) -> u32 {
-    let mut digest = 0x811C_9DC5_u32;
-    state.visit(&mut |number: &mut f32| {
-        // The fold brings the high bits down, where the next product spreads them again.
-        digest = (digest ^ number.to_bits()).wrapping_mul(0x0100_0193);
-        digest ^= digest >> 15;
-    });
+    let mut digest = 0;
+    state.visit(&mut |number: &mut f32| digest = number.to_bits() ^ u32::rotate_right(digest, TURN));
     digest
 }
+
+/// Odd, so that 32 numbers are turned to 32 places.
+const TURN: u32 = 13;

@@ -182,9 +182,9 @@ impl Loop {
         self.side.signals.mode.set(self.peer.mode());
         self.side.signals.ticks.set(self.tick);
         if self.record_due() {
-            let record = Record::new(self.tick, counts, incoming, flags, &mut self.peer, &actuators);
+            let (tick, peer) = (self.tick, &mut self.peer);
             // Without room it is lost: whoever misses it sees it by the numbers.
-            let _ = self.side.records.put(record);
+            let _ = self.side.records.put(|record| record.fill(tick, counts, incoming, flags, peer, &actuators));
         }
         self.overrun = pace::due();
         if self.overrun {

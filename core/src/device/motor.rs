@@ -50,10 +50,10 @@ impl<S: Scalar> Motor<S> {
     /// Duty for a force along the joint (N or N·m), and whether the force was more than the duty limit gives.
     #[inline]
     pub fn duty(&self, joint_force: S) -> (Duty, bool) {
-        let code = joint_force * self.codes_per_force;
-        let saturated = code.abs() > self.max_code;
-        // At most ±32767 after the limit, which also takes NaN to 0: the cast is exact.
-        (Duty(code.limit(self.max_code).round_to_i32() as i16), saturated)
+        let wanted = joint_force * self.codes_per_force;
+        // At most ±32767, and no NaN: the cast is exact.
+        let code = wanted.limit(self.max_code);
+        (Duty(code.round_to_i32() as i16), code != wanted)
     }
 
     /// Force along the joint (N or N·m) that a duty gives: the inverse of [`Motor::duty`], to half a code.

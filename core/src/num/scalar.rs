@@ -64,12 +64,13 @@ pub trait Scalar:
     /// The value held within `±bound`; NaN gives 0, so that what comes out is always finite for a finite bound.
     #[inline]
     fn limit(self, bound: Self) -> Self {
-        if self > bound {
+        // What is usual first: nothing to limit.
+        if self.abs() <= bound {
+            self
+        } else if self > bound {
             bound
         } else if self < -bound {
             -bound
-        } else if self >= -bound {
-            self
         } else {
             Self::ZERO
         }
@@ -108,6 +109,10 @@ macro_rules! float_scalar {
             fn round_to_i32(self) -> i32 {
                 // libm::round truncates this sum; so does the cast, in one instruction.
                 (self + (0.5 - 0.25 * $float::EPSILON).copysign(self)) as i32
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $float::abs(self)
             }
             #[inline]
             fn is_finite(self) -> bool {

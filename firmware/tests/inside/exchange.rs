@@ -11,7 +11,7 @@ fn a_queue_loses_only_what_it_refused() {
         let queue = std::boxed::Box::leak(std::boxed::Box::new(Queue::<(u32, u32), 2>::default()));
         let (mut producer, mut consumer) = queue.split();
         let putting = thread::spawn(move || {
-            (1..=3).filter(|&value| producer.put((value, 10 * value))).collect::<std::vec::Vec<_>>()
+            (1..=3).filter(|&value| producer.put(|slot| *slot = (value, 10 * value))).collect::<std::vec::Vec<_>>()
         });
         let mut taken: std::vec::Vec<u32> = std::vec::Vec::new();
         let mut take = |consumer: &mut Consumer<'_, (u32, u32), 2>| {

@@ -8,9 +8,9 @@ fn a_queue_keeps_order_and_says_when_it_is_full() {
     let (mut producer, mut consumer) = queue.split();
     for round in 0..5 {
         for value in 0..4 {
-            assert!(producer.put(10 * round + value));
+            assert!(producer.put(|slot| *slot = 10 * round + value));
         }
-        assert!(!producer.put(99));
+        assert!(!producer.put(|slot| *slot = 99));
         for value in 0..4 {
             assert_eq!(consumer.take(), Some(10 * round + value));
         }

@@ -17,7 +17,8 @@ fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
 fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
     let counts = [Counts(0x1234), Counts(0xABCD)];
-    let record = Record::new(7, counts, None, ENABLED | SENT, &mut peer, &Actuators::default());
+    let mut record = Record::default();
+    record.fill(7, counts, None, ENABLED | SENT, &mut peer, &Actuators::default());
     let back = Record::from_bytes(&record.bytes());
     assert_eq!(back, record);
     assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, counts, Mode::Disarmed, ENABLED | SENT));
@@ -42,7 +43,8 @@ fn a_packet_that_came_in_comes_out_whole() {
     };
     let told = |flags, incoming| {
         let mut peer = peer(0.0);
-        let record = Record::new(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
+        let mut record = Record::default();
+        record.fill(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));

@@ -149,7 +149,9 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;
             let actuators = peer.tick(&Sensors { reading: Reading::Counts(counts), overrun, stage: None });
-            Record::new(board.tick(), counts, incoming, board.flags(), &mut peer, &actuators) == *board
+            let mut record = Record::default();
+            record.fill(board.tick(), counts, incoming, board.flags(), &mut peer, &actuators);
+            record == *board
         },
         records.len() as u64,
     )
