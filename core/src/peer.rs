@@ -17,6 +17,7 @@ use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing, Push};
 use crate::device::stage::Measured;
+use crate::device::stage_watch::{Driven, StageState, StageWatch};
 use crate::device::watch::{Still, Watch};
 use crate::device::{AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
@@ -117,6 +118,7 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     guard: Guard<S>,
     watch: Watch<S>,
     envelope: Envelope<S>,
+    stage_watch: StageWatch<S>,
     /// Where the axes are when the encoders read zero, m.
     home: [S; AXES],
     // What does.
@@ -139,6 +141,9 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     delayed: bool,
     probing: Probing<S>,
     still: [Still; AXES],
+    /// What the last tick asked of the motors.
+    asked: [Duty; AXES],
+    stage: StageState<S>,
     /// The packet that stands.
     standing: Packet<S>,
     observed: Observed<S>,
@@ -183,6 +188,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             guard: Guard::build(settings),
             watch: Watch::build(settings),
             envelope: Envelope::build(settings),
+            stage_watch: StageWatch::build(settings)?,
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
             until_packet: 0,
@@ -204,6 +210,8 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             delayed: false,
             probing: Probing::default(),
             still: Default::default(),
+            asked: [Duty::OFF; AXES],
+            stage: StageState::default(),
             standing: Packet::default(),
             observed: Observed::default(),
         })
@@ -224,6 +232,13 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.delayed = false;
         self.standing = Packet::default();
         self.still = Default::default();
+        self.start_stage();
+    }
+
+    /// No motor has been asked for anything yet.
+    fn start_stage(&mut self) {
+        self.asked = [Duty::OFF; AXES];
+        self.stage_watch.start(&mut self.stage);
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
@@ -240,8 +255,12 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 joint.encoder.primed = false;
                 joint.velocity.start(at);
             }
+            self.start_stage();
         }
         if before != Mode::Armed && self.mode == Mode::Armed {
+            if self.stage.supply_is_wrong {
+                return self.trip(Fault::SupplyOutOfRange);
+            }
             self.engage();
         }
     }
@@ -249,8 +268,12 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// Begins a probe, if disarmed; otherwise nothing changes.
     pub fn probe(&mut self, probe: Probe<S>) {
         if self.mode == Mode::Disarmed {
+            if self.stage.supply_is_wrong {
+                return self.trip(Fault::SupplyOutOfRange);
+            }
             self.mode = Mode::Probing;
             self.probing = Probing::of(probe);
+            self.start_stage();
         }
     }
 
@@ -391,6 +414,11 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         };
         self.device = pose.axes;
         let [free, ..] = pose.axes;
+        if let Some(measured) = &sensors.stage
+            && let Some(fault) = self.judge(measured)
+        {
+            self.trip(fault);
+        }
         if self.mode != Mode::Armed {
             self.envelope.rest(&mut self.load);
             let object = Motion::at(self.object.position);
@@ -453,6 +481,21 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             coordination_force: moved.coupled.force,
         };
         moved
+    }
+
+    /// What the power stage says is wrong.
+    #[inline]
+    fn judge(&mut self, measured: &Measured) -> Option<Fault> {
+        let [first, ..] = &self.joints;
+        let driven = match self.mode {
+            Mode::Armed if first.encoder.primed => Driven::Whole,
+            Mode::Armed => Driven::Alone,
+            Mode::Probing => Driven::Probed,
+            _ => Driven::Off,
+        };
+        let joints = &self.joints;
+        let counts = || joints.each_ref().map(|joint| joint.encoder.total);
+        self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts)
     }
 
     /// One tick of a probe; disarmed when it is over.
@@ -571,6 +614,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
         }
         self.forces = forces;
+        self.asked = duties;
         Actuators { forces, duties, enable: true, open: false }
     }
 

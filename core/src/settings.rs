@@ -544,6 +544,12 @@ settings! {
             "The current loop adds the voltage that the motor makes by moving, from the joint's speed.";
         sense_a: f64 = 5.5, number(1e-3, 1e3), "A",
             "Current at which its sensor is at the end of its range, either way; at least 1.1 times the largest asked for.";
+        emf_tolerance_v: f64 = 0.6, number(0.01, 60.0), "V",
+            "With a current loop: voltage that dead time, sensors and brushes may take, unseen by the check of encoders against the motor.";
+        min_supply_v: f64 = 18.0, number(5.0, 65.0), "V",
+            "Least supply of the bridges, where it is measured; below it the motors go off.";
+        max_supply_v: f64 = 30.0, number(5.0, 65.0), "V",
+            "Largest supply of the bridges, where it is measured; above it the motors go off.";
         continuous_a: f64 = 2.0, number(1e-3, 1e3), "A", "Current that the winding bears for ever.";
         thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
     }

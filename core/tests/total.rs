@@ -5,6 +5,7 @@
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::probe::{Probe, Request, Shape};
+use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::wave::Decode;
 use haptic_core::law::{AnyLaw, Packet};
@@ -38,12 +39,28 @@ struct Outside {
     packet: bool,
     /// Shape of a probe that is asked for, if any.
     probe: Option<usize>,
+    stage: Option<Measured>,
+}
+
+/// Nothing, little, or any bits.
+fn stage() -> impl Strategy<Value = Option<Measured>> {
+    let flow =
+        |most: i16| prop::array::uniform3(-most..=most).prop_map(|[mean, last, voltage]| Flow { mean, last, voltage });
+    let measured = |(motors, supply_mv, supply_counts)| Some(Measured { motors, supply_mv, supply_counts });
+    prop_oneof![
+        2 => Just(None),
+        5 => (prop::array::uniform2(flow(300)), 20_000..25_000_u16, Just(6000)).prop_map(measured),
+        1 => (prop::array::uniform2(flow(i16::MAX)), any::<u16>(), any::<u16>()).prop_map(measured),
+        1 => (Just([Flow { mean: i16::MIN, last: i16::MIN, voltage: i16::MIN }; AXES]), any::<u16>(), 0..2_u16)
+            .prop_map(measured),
+    ]
 }
 
 fn outside() -> impl Strategy<Value = Outside> {
     let probe = prop::option::weighted(0.1, 0..Shape::ALL.len());
-    (prop::array::uniform7(any_number()), any::<([u16; AXES], u32)>(), any::<bool>(), 0..50_u8, any::<bool>(), probe)
-        .prop_map(|(numbers, (counts, live_ticks), read_counts, overrun, packet, probe)| Outside {
+    let flags = (any::<bool>(), 0..50_u8, any::<bool>());
+    (prop::array::uniform7(any_number()), any::<([u16; AXES], u32)>(), flags, probe, stage()).prop_map(
+        |(numbers, (counts, live_ticks), (read_counts, overrun, packet), probe, stage)| Outside {
             numbers,
             counts,
             live_ticks,
@@ -51,7 +68,9 @@ fn outside() -> impl Strategy<Value = Outside> {
             overrun: overrun == 0,
             packet,
             probe,
-        })
+            stage,
+        },
+    )
 }
 
 /// Settings with every key drawn from its range by one number in 0..=1; 0 and 1 are the ends.
@@ -75,6 +94,7 @@ fn settings(draws: &[f64]) -> Settings {
     // Half of all pairs would be out of order, and refused.
     let safety = &mut settings.safety;
     safety.disengage_s = safety.disengage_s.max(safety.fade_s + 1e-5);
+    settings.motor.max_supply_v = settings.motor.max_supply_v.max(settings.motor.min_supply_v);
     if settings.coordination.comm == "self-timed" {
         settings.object.integrator = IntegratorName::Midpoint;
         (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
@@ -131,7 +151,7 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         } else {
             Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
         };
-        let actuators = peer.tick(&Sensors { reading, overrun: now.overrun, stage: None });
+        let actuators = peer.tick(&Sensors { reading, overrun: now.overrun, stage: now.stage });
         let forces = actuators.forces.map(S::to_f64);
         let most = safety.max_force_n * (1.0 + 1e-6);
         for (force, before) in forces.into_iter().zip(before) {

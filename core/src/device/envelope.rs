@@ -1,7 +1,7 @@
 //! The body's own envelope: what a device may do to the hand that holds it, whatever the other peer sends, whichever law runs.
 //!
 //! Measured at the device's port while armed, over all axes together: the force on the hand, and the power P = F·v that the device
-//! gives it (what the hand gives the device is [`super::watch`]'s). Both as leaky root-mean-squares: m ← m + (x² − m)·T_c/τ with τ =
+//! gives it (what the hand gives the device is [`super::watch`]'s). Both as leaky root-mean-squares ([`super::leaky`]) over τ =
 //! `safety.rms_s`, which may not pass the square of `safety.max_rms_force_n` or `safety.max_rms_power_w`. A peak between pauses counts
 //! with its square, and pauses forgive it no sooner than τ does. A constant force F from rest is too much after
 //! −τ·ln(1 − (limit/F)²).
@@ -10,14 +10,12 @@
 
 use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
-use crate::{device::AXES, settings::Settings};
+use crate::{device::AXES, device::leaky::Leaky, settings::Settings};
 
 /// Limits over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
-    /// T_c/τ, and what is left of 1.
-    share: S,
-    keep: S,
+    leaky: Leaky<S>,
     /// Squares of the limits, N² and W².
     force: S,
     power: S,
@@ -34,10 +32,8 @@ impl<S: Scalar> Envelope<S> {
     /// From `safety.max_rms_force_n`, `safety.max_rms_power_w` and `safety.rms_s`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
-        let share = (settings.timing.control_period_s / safety.rms_s).min(1.0);
         Self {
-            share: S::from_f64(share),
-            keep: S::from_f64(1.0 - share),
+            leaky: Leaky::new(settings.timing.control_period_s, safety.rms_s),
             force: S::from_f64(safety.max_rms_force_n * safety.max_rms_force_n),
             power: S::from_f64(safety.max_rms_power_w * safety.max_rms_power_w),
         }
@@ -46,16 +42,16 @@ impl<S: Scalar> Envelope<S> {
     /// One tick with the motors off.
     #[inline]
     pub fn rest(&self, load: &mut Load<S>) {
-        load.force = load.force * self.keep;
-        load.power = load.power * self.keep;
+        load.force = self.leaky.forget(load.force);
+        load.power = self.leaky.forget(load.power);
     }
 
     /// One tick of forces (N) on axes that move: what is too much, if something is.
     #[inline]
     pub fn exceeded(&self, load: &mut Load<S>, [fx, fy]: [S; AXES], power: S) -> Option<Fault> {
         let given = power.max(S::ZERO);
-        load.force = load.force * self.keep + (fx * fx + fy * fy) * self.share;
-        load.power = load.power * self.keep + given * given * self.share;
+        load.force = self.leaky.after(load.force, fx * fx + fy * fy);
+        load.power = self.leaky.after(load.power, given * given);
         if load.force > self.force {
             Some(Fault::ForceTooLong)
         } else if load.power > self.power {

@@ -6,9 +6,11 @@
 //! | [`velocity`] | joint positions → joint velocity, a list of estimators |
 //! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
 //! | [`constraint`] | the force that holds an unused axis on its line |
+//! | [`leaky`] | a mean that forgets |
 //! | [`motor`] | joint force → duty |
 //! | [`current`] | duty, which is a current, → voltage of the motor: 20 000 times a second |
 //! | [`stage`] | what the power stage of the motors measured |
+//! | [`stage_watch`] | motors, their power stage and their encoders, by what the stage measured |
 //! | [`thermal`] | how warm a motor's winding is |
 //! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
@@ -23,9 +25,11 @@ pub mod current;
 pub mod encoder;
 pub mod envelope;
 pub mod kinematics;
+pub mod leaky;
 pub mod motor;
 pub mod probe;
 pub mod stage;
+pub mod stage_watch;
 pub mod thermal;
 pub mod velocity;
 pub mod watch;

@@ -1,41 +1,59 @@
 //! How warm a motor's winding is, from the current that flowed through it: I²t.
 //!
-//! One thermal mass: the mean square of the current over τ = `motor.thermal_s`, m ← m + (i² − m)·T_c/τ, may not pass the square of
-//! `motor.continuous_a`. A constant current i from cold is too much after −τ·ln(1 − (continuous/i)²), one that the motor bears for
-//! ever never.
+//! One thermal mass: the leaky mean ([`super::leaky`]) of the square of the current over τ = `motor.thermal_s` may not pass the square
+//! of `motor.continuous_a`. A constant current i from cold is too much after −τ·ln(1 − (continuous/i)²), to within 2⁻¹⁰·τ; one that
+//! the motor bears for ever never. Squares are summed up for that long first, so that `f32` does not lose them.
 //!
 //! Units: A, A². Limits: the surroundings are as warm as where `continuous_a` was measured; a restart begins cold, so who restarts
-//! waits; the copper's own, faster time is within τ.
+//! waits; the copper's own, faster time is within τ; what the current does between two readings is not in its mean.
 
-use crate::{num::Scalar, settings::Settings};
+use crate::{device::leaky::Leaky, num::Scalar, settings::Settings};
+
+/// Means that τ is resolved into.
+const STEPS: f64 = 1024.0;
 
 /// The limit of one motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermal<S> {
-    /// T_c/τ.
+    leaky: Leaky<S>,
+    /// Readings to a step of the mean, and 1 over them.
+    readings: u32,
     share: S,
     /// A².
     most: S,
 }
 
-/// Mean square of one motor's current, A².
+/// Mean square of one motor's current, A², and the readings since it was last taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Heat<S>(S);
+pub struct Heat<S> {
+    mean: S,
+    sum: S,
+    readings: u32,
+}
 
 impl<S: Scalar> Thermal<S> {
-    /// From `motor.continuous_a` and `motor.thermal_s`.
-    pub fn build(settings: &Settings) -> Self {
+    /// From `motor.continuous_a` and `motor.thermal_s`, for a reading in every `period_s`.
+    pub fn build(settings: &Settings, period_s: f64) -> Self {
         let motor = &settings.motor;
+        // At most 10 s of 10 µs: the cast is exact.
+        let readings = ((motor.thermal_s / STEPS / period_s) as u32).max(1);
         Self {
-            share: S::from_f64((settings.timing.control_period_s / motor.thermal_s).min(1.0)),
+            leaky: Leaky::new(period_s * f64::from(readings), motor.thermal_s),
+            readings,
+            share: S::from_f64(1.0 / f64::from(readings)),
             most: S::from_f64(motor.continuous_a * motor.continuous_a),
         }
     }
 
-    /// One tick of a current, A: whether the winding is warmer than it bears.
+    /// One reading of the current, A: whether the winding is warmer than it bears.
     #[inline]
-    pub fn is_too_warm(&self, Heat(heat): &mut Heat<S>, current_a: S) -> bool {
-        *heat = *heat + (current_a * current_a - *heat) * self.share;
-        *heat > self.most
+    pub fn is_too_warm(&self, heat: &mut Heat<S>, current_a: S) -> bool {
+        // In each reading its share: a sum of squares would leave the range of fixed point.
+        heat.sum = heat.sum + current_a * (current_a * self.share);
+        heat.readings += 1;
+        if heat.readings >= self.readings {
+            *heat = Heat { mean: self.leaky.after(heat.mean, heat.sum), ..Heat::default() };
+        }
+        heat.mean > self.most
     }
 }

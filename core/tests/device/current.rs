@@ -253,7 +253,7 @@ proptest! {
 /// −τ·ln(1 − (continuous/i)²): 2 A and 30 s, cold.
 #[test]
 fn a_winding_is_too_warm_when_it_says() {
-    let thermal = Thermal::<f32>::build(&Settings::default());
+    let thermal = Thermal::<f32>::build(&Settings::default(), 1e-3);
     for (amperes, after_s) in
         [(4.0, Some(30.0 * -(0.75_f64).ln())), (2.1, Some(30.0 * -(1.0 - (2.0 / 2.1_f64).powi(2)).ln())), (1.99, None)]
     {
@@ -272,7 +272,7 @@ fn a_winding_is_too_warm_when_it_says() {
 /// Warmth is kept through a pause: half of what there was after τ·ln 2.
 #[test]
 fn a_pause_forgives_no_sooner_than_the_winding_cools() {
-    let thermal = Thermal::<f64>::build(&Settings::default());
+    let thermal = Thermal::<f64>::build(&Settings::default(), 1e-3);
     let mut heat = Heat::default();
     while !thermal.is_too_warm(&mut heat, 4.0) {}
     let hot = heat;

@@ -5,6 +5,7 @@ mod midpoint;
 mod parting;
 mod safety;
 mod self_timed;
+mod stage;
 
 use haptic_core::device::Reading;
 use haptic_core::law::AnyLaw;

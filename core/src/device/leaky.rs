@@ -1,0 +1,36 @@
+//! A mean that forgets: m ← m·(1 − T/τ) + x·T/τ, once every T.
+//!
+//! A constant x from m = 0 on passes a limit after −τ·ln(1 − limit/x); exactly, with the first n for which
+//! 1 − (1 − T/τ)ⁿ > limit/x. One that is below the limit never does. A mean of squares is what warms a winding and tires a hand.
+//!
+//! Limits: in `f32` what comes in is lost where (x − m)·T/τ is below half a rounding of m: T/τ no smaller than 10⁻⁴ is fine.
+
+use crate::num::Scalar;
+
+/// How fast a mean forgets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaky<S> {
+    /// T/τ, and what is left of 1.
+    share: S,
+    keep: S,
+}
+
+impl<S: Scalar> Leaky<S> {
+    /// One that takes a value in every `period_s` and forgets over `time_s`; within a period, if that is longer.
+    pub fn new(period_s: f64, time_s: f64) -> Self {
+        let share = (period_s / time_s).min(1.0);
+        Self { share: S::from_f64(share), keep: S::from_f64(1.0 - share) }
+    }
+
+    /// The mean after a value.
+    #[inline(always)]
+    pub fn after(&self, mean: S, value: S) -> S {
+        mean * self.keep + value * self.share
+    }
+
+    /// The mean after a value of nothing.
+    #[inline(always)]
+    pub fn forget(&self, mean: S) -> S {
+        mean * self.keep
+    }
+}

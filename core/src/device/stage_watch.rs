@@ -1,0 +1,303 @@
+//! Watching motors, their power stage and their encoders by what the stage measured ([`super::stage`]): six questions, every second
+//! tick, of both ticks together.
+//!
+//! **Warm** ([`Fault::MotorTooWarm`]): [`super::thermal`].
+//!
+//! **Supply** ([`Fault::SupplyOutOfRange`]): outside `motor.min_supply_v` to `motor.max_supply_v` for [`LASTS_S`] while the motors are
+//! on; while they are off it only keeps them from being turned on.
+//!
+//! **Sensor** ([`Fault::CurrentSensor`]): at the end of its range at the end of two ticks running; or, while the motors are off, further
+//! than 5 % of `motor.sense_a` from zero for [`LASTS_S`], be it the sensor or a bridge that conducts although it is off.
+//!
+//! **Current** ([`Fault::CurrentNotFollowed`]): e = i − i_ref, codes, beside what is tolerated of it: 2 % of `motor.sense_a`, ⅛ of the
+//! reference, and its changes times half a tick and the loop's lag.
+//!
+//! **Encoder** ([`Fault::EncoderImplausible`]): a motor that turns is a second speed sensor. r = u − R·i − L·Δi/T − k·Δq/T, V, where
+//! Δq is what the encoder moved in T, beside what is tolerated of it: `motor.emf_tolerance_v` and one count, ¼ of |R·i| (copper that is
+//! 60 K warmer), ½ of |L·Δi/T| (iron that saturates) and ⅛ of |k·Δq/T|. So an encoder that is stuck is told from a joint speed of
+//! (tolerated r)/k on, one that counts the wrong way from half of that.
+//!
+//! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
+//! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that does not follow either, else
+//! the encoder's. Where only e is, it is the current's, unless the voltage is at its limit: then the encoder says where the voltage
+//! goes, into speed, and the supply is at its end, which is no fault. What is x times what is tolerated, all the time, is told after
+//! the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14 ms, twice after 6 ms, five
+//! times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just before.
+//!
+//! While a probe runs ([`super::probe`]), e and r are not asked for: scales and signs are what it is there to find, and it has a watch of
+//! its own. r is not where positions are exact.
+//!
+//! Limits: an open motor that no force is asked of is told as an encoder, as soon as it moves; one at rest is not told. A supply that
+//! is wrongly measured makes r. What the encoder does at less than the tolerated speed is not seen.
+
+use crate::device::current::{self, PWM_PERIOD_S};
+use crate::device::kinematics::Joints;
+use crate::device::leaky::Leaky;
+use crate::device::motor::Duty;
+use crate::device::stage::Measured;
+use crate::device::thermal::{Heat, Thermal};
+use crate::safety::{Fault, Patience};
+use crate::settings::{Allowed, Refused, Settings};
+use crate::{device::AXES, num::Scalar};
+
+/// Time that currents and voltages are averaged over, s.
+pub const MEAN_S: f64 = 0.008;
+/// Time that a supply, or a current of motors that are off, must be wrong for, s.
+pub const LASTS_S: f64 = 0.01;
+/// Time after the motors went on in which currents and encoders are not judged, s: bridges wake up.
+pub const SETTLES_S: f64 = 0.004;
+
+/// Parts of `motor.sense_a` that a current may be off its reference by, and off zero; and from where its sensor is at its end.
+const STRAYS: f64 = 0.02;
+const ZERO: f64 = 0.05;
+const END: f64 = 0.98;
+
+/// What the watch of all motors goes by.
+#[derive(Clone, Copy, Debug)]
+pub struct StageWatch<S> {
+    thermal: Thermal<S>,
+    leaky: Leaky<S>,
+    supply_mv: (u16, u16),
+    /// Pairs of ticks.
+    lasts: u32,
+    settles: u32,
+    /// Codes at which a sensor is at its end, and that it may be off zero by.
+    end: i32,
+    zero: i32,
+    /// Codes that two means may be off their references by, and 1/16 of what they may be of a change of the reference.
+    strays: i32,
+    lags: i32,
+    /// A per code, of the sum of two means.
+    amperes: S,
+    /// R, Ω.
+    ohms: S,
+    /// L/T, V per code.
+    inductive: S,
+    /// k/T, V per count.
+    emf: S,
+    /// V.
+    tolerance: S,
+    half: S,
+    eighth: S,
+    axes: usize,
+}
+
+/// What it remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageState<S> {
+    /// The first of a pair of ticks, with the references of its time.
+    first: Option<(Measured, [Duty; AXES])>,
+    /// Pairs since the motors went on.
+    on: u32,
+    conducts: Patience,
+    supply: Patience,
+    /// The last supply seen is out of range.
+    pub supply_is_wrong: bool,
+    motors: [Motor<S>; AXES],
+}
+
+/// One motor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Motor<S> {
+    heat: Heat<S>,
+    /// At the end of the last pair: current (codes), reference, counts.
+    last: i16,
+    asked: i16,
+    counts: i32,
+    /// Means of e and of what is tolerated of it, codes of two ticks.
+    error: S,
+    error_borne: S,
+    /// Means of r and of what is tolerated of it, V.
+    residual: S,
+    residual_borne: S,
+}
+
+/// How far the motors are judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driven {
+    /// They are off.
+    Off,
+    /// A probe has them, which judges them by itself: nothing but warmth, supply and the end of the sensor's range.
+    Probed,
+    /// They are on, and positions are exact.
+    Alone,
+    /// They are on.
+    Whole,
+}
+
+impl<S: Scalar> StageWatch<S> {
+    /// From the tables `motor`, `encoder` and `timing`.
+    ///
+    /// # Errors
+    /// A least supply above the largest.
+    pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        settings.within("motor.min_supply_v", Allowed::Number { min: 0.0, max: settings.motor.max_supply_v })?;
+        let motor = &settings.motor;
+        let pair_s = 2.0 * settings.timing.control_period_s;
+        let ampere = f64::from(Duty::FULL_SCALE) / motor.full_scale_a;
+        // Far beyond all codes there are, and sums of it still fit.
+        let codes = |amperes: f64| (amperes * ampere + 0.5).min(1e6) as i32;
+        // A cast saturates.
+        let pairs = |time_s: f64| ((time_s / pair_s + 0.5) as u32).max(1);
+        let millivolts = |volts: f64| (1e3 * volts + 0.5) as u16;
+        let along = if motor.reversed { -1.0 } else { 1.0 };
+        let volts_per_count = motor.newton_or_newton_metre_per_a / (Joints::of(settings).counts_per_unit * pair_s);
+        let late = 0.5 + (current::lag_s(settings) + PWM_PERIOD_S) / settings.timing.control_period_s;
+        Ok(Self {
+            thermal: Thermal::build(settings, pair_s),
+            leaky: Leaky::new(pair_s, MEAN_S),
+            supply_mv: (millivolts(motor.min_supply_v), millivolts(motor.max_supply_v)),
+            lasts: pairs(LASTS_S),
+            settles: pairs(SETTLES_S),
+            end: codes(END * motor.sense_a).min(i32::from(i16::MAX)),
+            zero: codes(ZERO * motor.sense_a),
+            strays: codes(2.0 * STRAYS * motor.sense_a),
+            lags: (16.0 * late).min(1024.0) as i32,
+            amperes: S::from_f64(0.5 / ampere),
+            ohms: S::from_f64(motor.resistance_ohm),
+            inductive: S::from_f64(motor.inductance_h / (ampere * pair_s)),
+            emf: S::from_f64(along * volts_per_count),
+            tolerance: S::from_f64(motor.emf_tolerance_v + volts_per_count),
+            half: S::from_f64(0.5),
+            eighth: S::from_f64(0.125),
+            axes: settings.axis.count as usize,
+        })
+    }
+
+    /// A tick's measurements, with the references that stood for it and the counts of every joint at its end: what is wrong.
+    #[inline]
+    pub fn step(
+        &self,
+        state: &mut StageState<S>,
+        measured: &Measured,
+        asked: [Duty; AXES],
+        driven: Driven,
+        counts: impl FnOnce() -> [i32; AXES],
+    ) -> Option<Fault> {
+        match state.first.take() {
+            Some(first) => self.judge(state, [first, (*measured, asked)], driven, counts()),
+            None => {
+                state.first = Some((*measured, asked));
+                None
+            }
+        }
+    }
+
+    /// Forgets what currents were asked for and whether they came; warmth stays.
+    pub fn start(&self, state: &mut StageState<S>) {
+        *state = StageState { motors: state.motors, supply_is_wrong: state.supply_is_wrong, ..StageState::default() };
+    }
+
+    #[inline(never)]
+    fn judge(
+        &self,
+        state: &mut StageState<S>,
+        [(one, asked_one), (two, asked_two)]: [(Measured, [Duty; AXES]); 2],
+        driven: Driven,
+        counts: [i32; AXES],
+    ) -> Option<Fault> {
+        let (least, most) = self.supply_mv;
+        state.supply_is_wrong = two.supply_mv < least || two.supply_mv > most;
+        let lasts = state.supply.spent(state.supply_is_wrong, self.lasts);
+        state.on = if driven == Driven::Off { 0 } else { state.on.saturating_add(1) };
+        let compared = if driven != Driven::Probed && state.on > self.settles { driven } else { Driven::Off };
+        // V per count of the sum of two means of voltages: half of the mean supply over all of its counts.
+        let supply = S::from_i32(i32::from(one.supply_mv) + i32::from(two.supply_mv));
+        let volts = supply.ratio(S::from_i32(4000 * i32::from(two.supply_counts)));
+        let limit = 9 * i32::from(two.supply_counts);
+        let (mut conducts, mut fault) = (false, None);
+        let flows = one.motors.iter().zip(&two.motors);
+        let asked = asked_one.iter().zip(&asked_two).map(|(one, two)| [one.0, two.0]);
+        for ((motor, (one, two)), (asked, counts)) in
+            state.motors.iter_mut().zip(flows).zip(asked.zip(counts)).take(self.axes)
+        {
+            conducts |= i32::from(one.mean).abs().min(i32::from(two.mean).abs()) > self.zero;
+            let moved = counts.wrapping_sub(core::mem::replace(&mut motor.counts, counts));
+            let voltage = i32::from(one.voltage) + i32::from(two.voltage);
+            let pair = Pair {
+                codes: i32::from(one.mean) + i32::from(two.mean),
+                ends: [one, two].map(|flow| i32::from(flow.last).abs() >= self.end),
+                last: two.last,
+                asked,
+                volts: S::from_i32(voltage) * volts,
+                pushes: if 5 * voltage.abs() >= limit { voltage } else { 0 },
+                emf: S::from_i32(moved) * self.emf,
+            };
+            fault = fault.or(self.motor(motor, &pair, compared));
+        }
+        if driven == Driven::Off {
+            state.supply = Patience::default();
+            return state.conducts.spent(conducts, self.lasts).then_some(Fault::CurrentSensor);
+        }
+        state.conducts = Patience::default();
+        fault.or(lasts.then_some(Fault::SupplyOutOfRange))
+    }
+
+    /// What is wrong with one motor that is on.
+    #[inline(always)]
+    fn motor(&self, motor: &mut Motor<S>, pair: &Pair<S>, driven: Driven) -> Option<Fault> {
+        let current = S::from_i32(pair.codes) * self.amperes;
+        let warm = self.thermal.is_too_warm(&mut motor.heat, current);
+        let [one, two] = pair.asked.map(i32::from);
+        let changes = (two - one).abs() + (one - i32::from(motor.asked)).abs();
+        let ohmic = current * self.ohms;
+        let inductive = S::from_i32(i32::from(pair.last) - i32::from(motor.last)) * self.inductive;
+        (motor.asked, motor.last) = (pair.asked[1], pair.last);
+        if driven == Driven::Off {
+            *motor = Motor {
+                heat: motor.heat,
+                last: motor.last,
+                asked: motor.asked,
+                counts: motor.counts,
+                ..Motor::default()
+            };
+        } else {
+            let error = pair.codes - one - two;
+            let borne = self.strays + ((one.abs() + two.abs()) >> 3) + ((changes * self.lags) >> 4);
+            motor.error = self.leaky.after(motor.error, S::from_i32(error));
+            motor.error_borne = self.peak(motor.error_borne, S::from_i32(borne));
+            let residual = pair.volts - ohmic - inductive - pair.emf;
+            let borne_v = self.tolerance
+                + (ohmic.abs() + ohmic.abs() + pair.emf.abs()) * self.eighth
+                + inductive.abs() * self.half;
+            motor.residual = self.leaky.after(motor.residual, residual);
+            motor.residual_borne = self.peak(motor.residual_borne, borne_v);
+            let whole = driven == Driven::Whole;
+            let astray = whole && motor.residual.abs() > motor.residual_borne;
+            // At its limit against what is missing, and into speed: the supply has no more.
+            let at_its_end = whole && pair.pushes.signum() == -error.signum();
+            let late = motor.error.abs() > motor.error_borne && !at_its_end;
+            if astray || late {
+                return Some(if pair.ends[1] {
+                    Fault::CurrentSensor
+                } else if late || error.abs() > borne {
+                    Fault::CurrentNotFollowed
+                } else {
+                    Fault::EncoderImplausible
+                });
+            }
+        }
+        if pair.ends == [true; 2] { Some(Fault::CurrentSensor) } else { warm.then_some(Fault::MotorTooWarm) }
+    }
+
+    /// What is tolerated grows at once, and is forgotten as the means are.
+    #[inline(always)]
+    fn peak(&self, before: S, now: S) -> S {
+        now.max(self.leaky.after(before, now))
+    }
+}
+
+/// Two ticks of one motor.
+struct Pair<S> {
+    /// Sum of both means.
+    codes: i32,
+    /// The ticks that ended with the sensor at its end.
+    ends: [bool; 2],
+    last: i16,
+    asked: [i16; 2],
+    /// Mean voltage, and the back-EMF that the encoder shows, V.
+    volts: S,
+    emf: S,
+    /// The voltage, if it is at its limit.
+    pushes: i32,
+}
