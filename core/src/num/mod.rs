@@ -1,6 +1,7 @@
 //! Numbers: the number types and the only maths functions, motion, state as a vector, and sums of many small terms.
 
 mod scalar;
+mod sqrt;
 mod state;
 
 pub use scalar::{Fixed, Scalar};

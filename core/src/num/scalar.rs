@@ -45,7 +45,7 @@ pub trait Scalar:
     fn is_finite(self) -> bool;
     /// The bits that make two values the same, for state hashes.
     fn bits(self) -> u64;
-    /// Square root, correctly rounded (`libm`), [`Fixed`] to a step; a negative argument gives 0.
+    /// Square root, correctly rounded, [`Fixed`] to a step; a negative argument gives 0.
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹ up to 2²¹ rad.
     fn sin_cos(self) -> (Self, Self);
@@ -139,7 +139,7 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, "f32", libm::sqrtf, libm::sincosf {
+float_scalar!(f32, "f32", super::sqrt::sqrt, libm::sincosf {
     #[inline]
     fn sin_cos_fast(self) -> (Self, Self) {
         micromath::F32Ext::sin_cos(self)
