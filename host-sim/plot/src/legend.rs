@@ -108,7 +108,7 @@ fn entry(series: &Series, (left, base): Point) -> [Mark; 2] {
     let sample = match &series.shape {
         Shape::Line { dash, .. } => stroke(*dash),
         Shape::Steps(_) => stroke(Dash::Solid),
-        Shape::Dots { .. } => Mark::Disc { at: (left + 20.0, middle), radius: panel::DOT, color },
+        Shape::Dots { .. } | Shape::Intervals(_) => Mark::Disc { at: (left + 20.0, middle), radius: panel::DOT, color },
         Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
         Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: panel::TINT },
     };

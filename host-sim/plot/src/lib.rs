@@ -126,6 +126,8 @@ pub enum Shape {
     /// Bars from zero to y, at x = number of the category, with the value written at the end. Bars of several series
     /// at the same x stand side by side.
     Bars(Vec<(f64, f64)>),
+    /// Values with half of an interval each, (x, y, within): a dot, and a stroke from y − within to y + within.
+    Intervals(Vec<(f64, f64, f64)>),
     /// A region on a grid: the tinted cells are those where `inside[row * xs.len() + column]` is true.
     Cells {
         /// Centres of the columns, ascending.
@@ -156,6 +158,11 @@ impl Series {
     /// Dots with the names in `names` beside them.
     pub fn dots(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>, names: Vec<String>) -> Self {
         Self { label: label.into(), color, shape: Shape::Dots { points, names } }
+    }
+
+    /// Values with their intervals: (x, y, half of the interval).
+    pub fn intervals(label: impl Into<String>, color: usize, points: Vec<(f64, f64, f64)>) -> Self {
+        Self { label: label.into(), color, shape: Shape::Intervals(points) }
     }
 
     /// Bars at the positions of [`Panel::categories`].

@@ -50,6 +50,7 @@ pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y
             Shape::Line { points, dash } => canvas.line(&ends(canvas.pixels(points)), series.color, *dash),
             Shape::Steps(points) => canvas.line(&trace::steps(&ends(canvas.pixels(points))), series.color, Dash::Solid),
             Shape::Dots { points, .. } => canvas.dots(points, series.color),
+            Shape::Intervals(points) => canvas.intervals(points, series.color),
             Shape::Bars(_) | Shape::Cells { .. } => {}
         }
     }
@@ -172,6 +173,18 @@ impl Canvas<'_> {
         }
         self.out.marks.push(Mark::text((middle, label.bottom - 4.0), Anchor::Middle, NAME, INK, &text));
         label
+    }
+
+    /// A stroke with a cross-stroke at either end, and the dot between them.
+    fn intervals(&mut self, points: &[(f64, f64, f64)], number: usize) {
+        for (x, y, within) in points.iter().filter(|(_, _, within)| *within > 0.0) {
+            let (at, [low, high]) = (self.x(*x), [y - within, y + within].map(|end| self.y(end)));
+            self.line(&[(at, low), (at, high)], number, Dash::Solid);
+            for end in [low, high] {
+                self.line(&[(at - DOT, end), (at + DOT, end)], number, Dash::Solid);
+            }
+        }
+        self.dots(&points.iter().map(|(x, y, _)| (*x, *y)).collect::<Vec<_>>(), number);
     }
 
     fn dots(&mut self, points: &[(f64, f64)], number: usize) {

@@ -9,6 +9,7 @@ mod accuracy;
 mod architectures;
 mod board;
 mod campaign;
+mod compare;
 mod cooperate;
 mod flags;
 mod key;
@@ -81,6 +82,8 @@ commands! {
         Campaign(campaign::Campaign),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.
         Sweep(sweep::Sweep),
+        /// Two or more scenes or laws with the same seeds: paired differences with their intervals.
+        Compare(compare::Compare),
         /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
         Architectures(architectures::Architectures),
         /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.

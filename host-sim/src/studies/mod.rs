@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod architectures;
 pub mod campaign;
+pub mod compare;
 pub mod estimate;
 pub mod figures;
 pub mod force;

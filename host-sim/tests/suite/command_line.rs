@@ -269,7 +269,7 @@ fn fourteen_commands() {
     let help = String::from_utf8(output.stdout).expect("text");
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<&str> = listed.filter_map(|line| line.split_whitespace().next()).collect();
-    let want = "paper play cooperate stability campaign sweep architectures accuracy peer hub key board network shared";
+    let want = "paper play cooperate stability campaign sweep compare architectures accuracy peer hub key board network shared";
     assert_eq!(names.join(" "), want);
 }
 

@@ -7,6 +7,7 @@ mod bad_input;
 mod campaign;
 mod collaborate;
 mod command_line;
+mod compare;
 mod cooperative;
 mod costs;
 mod endpoint;

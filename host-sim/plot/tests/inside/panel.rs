@@ -37,3 +37,23 @@ fn borders_are_half_way_and_inside() {
     assert_eq!(edges(&[f64::NAN, 10.0], 0.0, 45.0).len(), 3);
     assert!(edges(&[], 0.0, 45.0).is_empty());
 }
+
+/// A stroke from end to end with two cross-strokes and a dot; only the dot where the interval is nothing.
+#[test]
+fn an_interval_is_drawn_to_its_ends() {
+    let series = vec![Series::intervals("", 0, vec![(0.0, 3.0, 2.0), (1.0, 4.0, 0.0)])];
+    let panel = Panel { categories: vec!["a".to_owned(), "b".to_owned()], series, ..Panel::default() };
+    let axes = crate::range::resolve(&crate::Figure { panels: vec![panel.clone()], ..Default::default() })[0];
+    assert!(axes.y.lo < 1.0 && axes.y.hi > 5.0, "{axes:?}");
+    let frame = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
+    let marks = draw(&panel, &axes, &frame, &[], &[]).marks;
+    let at = |y: f64| 100.0 - 100.0 * axes.y.fraction(y);
+    let ends = |mark: &Mark| match mark {
+        Mark::Line { points, width, .. } if *width == STROKE => Some(points.iter().map(|p| p.1).collect::<Vec<_>>()),
+        _ => None,
+    };
+    let strokes: Vec<Vec<f64>> = marks.iter().filter_map(ends).collect();
+    assert_eq!(strokes, [[at(1.0), at(5.0)], [at(1.0); 2], [at(5.0); 2]]);
+    let discs = marks.iter().filter_map(|mark| if let Mark::Disc { at, .. } = mark { Some(at.1) } else { None });
+    assert_eq!(discs.collect::<Vec<_>>(), [at(3.0), at(4.0)]);
+}

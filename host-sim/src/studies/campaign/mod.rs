@@ -129,7 +129,11 @@ pub const CHOICES: [Named; 9] = [
 ];
 
 /// The scene that every comm is tried in, with gains of its own.
-const BASE: &str = "paper-5.2-passive-wave-16ms";
+pub(crate) const BASE: &str = "paper-5.2-passive-wave-16ms";
+
+/// With these peers, so that what breaks is the network's doing.
+pub(crate) const PEERS: [&str; 3] =
+    ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
 
 /// Periods of the swing: losses average out.
 const PERIODS: u32 = 60;
@@ -157,8 +161,7 @@ fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -
 fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> {
     let scene = |(comm, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
-        let peers = ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
-        peers.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
+        PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
         Ok((comm.to_owned(), scene))
     };
     with_unnamed(laws, named).into_iter().map(scene).collect()

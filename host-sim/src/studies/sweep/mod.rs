@@ -216,21 +216,8 @@ impl Sweep {
 
     /// Every run as a table.
     pub fn columns(&self, rows: &[Row]) -> Columns {
-        let mut columns = Columns::of(rows).value("point", |row| row.point).means("which of them, from 0");
-        columns = self.of_keys(columns, |row| row.point).value("seed", |row| row.seed);
-        columns = columns
-            .value("stable", |row| row.verdict == Verdict::Stable.name())
-            .value("verdict", |row| row.verdict.as_str());
-        columns = columns.value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()));
-        columns = columns.number("spectral_radius", 6, |row| row.spectral_radius);
-        for (at, merit) in MERITS.iter().enumerate() {
-            let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
-            columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
-        }
-        columns
-            .value("state_hash", |row| row.state_hash.as_str())
-            .means("hash of both peers' states over every tick")
-            .done()
+        let columns = Columns::of(rows).value("point", |row| row.point).means("which of them, from 0");
+        of_runs(self.of_keys(columns, |row| row.point))
     }
 
     /// Every point as a table: means over the seeds, with half of their 95 % interval.
@@ -281,14 +268,37 @@ impl Row {
     }
 }
 
+/// What every run has, after the columns that say which it is.
+pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
+    let mut columns = columns
+        .value("seed", |row| row.seed)
+        .value("stable", |row| row.verdict == Verdict::Stable.name())
+        .value("verdict", |row| row.verdict.as_str())
+        .value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()))
+        .number("spectral_radius", 6, |row| row.spectral_radius);
+    for (at, merit) in MERITS.iter().enumerate() {
+        let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
+        columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
+    }
+    columns
+        .value("state_hash", |row| row.state_hash.as_str())
+        .means("hash of both peers' states over every tick")
+        .done()
+}
+
+/// Whether every seed gave the same run.
+pub(crate) fn all_same(runs: &[Row]) -> bool {
+    runs.iter().all(|run| run.state_hash == runs[0].state_hash)
+}
+
 /// A figure of merit over the runs of a point, if every one of them has it.
 fn estimate(runs: &[Row], merit: usize) -> Option<Estimate> {
     let values: Vec<f64> = runs.iter().map(|run| run.merits[merit]).collect();
     if values.iter().any(|value| value.is_nan()) {
         return None;
     }
-    let same = runs.iter().all(|run| run.state_hash == runs[0].state_hash);
-    Some(Estimate::of(&values)).map(|found| Estimate { within_95: found.within_95.filter(|_| !same), ..found })
+    let found = Estimate::of(&values);
+    Some(Estimate { within_95: found.within_95.filter(|_| !all_same(runs)), ..found })
 }
 
 /// A short text that tells a question from others, whenever it is asked.
