@@ -14,6 +14,7 @@
 
 use std::collections::VecDeque;
 
+use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Error, Link, Notice, Stage};
@@ -52,6 +53,8 @@ pub struct Node {
     /// The peer; only the node gives it a tick.
     pub peer: Box<dyn DynPeer<f32>>,
     plant: Plant,
+    /// Its motors are off until somebody says otherwise.
+    halted: bool,
     /// Its end of the line to the other one.
     pub line: Line,
     period_s: f64,
@@ -149,7 +152,7 @@ impl Node {
     ) -> Result<Self, String> {
         let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
-        Ok(Self { peer, plant, line, period_s, ticks: 0, armed_ticks: 0, until_telemetry: 0 })
+        Ok(Self { peer, plant, halted: false, line, period_s, ticks: 0, armed_ticks: 0, until_telemetry: 0 })
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
@@ -162,7 +165,7 @@ impl Node {
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us, || self.peer.part());
         self.line.inbox.play(self.ticks);
-        if self.peer.mode() == Mode::Disarmed && self.line.inbox.newest().is_some() {
+        if self.peer.mode() == Mode::Disarmed && !self.halted && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
         }
@@ -197,6 +200,29 @@ impl Node {
             self.armed_ticks += 1;
         }
         actuators
+    }
+
+    /// Turns its motors off and keeps them so, or lets them be armed again by what is heard.
+    pub fn halt(&mut self, halted: bool) {
+        self.halted = halted;
+        if halted {
+            self.peer.command(Command::Disarm);
+        }
+    }
+
+    /// Whether its motors are kept off.
+    pub fn is_halted(&self) -> bool {
+        self.halted
+    }
+
+    /// Another force on its device in the next tick, beside the user's, N.
+    pub fn pull(&mut self, force_n: f64) {
+        self.plant.pull(force_n);
+    }
+
+    /// Where its device is along the free axis, and how fast it moves.
+    pub fn motion(&self) -> Motion<f64> {
+        self.plant.motions()[0]
     }
 
     /// Tells the other one that this one ends.

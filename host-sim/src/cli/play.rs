@@ -3,10 +3,16 @@
 use clap::Args;
 use serde_json::json;
 
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use haptic_protocol::key::Role;
+use haptic_sim::key_file;
+
 use super::flags::{choice, seconds};
 use super::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
-use crate::play::{Model, Page, measure};
+use crate::play::{End, Kind, Model, Page, Shown, measure};
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;
@@ -19,6 +25,18 @@ pub(super) struct Play {
     /// Who holds the other hand while only one window is open.
     #[arg(long, value_parser = choice::<Model>(), default_value = "follows", value_name = "NAME")]
     partner: Model,
+    /// One peer only, whose partner joins here by `play --join` or `peer` on another machine.
+    #[arg(long, value_name = "ADDRESS:PORT", requires = "key_file", conflicts_with = "join")]
+    listen: Option<SocketAddr>,
+    /// One peer only, whose partner listens there: `play --listen`, or `peer` on another machine.
+    #[arg(long, value_name = "ADDRESS:PORT", requires = "key_file")]
+    join: Option<SocketAddr>,
+    /// Key file, the same at both ends (`host-sim key generate`).
+    #[arg(long, value_name = "FILE")]
+    key_file: Option<PathBuf>,
+    /// Which peer this is, 1 or 2; without it, who listens is 1 and who joins is 2.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
+    number: Option<u8>,
     /// Port on 127.0.0.1; 0 is any.
     #[arg(long, default_value_t = 0)]
     port: u16,
@@ -36,11 +54,30 @@ impl Play {
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
-        let page = Page::serve(scene, self.partner, self.port)?;
-        let addresses = [1, 2, 0].map(|person| page.address(person));
-        let [one, two, watch] = &addresses;
-        ui.status(format_args!("person 1:  {one}\nperson 2:  {two}\nto watch:  {watch}\nCtrl-C ends it"));
+        let shown = self.shown()?;
+        let people = match &shown {
+            Shown::Here(_) => vec![1, 2],
+            Shown::Far(end) => {
+                ui.status(format_args!("partner:   {end}"));
+                vec![usize::from(end.number)]
+            }
+        };
+        let page = Page::serve(scene, shown, self.partner, self.port)?;
+        for person in people {
+            ui.status(format_args!("person {person}:  {}", page.address(person)));
+        }
+        ui.status(format_args!("to watch:  {}\nCtrl-C ends it", page.address(0)));
         let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), &stop)?;
         ui.report("play", &json!(kept))
+    }
+
+    fn shown(&self) -> Result<Shown, Failure> {
+        let Some(file) = &self.key_file else { return Ok(Shown::Here(Kind::Pair)) };
+        let key = key_file::read(file, Role::Peers)?;
+        Ok(Shown::Far(match (self.listen, self.join) {
+            (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
+            (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
+            (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),
+        }))
     }
 }

@@ -8,12 +8,11 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use haptic_sim::scene::Scene;
 use serde::Serialize;
 
-use super::desk::{Command, Desk, Papers, Status};
-use super::partner::Model;
-use super::session::{PERIOD_S, Sample, Session};
+use super::desk::{Desk, Papers, Status};
+use super::environment::{Environment, Opening, Sample};
+use super::session::PERIOD_S;
 use crate::live::endpoint::{Punctuality, Stop, Ticker};
 
 /// A tick this late is not caught up.
@@ -35,8 +34,8 @@ pub(crate) struct Kept {
 }
 
 /// Keeps the beat until it is stopped, or so many seconds are over.
-pub(super) fn run(desk: &Desk, scene: Scene, seconds: f64, stop: &Stop) -> Result<Kept, String> {
-    let mut session = Session::new(scene, Model::default()).map_err(|refused| refused.to_string())?;
+pub(super) fn run(desk: &Desk, open: Opening, seconds: f64, stop: &Stop) -> Result<Kept, String> {
+    let mut shown = open()?;
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
     let (mut slept, mut waiting) = (0, VecDeque::new());
     while !stop.is_asked() && !ticker.is_over() {
@@ -46,9 +45,9 @@ pub(super) fn run(desk: &Desk, scene: Scene, seconds: f64, stop: &Stop) -> Resul
             ticker.postpone(late);
         }
         if let Some(mut papers) = desk.try_lock() {
-            exchange(&mut session, &mut papers, &mut waiting, &ticker.kept)?;
+            exchange(&mut *shown, &mut papers, &mut waiting, &ticker.kept)?;
         }
-        waiting.push_back(session.step());
+        waiting.push_back(shown.step()?);
     }
     let Punctuality { ticks, missed: late, worst_us, realtime_priority, .. } = ticker.kept;
     Ok(Kept { ticks, late, worst_us, slept, realtime_priority })
@@ -56,43 +55,35 @@ pub(super) fn run(desk: &Desk, scene: Scene, seconds: f64, stop: &Stop) -> Resul
 
 /// Takes what lies on the desk, and lays down what it is waited for.
 fn exchange(
-    session: &mut Session,
+    shown: &mut dyn Environment,
     papers: &mut Papers,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
 ) -> Result<(), String> {
-    let refused = |refused: haptic_core::settings::Refused<'_>| refused.to_string();
     while let Some(command) = papers.next_command() {
-        match command {
-            Command::Stop => session.stop(),
-            Command::Start => session.start().map_err(refused)?,
-            Command::Cut(cut) => session.cut(cut),
-            Command::Partner(model) => session.partner(model),
-        }
+        shown.command(command)?;
     }
     if let Some(scene) = papers.scene.take() {
-        session.set(*scene).map_err(refused)?;
+        shown.set(*scene)?;
     }
     let anybody = papers.holder.iter().any(Option::is_some);
     for index in 0..2 {
         if papers.holder[index].is_some() {
             if let Some(pointed) = papers.pointed[index].take() {
-                session.point(index, pointed.at.map(f64::from), pointed.restarts);
+                shown.point(index, pointed.at.map(|at| at.map(f64::from)), pointed.restarts);
             }
         } else if anybody {
-            session.play(index);
+            shown.play(index);
         } else {
             // Nobody looks: nobody plays.
-            session.point(index, None, 0);
+            shown.point(index, None, 0);
         }
     }
     waiting.drain(..).for_each(|sample| papers.put(sample));
     papers.status = Status {
         late: u32::try_from(kept.missed).unwrap_or(u32::MAX),
         worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
-        modes: session.modes(),
-        cut: session.is_cut(),
-        partner: session.model(),
+        standing: shown.standing(),
     };
     Ok(())
 }

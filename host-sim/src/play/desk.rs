@@ -5,32 +5,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use haptic_sim::scene::Scene;
 
+use super::environment::{Command, Sample, Standing};
 use super::partner::Model;
-use super::session::Sample;
 
 /// Samples kept: what a window that asks late can still get.
 const KEPT: usize = 2000;
 /// Commands that may wait for a tick, and answers for windows.
 const MOST: usize = 64;
 
-/// What acts at the next tick, without a question.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Command {
-    /// Motors off.
-    Stop,
-    /// Both peers armed, from rest.
-    Start,
-    /// The line is cut, or joined.
-    Cut(bool),
-    /// Another partner.
-    Partner(Model),
-}
-
 /// What a pointer said last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pointed {
-    /// Where it is, m; none, and it has let go.
-    pub(super) at: Option<f32>,
+    /// Where it is, m, along and across; none, and it has let go.
+    pub(super) at: Option<[f32; 2]>,
     /// The start that its window has seen last.
     pub(super) restarts: u32,
 }
@@ -41,11 +28,7 @@ pub(super) struct Status {
     /// Ticks that began more than a period late, and the latest of all, µs.
     pub(super) late: u32,
     pub(super) worst_us: u32,
-    /// Of both peers, as [`super::session::Session::modes`] has them.
-    pub(super) modes: [u8; 2],
-    pub(super) cut: bool,
-    /// Which of [`Model`]'s list the partner is.
-    pub(super) partner: u8,
+    pub(super) standing: Standing,
 }
 
 /// Everything on the desk.

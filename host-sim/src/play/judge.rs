@@ -58,25 +58,25 @@ pub(super) struct Finding {
     pub(super) not_judged: Vec<&'static str>,
 }
 
-/// Starts the thread; gives where orders go.
-pub(super) fn start(desk: &Arc<Desk>, scene: Scene) -> Result<SyncSender<Ask>, String> {
+/// Starts the thread; gives where orders go. What is `fixed` is not changed, for this reason.
+pub(super) fn start(desk: &Arc<Desk>, scene: Scene, fixed: Option<&'static str>) -> Result<SyncSender<Ask>, String> {
     let (asks, orders) = sync_channel(16);
     let desk = Arc::clone(desk);
     let work = move || {
         stand_back(NICENESS);
-        run(&desk, scene, &orders);
+        run(&desk, scene, &orders, fixed);
     };
     std::thread::Builder::new().name("judge".into()).spawn(work).map_err(|cause| cause.to_string())?;
     Ok(asks)
 }
 
-fn run(desk: &Desk, mut scene: Scene, orders: &Receiver<Ask>) {
+fn run(desk: &Desk, mut scene: Scene, orders: &Receiver<Ask>, fixed: Option<&str>) {
     tell(desk, &scene, None);
     let mut finding = find(&scene);
     tell(desk, &scene, Some(&finding));
     for Ask { window, line } in orders {
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
-        let wanted = match apply(&scene, line) {
+        let wanted = match fixed.map_or_else(|| apply(&scene, line), |why| Err(why.to_owned())) {
             Ok(wanted) => wanted,
             Err(why) => {
                 desk.lock().answer(window, json!({ "refused": why }).to_string());

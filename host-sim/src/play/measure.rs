@@ -16,7 +16,8 @@ use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
 use super::beat::Kept;
-use super::page::Page;
+use super::kinds::Kind;
+use super::page::{Page, Shown};
 use super::partner::Model;
 use crate::live::endpoint::Stop;
 use crate::live::quantiles::{Quantiles, Times};
@@ -58,7 +59,7 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
 }
 
 fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, String> {
-    let page = Page::serve(scene.clone(), Model::CarriesOn, 0)?;
+    let page = Page::serve(scene.clone(), Shown::Here(Kind::Pair), Model::CarriesOn, 0)?;
     let over = Arc::new(AtomicBool::new(false));
     let asking: Vec<_> = (0..windows)
         .map(|window| {
@@ -112,7 +113,7 @@ pub(super) fn connect(address: &str) -> Result<TcpStream, String> {
 /// A question: everything from this tick on, and no hand.
 fn question(next: u32) -> Message {
     let mut bytes = next.to_le_bytes().to_vec();
-    bytes.extend(f32::NAN.to_le_bytes());
+    bytes.extend([f32::NAN; 2].into_iter().flat_map(f32::to_le_bytes));
     bytes.extend(0_u32.to_le_bytes());
     Message::Binary(bytes.into())
 }

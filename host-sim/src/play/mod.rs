@@ -4,7 +4,10 @@
 //! |---|---|
 //! | [`hand`] | a pointer becomes a hand: spring and damper, play-out |
 //! | [`partner`] | who holds the other hand while nobody else does |
+//! | [`environment`] | what is stepped and drawn, whatever it is |
+//! | [`kinds`] | which there are |
 //! | [`session`] | the two peers, their devices and hands, and the network, tick by tick |
+//! | [`far`] | one peer, whose partner is on another machine |
 //! | [`orders`] | what a page may ask to be set, and what scene that gives |
 //! | [`judge`] | whether that scene is stable, and what to change if not |
 //! | [`desk`] | what lies between the beat, the judge and the windows |
@@ -19,8 +22,11 @@
 
 mod beat;
 mod desk;
+mod environment;
+mod far;
 mod hand;
 mod judge;
+mod kinds;
 mod measure;
 mod orders;
 mod page;
@@ -28,6 +34,8 @@ mod partner;
 mod session;
 mod web;
 
+pub(crate) use far::End;
+pub(crate) use kinds::Kind;
 pub(crate) use measure::measure;
-pub(crate) use page::Page;
+pub(crate) use page::{Page, Shown};
 pub(crate) use partner::Model;

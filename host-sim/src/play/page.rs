@@ -8,30 +8,52 @@ use haptic_sim::scene::Scene;
 
 use super::beat::{self, Kept};
 use super::desk::Desk;
+use super::environment::Opening;
+use super::far::{End, Far};
 use super::judge;
+use super::kinds::Kind;
 use super::orders;
 use super::partner::Model;
-use super::web::Site;
+use super::web::{Site, hello};
 use crate::live::endpoint::Stop;
+
+/// What a page shows.
+pub(crate) enum Shown {
+    /// An environment of this process.
+    Here(Kind),
+    /// One peer, whose partner is a process elsewhere.
+    Far(End),
+}
 
 /// A page that is served.
 pub(crate) struct Page {
     desk: Arc<Desk>,
     site: Site,
-    scene: Scene,
+    opening: Opening,
 }
 
 impl Page {
     /// Serves the page of this scene on 127.0.0.1, at any port where `port` is 0. Nobody's hand moves before [`Page::run`].
-    pub(crate) fn serve(scene: Scene, partner: Model, port: u16) -> Result<Self, String> {
+    pub(crate) fn serve(scene: Scene, shown: Shown, partner: Model, port: u16) -> Result<Self, String> {
         orders::check(&scene)?;
         let failed = |cause| format!("cannot listen on 127.0.0.1:{port}: {cause}");
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         let desk = Arc::new(Desk::new(partner));
-        let asks = judge::start(&desk, scene.clone())?;
-        let site = Site::new(&listener, &scene)?;
+        let (other, fixed) = match &shown {
+            Shown::Here(_) => (None, None),
+            Shown::Far(end) => {
+                let why = "both ends were told these settings: end both and start them with others";
+                (Some(end.to_string()), Some(why))
+            }
+        };
+        let site = Site::new(&listener, hello(&scene, other))?;
+        let asks = judge::start(&desk, scene.clone(), fixed)?;
         site.serve(listener, &desk, asks)?;
-        Ok(Self { desk, site, scene })
+        let opening: Opening = match shown {
+            Shown::Here(kind) => Box::new(move || kind.open(&scene)),
+            Shown::Far(end) => Box::new(move || Ok(Box::new(Far::new(scene, end)?))),
+        };
+        Ok(Self { desk, site, opening })
     }
 
     /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
@@ -41,14 +63,15 @@ impl Page {
 
     /// Keeps the beat until it is stopped, or so many seconds are over: on a thread of its own, for what a thread starts inherits
     /// its real-time priority.
-    pub(crate) fn run(&self, seconds: f64, stop: &Stop) -> Result<Kept, String> {
-        let beat = || beat::run(&self.desk, self.scene.clone(), seconds, stop);
+    pub(crate) fn run(self, seconds: f64, stop: &Stop) -> Result<Kept, String> {
+        let Self { desk, opening, .. } = self;
+        let beat = || beat::run(&desk, opening, seconds, stop);
         let kept = std::thread::scope(|scope| {
             let beat = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, beat);
             beat.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
         });
         // Windows ask 60 times a second: each sees that it is over, and closes.
-        self.desk.lock().over = true;
+        desk.lock().over = true;
         std::thread::sleep(Duration::from_millis(100));
         kept
     }

@@ -19,6 +19,13 @@ pub(crate) enum Model {
     Absent,
 }
 
+impl Model {
+    /// Which of the list it is.
+    pub(super) fn number(self) -> u8 {
+        Self::ALL.iter().position(|model| *model == self).unwrap_or_default() as u8
+    }
+}
+
 impl Choice for Model {
     const NAMES: &'static [&'static str] = &["follows", "resists", "carries-on", "absent"];
     const ALL: &'static [Self] = &[Self::Follows, Self::Resists, Self::CarriesOn, Self::Absent];

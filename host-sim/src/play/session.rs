@@ -7,15 +7,15 @@
 //!
 //! **Ends of travel.** A device can go [`REACH_M`] to either side; there a spring of [`END_STIFFNESS`] and a damper push back.
 
-use haptic_core::names::Choice;
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::Command as Order;
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::{pair::Pair, scene::Scene};
+use haptic_sim::{pair::Pair, peers::DynPeer, scene::Scene};
 
+use super::environment::{ARMED, Column, Command, Environment, MOST, Sample, Standing, number_of};
 use super::hand::Hand;
 use super::partner::{Model, Partner};
 
@@ -27,13 +27,8 @@ const END_DAMPING: f64 = 5.0;
 /// Real time means this control period, s.
 pub(super) const PERIOD_S: f64 = 0.001;
 
-/// A peer's mode as one number, which windows are told.
-pub(super) const OFF: u8 = 0;
-pub(super) const ARMED: u8 = 1;
-pub(super) const FAULT: u8 = 100;
-
 /// What is in a sample, with unit and meaning; of peer 1 first where there are two. A window is told this list.
-pub(super) const COLUMNS: [(&str, &str, &str); 22] = [
+pub(super) const COLUMNS: [Column; MOST] = [
     ("wanted_1", "m", "hand of person 1, no number while it holds nothing"),
     ("wanted_2", "m", "hand of person 2"),
     ("device_1", "m", "device 1"),
@@ -62,18 +57,49 @@ pub(super) const COLUMNS: [(&str, &str, &str); 22] = [
     ("restarts", "", "how often both have started anew"),
 ];
 
-/// One tick.
-pub(super) type Sample = [f32; COLUMNS.len()];
-
-/// What each peer's sample needs to know of the tick before.
+/// What one peer's part of a sample needs to know of the tick before.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+pub(super) struct Side {
     port: ObjectPort,
     /// Packets heard, and ticks that the line has lived.
     heard: u64,
     live_ticks: u32,
     /// Ticks since the last packet.
     silent: u32,
+    /// Such a peer's line counts its own time, and lives while its counter moves; another's while packets come this soon, ticks.
+    counts: bool,
+    patience: u32,
+}
+
+/// What a tick of one peer comes to.
+pub(super) struct Seen {
+    /// Energy sent and not received, and kept, J.
+    pub(super) sent_j: f64,
+    pub(super) kept_j: f64,
+    /// 1 while what it hears is fresh, or its line lives.
+    pub(super) live: f32,
+}
+
+impl Side {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
+        let (counts, patience) = (scene.law().sends == Sends::Counters, scene.peer.timing.ticks_per_packet);
+        Self { port, heard: 0, live_ticks: 0, silent: 0, counts, patience }
+    }
+
+    /// After a tick of this peer, which has heard so many packets.
+    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
+        let ledger = peer.ledger();
+        let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
+        self.port.see(as_f64(peer.observed()));
+        let energy = self.port.with_network(received, sent);
+        let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
+        let live_ticks = peer.outgoing().live_ticks;
+        self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
+        let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
+        (self.heard, self.live_ticks) = (heard, live_ticks);
+        Seen { sent_j: sent - received, kept_j, live: f32::from(u8::from(live)) }
+    }
 }
 
 /// Everything that is stepped.
@@ -107,8 +133,7 @@ impl Session {
         })
     }
 
-    /// Takes another scene, which is what every setting is from now on.
-    pub(super) fn set(&mut self, scene: Scene) -> Result<(), Refused<'static>> {
+    fn change(&mut self, scene: Scene) -> Result<(), Refused<'static>> {
         let before = std::mem::replace(&mut self.scene, scene);
         // What the receivers were built with is no more the network's.
         let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
@@ -144,7 +169,7 @@ impl Session {
 
     /// Motors off, at both.
     pub(super) fn stop(&mut self) {
-        self.pair.sides_mut().for_each(|side| side.peer.command(Command::Disarm));
+        self.pair.sides_mut().for_each(|side| side.peer.command(Order::Disarm));
     }
 
     /// Cuts the line both ways, or joins it again.
@@ -155,59 +180,22 @@ impl Session {
         }
     }
 
-    pub(super) fn is_cut(&self) -> bool {
-        self.cut
-    }
-
-    /// Who holds the hands that nobody holds.
-    pub(super) fn partner(&mut self, model: Model) {
-        self.partners = [Partner::new(model); 2];
-    }
-
-    /// Which of [`Model::ALL`] that is.
-    pub(super) fn model(&self) -> u8 {
-        Model::ALL.iter().position(|model| *model == self.partners[0].model).unwrap_or_default() as u8
-    }
-
-    /// Mode of either peer: [`OFF`], [`ARMED`], or [`FAULT`] and the number of the fault.
+    /// Mode of either peer.
     pub(super) fn modes(&self) -> [u8; 2] {
-        self.pair.sides().map(|side| match side.peer.mode() {
-            Mode::Armed => ARMED,
-            Mode::Faulted(fault) => FAULT + fault.number(),
-            Mode::Disarmed | Mode::Probing => OFF,
-        })
-    }
-
-    /// What a person's pointer says before the next tick: where it is, m, or that it lets go. Where it says so of a world that
-    /// was before the last start, it has let go.
-    pub(super) fn point(&mut self, index: usize, pointer: Option<f64>, restarts: u32) {
-        self.partners[index].rest();
-        let pointer = pointer.filter(|_| restarts == self.restarts);
-        self.hands[index].point(self.tick, pointer, self.device(index).position);
-    }
-
-    /// The partner holds this hand in the next tick.
-    pub(super) fn play(&mut self, index: usize) {
-        let device = self.device(index).position;
-        let wanted = self.partners[index].wants(device, PERIOD_S);
-        self.hands[index].point(self.tick, wanted, device);
+        self.pair.sides().map(|side| number_of(side.peer.mode()))
     }
 
     fn device(&self, index: usize) -> Motion<f64> {
         self.pair.sides()[index].plant.motions()[0]
     }
 
-    /// One tick.
-    pub(super) fn step(&mut self) -> Sample {
+    fn advance(&mut self) -> Sample {
         for index in 0..2 {
             let Motion { position, velocity } = self.device(index);
             self.pulls[index] = self.hands[index].pull(self.tick, position, velocity, PERIOD_S);
         }
         for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
-            let Motion { position, velocity } = side.plant.motions()[0];
-            let beyond = position - position.clamp(-REACH_M, REACH_M);
-            let end = if beyond == 0.0 { 0.0 } else { END_STIFFNESS * beyond + END_DAMPING * velocity };
-            side.plant.pull(pull - end);
+            side.plant.pull(pull - end_of_travel(side.plant.motions()[0]));
         }
         self.pair.step();
         self.tick += 1;
@@ -215,22 +203,11 @@ impl Session {
     }
 
     fn sample(&mut self) -> Sample {
-        let counts = self.scene.law().sends == Sends::Counters;
-        let patience = self.scene.peer.timing.ticks_per_packet;
         let [one, two] = [0, 1].map(|at| {
-            let (side, own) = (self.pair.sides()[at], &mut self.sides[at]);
-            let (seen, ledger) = (side.peer.observed(), side.peer.ledger());
-            let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-            own.port.see(as_f64(seen));
-            let energy = own.port.with_network(received, sent);
-            let kept = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
-            let (heard, live_ticks) = (side.delivered(), side.peer.outgoing().live_ticks);
-            own.silent = if heard == own.heard { own.silent.saturating_add(1) } else { 0 };
-            let live = if counts { live_ticks != own.live_ticks } else { own.silent < patience };
-            (own.heard, own.live_ticks) = (heard, live_ticks);
-            (*seen, sent - received, kept, side.delay_ns as f64 * 1e-9, f32::from(u8::from(live)))
+            let side = self.pair.sides()[at];
+            (*side.peer.observed(), self.sides[at].see(&*side.peer, side.delivered()), side.delay_ns as f64 * 1e-9)
         });
-        let ((a, in_a, kept_a, delay_a, live_a), (b, in_b, kept_b, delay_b, live_b)) = (one, two);
+        let ((a, seen_a, delay_a), (b, seen_b, delay_b)) = (one, two);
         let wanted = |at: usize| self.hands[at].holds().map_or(f32::NAN, |at| at as f32);
         [
             wanted(0),
@@ -247,16 +224,58 @@ impl Session {
             b.coordination_force,
             self.pulls[0] as f32,
             self.pulls[1] as f32,
-            (in_a + in_b) as f32,
-            kept_a as f32,
-            kept_b as f32,
+            (seen_a.sent_j + seen_b.sent_j) as f32,
+            seen_a.kept_j as f32,
+            seen_b.kept_j as f32,
             delay_a as f32,
             delay_b as f32,
-            live_a,
-            live_b,
+            seen_a.live,
+            seen_b.live,
             self.restarts as f32,
         ]
     }
+}
+
+impl Environment for Session {
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        match command {
+            Command::Stop => self.stop(),
+            Command::Start => return self.start().map_err(|refused| refused.to_string()),
+            Command::Cut(cut) => self.cut(cut),
+            Command::Partner(model) => self.partners = [Partner::new(model); 2],
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, scene: Scene) -> Result<(), String> {
+        self.change(scene).map_err(|refused| refused.to_string())
+    }
+
+    fn point(&mut self, index: usize, pointer: Option<[f64; 2]>, restarts: u32) {
+        self.partners[index].rest();
+        let pointer = pointer.filter(|_| restarts == self.restarts).map(|[along, _]| along);
+        self.hands[index].point(self.tick, pointer, self.device(index).position);
+    }
+
+    fn play(&mut self, index: usize) {
+        let device = self.device(index).position;
+        let wanted = self.partners[index].wants(device, PERIOD_S);
+        self.hands[index].point(self.tick, wanted, device);
+    }
+
+    fn step(&mut self) -> Result<Sample, String> {
+        Ok(self.advance())
+    }
+
+    fn standing(&self) -> Standing {
+        Standing { modes: self.modes(), cut: self.cut, partner: self.partners[0].model.number() }
+    }
+}
+
+/// Force of the end of its travel on a device, N, to be taken from what pulls it.
+pub(super) fn end_of_travel(Motion { position, velocity }: Motion<f64>) -> f64 {
+    let beyond = position - position.clamp(-REACH_M, REACH_M);
+    if beyond == 0.0 { 0.0 } else { END_STIFFNESS * beyond + END_DAMPING * velocity }
 }
 
 /// Whether two scenes are the same but for their networks.
@@ -266,8 +285,7 @@ pub(super) fn same_but_for_network(one: &Scene, other: &Scene) -> bool {
 }
 
 fn sides(scene: &Scene) -> [Side; 2] {
-    let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
-    [Side { port, heard: 0, live_ticks: 0, silent: 0 }; 2]
+    [Side::new(scene); 2]
 }
 
 fn as_f64(seen: &Observed<f32>) -> Observed<f64> {

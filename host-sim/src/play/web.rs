@@ -11,7 +11,7 @@
 //!
 //! | from a window | |
 //! |---|---|
-//! | 12 bytes | tick wanted next, u32; hand, f32, m, NaN for none; start that it has seen last, u32; little-endian |
+//! | 16 bytes | tick wanted next, u32; hand along and across, 2 × f32, m, NaN for none; start that it has seen last, u32; little-endian |
 //! | `stop`, `start`, `cut`, `join`, `partner NAME` | acts at the next tick |
 //! | any other text | an order of [`super::orders`], judged first |
 //!
@@ -28,7 +28,7 @@ use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use haptic_core::names::Choice;
+use haptic_core::names::Choice as _;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Allowed;
 use haptic_sim::{key_file::entropy, scene::Scene};
@@ -37,12 +37,13 @@ use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use super::desk::{Command, Desk, Papers, Pointed};
+use super::desk::{Desk, Papers, Pointed};
+use super::environment::{Command, FAULT, MOST as NUMBERS, WAITS};
 use super::hand;
 use super::judge::Ask;
 use super::orders::CLICKS;
 use super::partner::Model;
-use super::session::{COLUMNS, FAULT, PERIOD_S, REACH_M};
+use super::session::{COLUMNS, PERIOD_S, REACH_M};
 use crate::live::endpoint::stand_back;
 
 const FILES: [(&str, &str, &str); 3] = [
@@ -85,10 +86,10 @@ enum Answer {
 
 impl Site {
     /// The site of a listener on this machine, with a fresh token of 128 bits.
-    pub(super) fn new(listener: &TcpListener, scene: &Scene) -> Result<Self, String> {
+    pub(super) fn new(listener: &TcpListener, hello: Value) -> Result<Self, String> {
         let port = listener.local_addr().map_err(|cause| cause.to_string())?.port();
         let token = entropy()?[..16].iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { port, token, hello: Arc::new(hello(scene)) })
+        Ok(Self { port, token, hello: Arc::new(hello) })
     }
 
     /// The address for person 1 or 2, or for who only watches: 0.
@@ -267,12 +268,15 @@ impl Window<'_> {
                     self.point(&mut papers, LET_GO);
                     continue;
                 }
-                Some(Message::Binary(bytes)) => match <[u8; 12]>::try_from(&bytes[..]) {
-                    Ok([a, b, c, d, e, f, g, h, restarts @ ..]) => {
-                        let at = f32::from_le_bytes([e, f, g, h]);
-                        let at = at.is_finite().then(|| at.clamp(-FARTHEST_M, FARTHEST_M));
+                Some(Message::Binary(bytes)) => match <[u8; 16]>::try_from(&bytes[..]) {
+                    Ok(bytes) => {
+                        let [from, along, across, restarts] =
+                            [0, 4, 8, 12].map(|at| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+                        let at = [along, across].map(f32::from_le_bytes);
+                        let at =
+                            at.iter().all(|at| at.is_finite()).then(|| at.map(|at| at.clamp(-FARTHEST_M, FARTHEST_M)));
                         self.point(&mut papers, Pointed { at, restarts: u32::from_le_bytes(restarts) });
-                        picture(&mut papers, me, &mut edition, u32::from_le_bytes([a, b, c, d]))
+                        picture(&mut papers, me, &mut edition, u32::from_le_bytes(from))
                     }
                     Err(_) => return,
                 },
@@ -325,7 +329,7 @@ const FARTHEST_M: f32 = 0.2;
 
 /// What a window that has come to tick `from` gets.
 fn picture(papers: &mut Papers, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
-    let mut bytes = Vec::with_capacity(HEADER + 4 * COLUMNS.len() * 20);
+    let mut bytes = Vec::with_capacity(HEADER + 4 * NUMBERS * 20);
     let (first, samples) = papers.since(from);
     bytes.extend(header(first, papers));
     bytes.extend(samples.flatten().flat_map(|number| number.to_le_bytes()));
@@ -343,7 +347,9 @@ fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
         bytes[4 * at..4 * at + 4].copy_from_slice(&number.to_le_bytes());
     }
     let people = papers.holder.map(|holder| u8::from(holder.is_some()));
-    let rest = [status.modes[0], status.modes[1], people[0], people[1], u8::from(status.cut), status.partner, 0, 0];
+    let standing = status.standing;
+    let [one, two] = standing.modes;
+    let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, 0, 0];
     bytes[12..].copy_from_slice(&rest);
     bytes
 }
@@ -351,12 +357,13 @@ fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
 /// The tick that a window which was sent this asks for next.
 pub(super) fn next(sent: &[u8]) -> Option<u32> {
     let first = u32::from_le_bytes(sent.get(..4)?.try_into().ok()?);
-    let samples = (sent.len().checked_sub(HEADER)? / (4 * COLUMNS.len())) as u32;
+    let samples = (sent.len().checked_sub(HEADER)? / (4 * NUMBERS)) as u32;
     Some(first.wrapping_add(samples))
 }
 
 /// What a page is told once: so that no name, unit or range stands in it a second time.
-fn hello(scene: &Scene) -> Value {
+/// `other` is who has the other hand where that is a process elsewhere.
+pub(super) fn hello(scene: &Scene, other: Option<String>) -> Value {
     let columns: Vec<_> =
         COLUMNS.iter().map(|(name, unit, means)| json!({ "name": name, "unit": unit, "means": means })).collect();
     let faults: serde_json::Map<_, _> =
@@ -382,6 +389,8 @@ fn hello(scene: &Scene) -> Value {
         "header_bytes": HEADER,
         "faults": faults,
         "fault_base": FAULT,
+        "waits": WAITS,
+        "other": other,
         "keys": keys,
         "clicks": clicks,
         "laws": scene.laws.kinds().iter().map(|kind| kind.name).collect::<Vec<_>>(),

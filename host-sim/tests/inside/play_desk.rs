@@ -1,8 +1,8 @@
 use super::*;
-use crate::play::session::COLUMNS;
+use crate::play::environment::MOST as NUMBERS;
 
 fn numbered(number: usize) -> Sample {
-    [number as f32; COLUMNS.len()]
+    [number as f32; NUMBERS]
 }
 
 #[test]

@@ -1,6 +1,7 @@
 use haptic_sim::{Laws, scenes};
 
 use super::*;
+use crate::play::environment::OFF;
 
 fn session(name: &str, partner: Model) -> Session {
     Session::new(scenes::load(Laws::built_in(), name).expect("a scene"), partner).expect("a session")
@@ -14,9 +15,9 @@ fn column(sample: &Sample, name: &str) -> f64 {
 fn carry(session: &mut Session, ticks: usize, wanted: Option<f64>) -> Sample {
     let mut sample = Sample::default();
     for _ in 0..ticks {
-        session.point(0, wanted, session.restarts);
+        session.point(0, wanted.map(|along| [along, 0.0]), session.restarts);
         session.play(1);
-        sample = session.step();
+        sample = session.step().expect("a tick");
     }
     sample
 }
@@ -27,7 +28,7 @@ fn without_hands_it_is_the_simulators_pair() {
     let mut session = session("paper-5.2-wave-16ms", Model::Absent);
     let mut pair = Pair::<f32>::new(&session.scene).expect("a pair");
     for _ in 0..500 {
-        session.step();
+        session.step().expect("a tick");
         pair.step();
     }
     assert_eq!(session.pair.hash(7), pair.hash(7));
@@ -75,8 +76,8 @@ fn a_gain_starts_both_anew_where_they_are() {
     let mut softer = session.scene.clone();
     softer.peer.coordination.stiffness_n_per_m = 5000.0;
     session.set(softer).expect("a good scene");
-    session.point(0, Some(0.04), 0);
-    let after = session.step();
+    session.point(0, Some([0.04, 0.0]), 0);
+    let after = session.step().expect("a tick");
     assert!((column(&after, "object_1") - column(&before, "object_1")).abs() < 2e-3, "{before:?} {after:?}");
     assert_eq!((column(&after, "restarts"), column(&after, "hand_1")), (1.0, 0.0));
 }
@@ -89,7 +90,7 @@ fn stopped_stays_stopped() {
     let mut other = session.scene.clone();
     other.peer.object.mass_kg = 0.5;
     session.set(other).expect("a good scene");
-    let sample = session.step();
+    let sample = session.step().expect("a tick");
     assert_eq!((session.modes(), column(&sample, "contact_1")), ([OFF; 2], 0.0));
     session.start().expect("it starts");
     assert_eq!(session.modes(), [ARMED; 2]);
@@ -102,7 +103,7 @@ fn a_cut_line_leaves_each_alone() {
     session.scene.users = Default::default();
     session.start().expect("it starts");
     carry(&mut session, 100, None);
-    session.cut(true);
+    session.command(Command::Cut(true)).expect("it is cut");
     let sample = carry(&mut session, 3000, Some(0.05));
     assert!(column(&sample, "object_1") > 0.04 && column(&sample, "object_2").abs() < 1e-6, "{sample:?}");
     assert_eq!([column(&sample, "live_1"), column(&sample, "live_2")], [0.0; 2]);

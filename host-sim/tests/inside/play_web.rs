@@ -76,7 +76,7 @@ fn served() -> (Site, Arc<Desk>, u16) {
     let port = listener.local_addr().expect("an address").port();
     let scene = Scene::new(Laws::built_in());
     let desk = Arc::new(Desk::new(Model::Absent));
-    let site = Site::new(&listener, &scene).expect("a site");
+    let site = Site::new(&listener, hello(&scene, None)).expect("a site");
     site.serve(listener, &desk, std::sync::mpsc::sync_channel(1).0).expect("a thread");
     (site, desk, port)
 }
@@ -145,15 +145,15 @@ fn a_hand_is_held_by_the_newest_window() {
     holder(Some(1));
     let mut second = open();
     holder(Some(2));
-    let _ = first.send(Message::Binary(vec![0; 12].into()));
+    let _ = first.send(Message::Binary(vec![0; 16].into()));
     let closed =
         std::iter::from_fn(|| Some(first.read())).take(10).any(|read| matches!(read, Ok(Message::Close(_)) | Err(_)));
     assert!(closed);
     // Where it wants its hand, and what is no place.
-    let point = |at: f32| [&[0; 4], &at.to_le_bytes()[..], &7_u32.to_le_bytes()].concat();
+    let point = |at: f32| [&[0; 4], &at.to_le_bytes()[..], &0.01_f32.to_le_bytes(), &7_u32.to_le_bytes()].concat();
     for (said, heard) in [(0.05, Some(0.05)), (9.0, Some(FARTHEST_M)), (f32::NAN, None), (f32::INFINITY, None)] {
         second.send(Message::Binary(point(said).into())).expect("it hears");
-        let wanted = Some(Pointed { at: heard, restarts: 7 });
+        let wanted = Some(Pointed { at: heard.map(|along| [along, 0.01]), restarts: 7 });
         while desk.lock().pointed[1] != wanted {
             std::thread::sleep(Duration::from_millis(1));
         }

@@ -3,8 +3,8 @@
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
 /** @typedef {{ name: string, unit: string, means: string }} Column */
-/** @typedef {{ columns: Column[], header_bytes: number, faults: Record<string, string>, fault_base: number,
- *   clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
+/** @typedef {{ columns: Column[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
+ *   other: string | null, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
 /** @typedef {{ stable: boolean | null, text: string, not_judged: string[] }} Finding */
 /** @typedef {{ settings: Record<string, string>, changed: [string, string][], one_way_s: number, finding: Finding | null }} Holds */
 /** @typedef {{ line: string, text: string, instead: string | null }} Question */
@@ -98,6 +98,8 @@ function greeted(greeting) {
   width = greeting.columns.length;
   samples = new Float32Array(KEPT * width).fill(NaN);
   [next, waiting] = [NOTHING, false];
+  for (const part of document.querySelectorAll("[data-here]")) part.toggleAttribute("hidden", greeting.other !== null);
+  element("apart-name").textContent = greeting.other === null ? "copies apart (true)" : "copies apart (as last told)";
   fill(choice("law"), greeting.laws);
   fill(choice("partner"), greeting.partners);
   element("clicks").replaceChildren(
@@ -144,7 +146,7 @@ function take(bytes) {
 
 /** @param {number[]} modes @param {number[]} people @param {boolean} cut @param {number} partner */
 function report(modes, people, cut, partner) {
-  const { faults = {}, fault_base = 100, partners = [] } = hello ?? {};
+  const { faults = {}, fault_base = 100, partners = [], waits, other = null } = hello ?? {};
   const fault = modes.findIndex((mode) => mode > fault_base);
   const there = people[2 - me];
   element("cut").setAttribute("aria-pressed", `${cut}`);
@@ -153,19 +155,22 @@ function report(modes, people, cut, partner) {
   const select = choice("partner");
   if (document.activeElement !== select) select.selectedIndex = partner;
   if (fault >= 0) say(`peer ${fault + 1} stopped: ${faults[(modes[fault] ?? 0) - fault_base]}. Press Start.`, true);
+  else if (modes.some((mode) => mode === waits)) say(`waiting for ${other}`, true);
   else if (modes.includes(0)) say("stopped: motors are off. Press Start.", true);
   else if (cut) say("the cable is cut", true);
   else if (watches) say("you watch", false);
+  else if (other !== null) say(`${other} has the other hand`, false);
   else say(there ? "another person has the other hand" : `the partner has the other hand: ${partners[partner]}`, false);
 }
 
 function askForMore() {
   // One question at a time: a slow line makes fewer pictures, not a queue of them.
   if (!hello || socket?.readyState !== WebSocket.OPEN || (waiting && performance.now() - asked < 1000)) return;
-  const bytes = new DataView(new ArrayBuffer(12));
+  const bytes = new DataView(new ArrayBuffer(16));
   bytes.setUint32(0, next, true);
   bytes.setFloat32(4, watches ? NaN : wanted, true);
-  bytes.setUint32(8, restarts, true);
+  bytes.setFloat32(8, 0, true);
+  bytes.setUint32(12, restarts, true);
   socket.send(bytes);
   [waiting, asked] = [true, performance.now()];
 }

@@ -4,6 +4,7 @@
 //! `target/tmp/suite/play`.
 
 mod devtools;
+mod far;
 mod files;
 mod inputs;
 
@@ -30,7 +31,8 @@ impl Play {
         let mut child = host_sim(&[&["play"], arguments].concat()).spawn().expect("host-sim runs");
         let mut said = BufReader::new(child.stderr.take().expect("its errors are kept"));
         let address = |line: String| line.split_once("http://").map(|(_, rest)| format!("http://{rest}"));
-        let addresses = said.by_ref().lines().map_while(Result::ok).filter_map(address).take(3).collect();
+        let lines = said.by_ref().lines().map_while(Result::ok);
+        let addresses = lines.take_while(|line| !line.starts_with("Ctrl-C")).filter_map(address).collect();
         Self { child, addresses, _said: said }
     }
 

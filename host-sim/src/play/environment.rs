@@ -1,0 +1,82 @@
+//! What a page's beat steps and its windows draw: one mechanism for two peers, one peer of two machines, and every shared environment.
+//!
+//! An environment has up to two hands that people hold, and gives a sample a tick. What is in a sample its list of columns says; the
+//! last column of all is how often it has started anew, so that a window lets go of a world that is no more.
+
+use haptic_core::safety::Mode;
+use haptic_sim::scene::Scene;
+
+use super::partner::Model;
+
+/// Numbers in a sample, at the most; what a column is missing for is no number.
+pub(super) const MOST: usize = 22;
+
+/// One tick.
+pub(super) type Sample = [f32; MOST];
+
+/// Name, unit and meaning of a number in a sample.
+pub(super) type Column = (&'static str, &'static str, &'static str);
+
+/// A peer's mode as one number, which windows are told.
+pub(super) const OFF: u8 = 0;
+pub(super) const ARMED: u8 = 1;
+/// It waits for the other end.
+pub(super) const WAITS: u8 = 2;
+pub(super) const FAULT: u8 = 100;
+
+/// The number of a mode: [`OFF`], [`ARMED`], or [`FAULT`] and the number of the fault.
+pub(super) fn number_of(mode: Mode) -> u8 {
+    match mode {
+        Mode::Armed => ARMED,
+        Mode::Faulted(fault) => FAULT + fault.number(),
+        Mode::Disarmed | Mode::Probing => OFF,
+    }
+}
+
+/// What acts at the next tick, without a question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Command {
+    /// Motors off.
+    Stop,
+    /// Everything anew, from rest.
+    Start,
+    /// The line is cut, or joined.
+    Cut(bool),
+    /// Who holds the hands that nobody holds.
+    Partner(Model),
+}
+
+/// How it stands, in a few bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Standing {
+    /// Of both peers, as [`number_of`] has them.
+    pub(super) modes: [u8; 2],
+    pub(super) cut: bool,
+    /// Which of [`Model`]'s list the partner is.
+    pub(super) partner: u8,
+}
+
+/// Something that a page's hands act on.
+pub(super) trait Environment {
+    /// Does what acts without a question.
+    fn command(&mut self, command: Command) -> Result<(), String>;
+
+    /// Takes another scene, which is what every setting is from now on.
+    fn set(&mut self, scene: Scene) -> Result<(), String>;
+
+    /// What a person's pointer says before the next tick: where it is, m, along and across, or that it lets go. Where it says so of a
+    /// world that was before the last start, it has let go.
+    fn point(&mut self, hand: usize, at: Option<[f64; 2]>, restarts: u32);
+
+    /// Who plays when nobody holds this hand holds it in the next tick.
+    fn play(&mut self, hand: usize);
+
+    /// One tick.
+    fn step(&mut self) -> Result<Sample, String>;
+
+    /// How it stands.
+    fn standing(&self) -> Standing;
+}
+
+/// An environment that is opened on the beat's own thread.
+pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, String> + Send>;

@@ -1,0 +1,90 @@
+use haptic_sim::{Laws, scenes};
+
+use super::*;
+
+fn pair(scene: &str, to: &str) -> [Far; 2] {
+    let [here, there] = [scene, to].map(|name| scenes::load(Laws::built_in(), name).expect("a scene"));
+    let key = || Key::new([7; Key::LEN]);
+    let listening = End::listening("127.0.0.1:0".parse().expect("an address"), key(), 1).expect("a socket");
+    let joining = End::joining(listening.endpoint.address, key(), 2).expect("a socket");
+    [Far::new(here, listening).expect("an end"), Far::new(there, joining).expect("an end")]
+}
+
+/// Both ends tick by the clock, each hand where it is wanted, until `done`, and no longer than half a minute.
+#[track_caller]
+fn until(ends: &mut [Far; 2], wanted: [Option<f64>; 2], done: impl Fn(&[Sample; 2]) -> bool) -> [Sample; 2] {
+    let start = Instant::now();
+    loop {
+        let samples = [0, 1].map(|at| {
+            let end = &mut ends[at];
+            end.point(at, wanted[at].map(|along| [along, 0.0]), end.restarts);
+            end.step().expect("a tick")
+        });
+        if done(&samples) {
+            return samples;
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "{samples:?}");
+        std::thread::sleep(Duration::from_micros(900));
+    }
+}
+
+const DEVICE: usize = 2;
+const OBJECT: usize = 4;
+const HAND: usize = 12;
+
+/// The hands of two processes pull on one chain of springs (`play_session.rs`), and each end knows where the other copy is.
+#[test]
+fn two_ends_hold_one_object() {
+    let mut ends = pair("any-network", "any-network");
+    assert_eq!(ends[0].standing().modes, [WAITS; 2]);
+    until(&mut ends, [None; 2], |samples| {
+        samples.iter().all(|sample| sample[OBJECT].is_finite() && sample[OBJECT + 1].is_finite())
+    });
+    until(&mut ends, [Some(0.02), Some(0.0)], |[one, two]| {
+        // The line is a spring as well, of the round trip over its impedance, which is short on loopback.
+        let stiffness = 1.0 / (2.0 / 200.0 + 2.0 / 1000.0 + 2.0 / 10000.0);
+        (f64::from(one[HAND]) - 0.02 * stiffness).abs() < 0.1
+            && (f64::from(two[HAND + 1]) + 0.02 * stiffness).abs() < 0.1
+    });
+    let [one, two] = until(&mut ends, [Some(0.02), Some(0.0)], |[one, two]| {
+        // What each was told of the other's copy is where that is, once nothing moves.
+        (one[OBJECT + 1] - two[OBJECT + 1]).abs() < 5e-4 && (two[OBJECT] - one[OBJECT]).abs() < 5e-4
+    });
+    assert!((one[DEVICE] - one[DEVICE + 1]).abs() > 0.002 && two[DEVICE] > two[DEVICE + 1], "{one:?} {two:?}");
+    assert_eq!(ends.each_ref().map(|end| end.standing().modes), [[ARMED; 2]; 2]);
+}
+
+/// A stop holds although packets come, a start lets go of the hand; the other end hears of both.
+#[test]
+fn a_stop_holds_until_it_is_taken_back() {
+    let mut ends = pair("any-network", "any-network");
+    until(&mut ends, [None; 2], |samples| samples.iter().all(|sample| sample[OBJECT + 1].is_finite()));
+    until(&mut ends, [Some(0.02), None], |[one, _]| one[HAND] > 0.3);
+    ends[0].command(Command::Stop).expect("it stops");
+    let begin = ends[0].tick;
+    until(&mut ends, [Some(0.02), None], |[one, _]| one[19] >= 0.0 && one[DEVICE].is_finite() && one[10] == 0.0);
+    for _ in 0..1500 {
+        until(&mut ends, [None; 2], |_| true);
+    }
+    assert!(ends[0].tick > begin + 1000);
+    assert_eq!([ends[0].standing().modes[0], ends[1].standing().modes[0]], [OFF; 2]);
+    ends[0].command(Command::Start).expect("it starts");
+    until(&mut ends, [None; 2], |samples| samples.iter().all(|sample| sample[OBJECT + 1].is_finite()));
+    let start = Instant::now();
+    while ends[1].standing().modes != [ARMED; 2] || ends[0].standing().modes != [ARMED; 2] {
+        until(&mut ends, [None; 2], |_| true);
+        assert!(start.elapsed() < Duration::from_secs(30));
+    }
+    assert_eq!(ends[0].restarts, 1);
+}
+
+/// Who was told another scene is not let in.
+#[test]
+fn other_settings_are_refused() {
+    let mut ends = pair("any-network", "matched-line");
+    for _ in 0..500 {
+        until(&mut ends, [None; 2], |_| true);
+    }
+    assert_eq!(ends[0].standing().modes, [WAITS; 2]);
+    assert!(ends.iter().any(|end| end.node.line.link.refused().is_some()));
+}

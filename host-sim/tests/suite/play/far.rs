@@ -1,0 +1,40 @@
+//! Two machines, here two processes: each has its own page and its own hand, over the sealed link.
+
+use super::{Browser, Play, click, drag, folder, middle};
+use crate::program::{Keys, free};
+
+#[test]
+fn two_machines_hold_one_object() {
+    let (keys, at) = (Keys::new("play-far", 0), free());
+    let here = Play::start(&["--listen", &at, "--key-file", &keys.file(0)]);
+    let mut browser = Browser::start(folder().join("far"));
+    let one = browser.open(&here.addresses[0]);
+    let status = "document.getElementById('status').textContent";
+    browser.wait(&one, &format!("{status}.startsWith('waiting for peer 2, which joins at')"));
+    let there = Play::start(&["--join", &at, "--key-file", &keys.file(0)]);
+    let two = browser.open(&there.addresses[0]);
+    for (window, other) in [(&one, "peer 2, which joins"), (&two, "peer 1 at")] {
+        browser.wait(window, &format!("{status}.startsWith('{other}') && {status}.endsWith('has the other hand')"));
+        // What is the same at both ends is not changed at one.
+        assert_eq!(browser.evaluate(window, "getComputedStyle(document.getElementById('controls')).display"), "none");
+    }
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    let at = drag(&mut browser, &one, hand, 40.0);
+    browser.wait(&two, "page.value('object_2') > 0.03 && page.value('object_1') > 0.03");
+    browser.wait(&one, "Math.abs(page.value('object_2') - page.value('object_1')) < 0.005");
+    browser.picture(&two, &folder().join("far.png"));
+    browser.mouse(&one, "mouseReleased", at);
+
+    // Stop at one end is seen at both; nothing but a start there takes it back.
+    click(&mut browser, &one, "stop");
+    for window in [&one, &two] {
+        browser.wait(window, &format!("{status}.startsWith('stopped: motors are off')"));
+    }
+    click(&mut browser, &one, "start");
+    browser.wait(&two, &format!("{status}.endsWith('has the other hand')"));
+    drop(here);
+    browser.wait(&two, &format!("{status}.startsWith('waiting for peer 1')"));
+    let complaints = browser.complaints(&[&two]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
