@@ -12,6 +12,7 @@ mod page;
 mod probe;
 mod qemu;
 mod readme;
+mod release;
 mod rooms;
 mod run;
 mod setup;
@@ -34,7 +35,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 16] = [
+const CHORES: [Chore; 17] = [
     Chore {
         name: "setup",
         options: "",
@@ -185,6 +186,16 @@ circle, on an import that climbs against the order in xtask/rooms.txt, and on a 
         does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
         more: "  --check   change nothing; fail if a text would change",
         run: |given| readme::readme(given.flag("--check")),
+    },
+    Chore {
+        name: "release",
+        options: " [--tag TAG] [--out DIR]",
+        does: "Builds the board's image from a tag, with its sum and what built it, as files to give away",
+        more: "From a clone of the tag, without this machine's paths: the same toolchain makes the same bytes anywhere. The tag is `v` and the
+version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit to be given away.
+  --tag  which tag [default: that of what is checked out]
+  --out  folder, in which a folder of the tag's name is made [default: out/release]",
+        run: release::release,
     },
 ];
 
