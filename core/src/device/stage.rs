@@ -1,7 +1,7 @@
 //! What the power stage of the motors measured since the tick before: currents, voltages and the bridges' supply.
 //!
 //! Only a device with a current loop ([`super::current`]) has it. The loop runs once a PWM period and the tick once a control
-//! period, so a stage says means over the PWM periods in between.
+//! period, so a stage says means over the PWM periods in between: each of a current sampled as it begins, and of the voltage given in it.
 //!
 //! Units: currents in codes, 1/32767 of `motor.full_scale_a`, as a [`super::motor::Duty`]; one beyond is at the end of the numbers.
 //! Voltages in counts of the timer, of which the supply has [`Measured::supply_counts`]. Both along the motor: positive as a positive
@@ -18,6 +18,22 @@ pub struct Flow {
     pub last: i16,
     /// Mean of the voltage that the bridge gave, counts; 0 while it is off.
     pub voltage: i16,
+}
+
+impl Flow {
+    /// From sums over so many periods, 1 or more: of the currents sampled at their beginnings (codes), and of the voltages given in them
+    /// (counts). Means are rounded to the nearest: cut toward zero they would seem a motor of less back-EMF.
+    #[inline]
+    pub fn of(currents: i32, voltages: i32, last: i32, periods: i32) -> Self {
+        // What does not fit is at the end of the numbers: the casts are exact.
+        let held = |number: i32| number.max(-i32::from(i16::MAX)).min(i32::from(i16::MAX)) as i16;
+        let half = periods / 2;
+        let mean = |sum: i32| {
+            let away = if sum < 0 { sum.saturating_sub(half) } else { sum.saturating_add(half) };
+            held(away.checked_div(periods).unwrap_or_default())
+        };
+        Self { mean: mean(currents), last: held(last), voltage: mean(voltages) }
+    }
 }
 
 /// What the power stage measured since the tick before.

@@ -18,12 +18,11 @@
 //! Limits: dead time is within the resistance (so its tolerance is wide), and the swing must be fast enough to make a voltage: one that
 //! is too slow to tell the scale to a few percent has not passed.
 
-use core::f64::consts::TAU;
 use core::fmt;
 
+use super::kinematics::Joints;
 use super::stage::{Flow, Measured};
 use crate::device::motor::Duty;
-use crate::names::KinematicsName;
 use crate::settings::Settings;
 
 /// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
@@ -128,11 +127,8 @@ pub(crate) struct Expected {
 
 impl Expected {
     pub(crate) fn build(settings: &Settings) -> Self {
-        let (motor, encoder) = (&settings.motor, &settings.encoder);
-        let counts_per_unit = match settings.kinematics.model {
-            KinematicsName::Direct => encoder.counts_per_m,
-            _ => encoder.counts_per_rev / TAU,
-        };
+        let motor = &settings.motor;
+        let Joints { counts_per_unit, .. } = Joints::of(settings);
         let along = if motor.reversed { -1.0 } else { 1.0 };
         Self {
             per_code: motor.resistance_ohm * motor.full_scale_a / f64::from(Duty::FULL_SCALE),

@@ -18,6 +18,7 @@ pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod scenes;
+pub mod student;
 pub mod user;
 
 pub use peers::{DynPeer, Family, Laws, Number};

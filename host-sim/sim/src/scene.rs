@@ -53,6 +53,28 @@ impl Choice for DriveName {
     const ALL: &'static [Self] = &[Self::Voltage, Self::Current];
 }
 
+/// What is broken about a motor, its bridge or its current's sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Defect {
+    /// Nothing.
+    None,
+    /// The bridge does not obey its enable.
+    EnableIgnored,
+    /// The two wires of the current's sensor are swapped.
+    SensorReversed,
+    /// A wire of the motor is off.
+    MotorOpen,
+    /// The wires of the motor touch each other.
+    MotorShorted,
+}
+
+impl Choice for Defect {
+    const NAMES: &'static [&'static str] =
+        &["none", "enable-ignored", "sensor-reversed", "motor-open", "motor-shorted"];
+    const ALL: &'static [Self] =
+        &[Self::None, Self::EnableIgnored, Self::SensorReversed, Self::MotorOpen, Self::MotorShorted];
+}
+
 haptic_core::settings! {
     /// The world around the peers.
     pub struct World;
@@ -86,6 +108,9 @@ haptic_core::settings! {
         current_bits: u32 = 12, Allowed::Whole { min: 8, max: 16 }, "bits",
             "Converter of the current, from -motor.sense_a to motor.sense_a.";
         current_noise_a: f64 = 0.0032, number(0.0, 1.0), "A", "Noise of the current's sensor, root mean square.";
+        current_zero_a: f64 = 0.0, number(-1.0, 1.0), "A", "What the current's sensor reads while none flows.";
+        defect: Defect = Defect::None, Allowed::Names(Defect::NAMES), "",
+            "What is broken about the windings of plant.winding, their bridges and their current's sensors: to practise on.";
         loop_delay_periods: f64 = 1.5, number(1.0, 1.5), "",
             "PWM periods of 50 µs from a sample of the current to the middle of the voltage that comes of it.";
     }

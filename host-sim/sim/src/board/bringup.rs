@@ -6,7 +6,8 @@
 //! | emergency stop | pressed, it is seen, before anything may move |
 //! | encoder | it counts over a known distance, and stands still where the joint does |
 //! | sign | a weak push moves the encoder the way the motor pushes |
-//! | motor | newtons per ampere against a gauge or a known mass, and what moves: mass and friction |
+//! | current | resistance and inductance of the winding, within what the data sheet says; the sensor's zero, and its sign |
+//! | motor | newtons per ampere against a gauge or a known mass, and what moves: mass and friction; the voltage that it makes by moving says the same |
 //! | lowest force | armed with [`LOWEST_N`] and nobody at it, the joint stays where it is |
 //! | first contact | pushed against, the object pushes back, within that force |
 //! | stop | pressed while armed, the motors are off, and stay off until they are armed anew |
@@ -14,7 +15,7 @@
 //! | time | in all of that no tick began more than [`LATE_US`] late or off its period, or took more than [`LONG_US`] |
 //!
 //! What is found goes to the settings file and to the board; the limit of force is put back to what it was. A step that does not pass
-//! ends it, with what to look at. Current is not measured: no image does yet.
+//! ends it, with what to look at. A board without a current loop passes "current" with nothing measured.
 
 use std::path::Path;
 
@@ -23,6 +24,7 @@ use haptic_core::settings::Settings;
 use super::calibrate::board::{self, Board, Joint, Tick, say, settings};
 use super::calibrate::counts::{self, Distance};
 use super::calibrate::motor::{self, Against};
+use super::calibrate::winding::{self, Sheet};
 use super::calibrate::{Found, Person, Task, motion, settings_file};
 
 /// The limit of force of the steps in which the board is armed, N.
@@ -47,6 +49,8 @@ pub struct Plan<'a> {
     pub joint: u32,
     /// By how much the person moves it for its scale.
     pub distance: Distance,
+    /// What its motor's data sheet says.
+    pub sheet: Sheet,
     /// What its motor is measured against.
     pub against: Against,
     /// Where what is found is kept.
@@ -72,7 +76,7 @@ struct BringUp<'a> {
 /// A step: its name, what it does and sees, and what to look at if it does not pass.
 type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, String>, &'static str);
 
-fn steps<'a>() -> [Step<'a>; 10] {
+fn steps<'a>() -> [Step<'a>; 11] {
     [
         ("light", BringUp::light, "docs/hardware.md, \"Flash, run, log\" and \"Give it its keys\""),
         (
@@ -82,6 +86,7 @@ fn steps<'a>() -> [Step<'a>; 10] {
         ),
         ("encoder", BringUp::encoder, "the encoder's supply and its wires A and B"),
         ("sign", BringUp::sign, "the bridge's supply and enable, the motor's wires, and that nothing holds the joint"),
+        ("current", BringUp::current, "the motor's wires, the current's sensor, and the data sheet"),
         ("motor", BringUp::motor, "that nothing but the motor moves the joint, and that it moves freely"),
         ("lowest force", BringUp::lowest_force, "what pulls the joint: its weight, a cable, a spring"),
         ("first contact", BringUp::first_contact, "scale and signs of encoder and motor in the settings file"),
@@ -221,6 +226,14 @@ impl BringUp<'_> {
     fn sign(&mut self) -> Result<String, String> {
         self.person.please(&Task::LetGo { joint: self.plan.joint })?;
         let found = motor::sign(self.board, self.plan.joint)?;
+        self.keep(&found)?;
+        Ok(listed(&found))
+    }
+
+    fn current(&mut self) -> Result<String, String> {
+        let Some(found) = winding::winding(self.board, self.plan.joint, self.plan.sheet)? else {
+            return Ok("this board has no current loop: nothing was measured".to_owned());
+        };
         self.keep(&found)?;
         Ok(listed(&found))
     }

@@ -8,7 +8,7 @@
 //! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third. Sampled in
 //! the middle of a period instead, `plant.loop_delay_periods` = 1, the same voltage comes of a newer current.
 //!
-//! Off, a bridge lets go: the current is gone at once.
+//! Off, a bridge lets go: the current is gone at once. `plant.defect` breaks one of motor, bridge and sensor.
 
 use haptic_core::device::AXES;
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
@@ -18,15 +18,17 @@ use haptic_core::settings::{Refused, Settings};
 
 use super::winding::{Flow, Winding};
 use crate::rng::Rng;
-use crate::scene::{DriveName, PlantSettings};
+use crate::scene::{Defect, DriveName, PlantSettings};
 
 /// The converter that a current is read by, with its noise.
 #[derive(Clone, Debug)]
 pub struct Converter {
     /// Steps of either half.
     half: f64,
+    /// Negative where its wires are swapped.
     sense_a: f64,
     noise_a: f64,
+    zero_a: f64,
     rng: Rng,
 }
 
@@ -35,8 +37,9 @@ impl Converter {
     pub fn new(settings: &Settings, plant: &PlantSettings, seed: u64) -> Self {
         Self {
             half: f64::from(1_u32 << (plant.current_bits - 1)),
-            sense_a: settings.motor.sense_a,
+            sense_a: if plant.defect == Defect::SensorReversed { -1.0 } else { 1.0 } * settings.motor.sense_a,
             noise_a: plant.current_noise_a,
+            zero_a: plant.current_zero_a,
             rng: Rng::new(seed),
         }
     }
@@ -44,7 +47,7 @@ impl Converter {
     /// What it reads at this current.
     pub fn read(&mut self, current_a: f64) -> u16 {
         let noise_a = if self.noise_a > 0.0 { self.noise_a * self.rng.normal() } else { 0.0 };
-        let steps = self.half + (current_a + noise_a) / self.sense_a * self.half;
+        let steps = self.half + (current_a + self.zero_a + noise_a) / self.sense_a * self.half;
         // At most 16 bits.
         steps.round().clamp(0.0, 2.0 * self.half - 1.0) as u16
     }
@@ -76,10 +79,7 @@ impl Closed {
 
     /// Means of the periods since.
     fn flow(&self) -> Option<stage::Flow> {
-        // What does not fit is at the end of the numbers.
-        let code = |number: i32| number.clamp(-i32::from(i16::MAX), i32::from(i16::MAX)) as i16;
-        let mean = |sum: i32| sum.checked_div(self.periods).map(code);
-        Some(stage::Flow { mean: mean(self.codes)?, last: code(self.last), voltage: mean(self.volts)? })
+        (self.periods > 0).then(|| stage::Flow::of(self.codes, self.volts, self.last, self.periods))
     }
 }
 
@@ -89,6 +89,21 @@ pub(super) fn measured(drives: &[Drive; AXES], plant: &PlantSettings) -> Option<
     let supply_mv = (1e3 * plant.supply_v).round() as u16;
     Some(Measured { motors: [one, two], supply_mv, supply_counts: plant.timer_counts() })
 }
+
+/// What a tick wants of a drive.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// A current, and the back-EMF that is expected, counts.
+    Current(Duty, i32),
+    /// A voltage, as a share of the supply.
+    Voltage(Duty),
+}
+
+/// No current.
+const OFF: Order = Order::Current(Duty::OFF, 0);
+/// Ω and H of a motor whose wires touch, and Ω of one that has a wire off.
+const SHORTED: [f64; 2] = [0.02, 1e-5];
+const OPEN_OHM: f64 = 1e9;
 
 /// The power stage and the motor of one joint.
 #[derive(Clone, Debug)]
@@ -101,9 +116,11 @@ pub struct Drive {
     closed: Option<Closed>,
     /// The bridge conducts.
     on: bool,
-    /// The duty that acts, and the one that does from the next period on, each with the back-EMF that is expected, counts.
-    now: (Duty, i32),
-    next: (Duty, i32),
+    /// It does so whatever its enable says.
+    always_on: bool,
+    /// What acts, and what does from the next period on.
+    now: Order,
+    next: Order,
     /// Voltage of this period, counts.
     voltage: i32,
     current_a: f64,
@@ -137,19 +154,21 @@ impl Drive {
                 })
             }
         };
+        // What does not reach the motor neither moves it nor is moved by it.
+        let ([resistance_ohm, inductance_h], reaches) = match plant.defect {
+            Defect::MotorOpen => ([OPEN_OHM, motor.inductance_h], 0.0),
+            Defect::MotorShorted => (SHORTED, 0.0),
+            _ => ([motor.resistance_ohm * plant.resistance_ratio, motor.inductance_h], 1.0),
+        };
         Ok(Self {
-            winding: Winding {
-                resistance_ohm: motor.resistance_ohm * plant.resistance_ratio,
-                inductance_h: motor.inductance_h,
-                supply_v: plant.supply_v,
-                dead_time_s: plant.dead_time_s,
-            },
-            force_per_a: motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
+            winding: Winding { resistance_ohm, inductance_h, supply_v: plant.supply_v, dead_time_s: plant.dead_time_s },
+            force_per_a: reaches * motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
             counts: f64::from(counts),
             closed,
             on: false,
-            now: (Duty::OFF, 0),
-            next: (Duty::OFF, 0),
+            always_on: plant.defect == Defect::EnableIgnored,
+            now: OFF,
+            next: OFF,
             voltage: 0,
             current_a: 0.0,
         })
@@ -157,7 +176,7 @@ impl Drive {
 
     /// The bridge lets go, and the loop forgets.
     pub fn off(&mut self) {
-        (self.now, self.next, self.voltage, self.current_a) = ((Duty::OFF, 0), (Duty::OFF, 0), 0, 0.0);
+        (self.now, self.next, self.voltage, self.current_a) = (OFF, OFF, 0, 0.0);
         self.on = false;
         if let Some(closed) = &mut self.closed {
             closed.controller = Controller::default();
@@ -168,8 +187,19 @@ impl Drive {
     /// What a tick has computed: a duty, and the speed of the joint as the peer knows it (m/s or rad/s).
     pub fn command(&mut self, duty: Duty, joint_speed: f64) {
         let forward = |closed: &Closed| closed.design.forward(joint_speed as f32, closed.supply_mv);
-        self.next = (duty, self.closed.as_ref().map_or(0, forward));
-        self.on = true;
+        self.take(Order::Current(duty, self.closed.as_ref().map_or(0, forward)), true);
+    }
+
+    /// A tick that closes no loop: a voltage for the bridge's inputs, as a share of the supply, whether or not it is enabled.
+    pub fn open(&mut self, duty: Duty, enable: bool) {
+        self.take(Order::Voltage(duty), enable);
+    }
+
+    fn take(&mut self, order: Order, enable: bool) {
+        if !enable && !self.always_on {
+            return self.off();
+        }
+        (self.next, self.on) = (order, true);
         if let Some(closed) = &mut self.closed {
             closed.begin();
         }
@@ -190,17 +220,24 @@ impl Drive {
             Flow::default()
         };
         self.current_a = end_a;
-        let (duty, forward) = self.now;
+        let order = self.now;
         self.now = self.next;
+        let volts = |Duty(duty)| (f64::from(duty) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32;
         self.voltage = match &mut self.closed {
             Some(closed) => {
                 closed.last = closed.sensor.codes(closed.converter.read(sampled_a));
                 closed.codes += closed.last;
                 closed.volts += self.voltage;
                 closed.periods += 1;
-                if self.on { closed.controller.step(&closed.gains, duty, closed.last, forward) } else { 0 }
+                match order {
+                    _ if !self.on => 0,
+                    Order::Current(duty, forward) => closed.controller.step(&closed.gains, duty, closed.last, forward),
+                    Order::Voltage(duty) => volts(duty),
+                }
             }
-            None => (f64::from(self.now.0.0) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32,
+            None => match self.now {
+                Order::Current(duty, _) | Order::Voltage(duty) => volts(duty),
+            },
         };
         self.force_per_a * mean_a
     }

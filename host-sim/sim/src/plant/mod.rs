@@ -179,10 +179,10 @@ impl Plant {
         let (pose, before) = (joints.pose(self.motions), windings.seen);
         windings.seen = joints.seen(self.motions);
         for (joint, drive) in windings.drives.iter_mut().enumerate() {
-            if actuators.enable {
+            if actuators.enable && !actuators.open {
                 drive.command(actuators.duties[joint], (windings.seen[joint] - before[joint]) / self.period_s);
             } else {
-                drive.off();
+                drive.open(actuators.duties[joint], actuators.enable);
             }
         }
         self.motor_before = [0.0; AXES];

@@ -7,6 +7,7 @@ use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::Distance;
 use haptic_sim::board::calibrate::motor::Against;
 use haptic_sim::board::calibrate::simulated::Shared;
+use haptic_sim::board::calibrate::winding::Sheet;
 use haptic_sim::board::calibrate::{Person, Task};
 use haptic_sim::scene::Scene;
 
@@ -43,7 +44,7 @@ fn run<B: Board>(
     let _ = std::fs::remove_file(&file);
     let turns = device.contains("capstan");
     let distance = if turns { Distance::Revolutions(2.0) } else { Distance::Metres(0.05) };
-    let plan = Plan { joint: 1, distance, against: Against::Mass(0.2), file: &file };
+    let plan = Plan { joint: 1, distance, sheet: Sheet::default(), against: Against::Mass(0.2), file: &file };
     let outcome = bring_up(&mut board, &mut person, plan, |_| ());
     let found = outcome.is_ok().then(|| {
         let before = haptic_core::settings::Settings::default().safety.max_force_n;
@@ -58,16 +59,25 @@ fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
     const SLIDE: &str = "plant.coulomb_n=0.1 encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3";
     const CAPSTAN: &str = "kinematics.model=capstan encoder.counts_per_rev=4000 kinematics.capstan_ratio=12 \
                            kinematics.paddle_radius_m=0.07 motor.newton_or_newton_metre_per_a=0.05 plant.coulomb_n=0.1";
-    for (kind, device) in [("slide", SLIDE), ("capstan", CAPSTAN)] {
+    const LOOP: &str = "plant.drive=current plant.pwm_steps=3000 motor.resistance_ohm=3 motor.inductance_h=0.0007 \
+                        encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3 plant.coulomb_n=0.1";
+    for (kind, device) in [("slide", SLIDE), ("capstan", CAPSTAN), ("loop", LOOP)] {
         for (motor, encoder) in [(false, false), (true, false), (false, true), (true, true)] {
             let signs = format!("device.mass_kg=0.17 motor.reversed={motor} encoder.reversed={encoder}");
             let (found, _, passed) =
                 run(&format!("{kind}-{motor}-{encoder}"), &format!("{device} {signs}"), |_| false, |board| board);
             let passed = passed.unwrap_or_else(|why| panic!("{kind} {signs}: {why}"));
-            assert_eq!(passed.len(), 10);
+            assert_eq!(passed.len(), 11);
             let found = found.expect("what it found");
             assert_eq!((found.peer.motor.reversed, found.peer.encoder.reversed), (motor, encoder), "{kind}");
             assert!((found.world.device.mass_kg / 0.17 - 1.0).abs() < 0.03, "{kind}: {}", found.world.device.mass_kg);
+            let seen = &passed.iter().find(|passed| passed.step == "current").expect("the step").seen;
+            if kind == "loop" {
+                assert!((found.peer.motor.resistance_ohm / 3.0 - 1.0).abs() < 0.02, "{seen}");
+                assert!((found.peer.motor.inductance_h / 0.0007 - 1.0).abs() < 0.05, "{seen}");
+            } else {
+                assert_eq!(seen, "this board has no current loop: nothing was measured");
+            }
         }
     }
 }
@@ -77,7 +87,7 @@ fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
 fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
     type Case = (&'static str, fn(&Task) -> bool, &'static str);
     let cases: [Case; 5] = [
-        ("stop", |task| *task == Task::PressStop, "emergency stop: the board answers \"arm\" with \"ok armed\""),
+        ("stop", |task| *task == Task::PressStop, "emergency stop: the board answers \"arm\" with \"error check first"),
         ("encoder", |task| matches!(task, Task::MoveMetres { .. }), "encoder: the encoder counted 0"),
         ("motor", |task| matches!(task, Task::Fasten { .. }), "motor: the added mass shows as "),
         ("contact", |task| matches!(task, Task::Push { .. }), "first contact: nothing pushed back"),

@@ -4,7 +4,7 @@
 use haptic_core::settings::Value;
 use haptic_sim::board::calibrate::board::{Board, Joint, Run, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor;
+use haptic_sim::board::calibrate::motor::{self, Against};
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::scene::Scene;
@@ -80,7 +80,7 @@ fn a_new_board_finds_out_everything_about_its_device() {
             assert_eq!(flag(&found, "motor.reversed"), motor_reversed, "{name}");
             give(&mut board, &found, &name);
 
-            let found = motor::mass(&mut board, &mut person, 1, 0.2).expect("motor");
+            let found = motor::constant(&mut board, &mut person, 1, Against::Mass(0.2)).expect("motor");
             let constant = number(&found, "motor.newton_or_newton_metre_per_a");
             near(&name, constant, peer.motor.newton_or_newton_metre_per_a, 0.02);
             give(&mut board, &found, &name);
@@ -103,7 +103,7 @@ fn a_gauge_gives_the_motor_constant() {
     let truth = scene("motor.newton_or_newton_metre_per_a=5.5 plant.coulomb_n=0.3");
     let mut board = Shared::new(&truth).expect("a board");
     let mut person = board.clone();
-    let found = motor::gauge(&mut board, &mut person, 1).expect("a constant");
+    let found = motor::constant(&mut board, &mut person, 1, Against::Gauge).expect("a constant");
     near("gauge", number(&found, "motor.newton_or_newton_metre_per_a"), 5.5, 0.001);
 }
 
@@ -198,15 +198,15 @@ fn what_the_data_do_not_give_is_refused() {
     refused(motor::sign(&mut new(held), 1), "did not move: let go of it");
     refused(motion::friction(&mut new(held), 1), "too little");
     refused(motion::inertia(&mut new(held), 1), "too little");
-    refused(motor::mass(&mut new(held), &mut Idle, 1, 0.2), "too little");
+    refused(motor::constant(&mut new(held), &mut Idle, 1, Against::Mass(0.2)), "too little");
     // Pushed by a hand all the time.
     refused(motor::sign(&mut new("user.1.push_n=5"), 1), "let go of it");
     // The wrong sign is no mass below zero.
     refused(motion::inertia(&mut new("motor.reversed=true"), 1), "`calibrate sign` first");
     // Readings of somebody who looks elsewhere, and a device that is not at the gauge.
-    refused(motor::gauge(&mut new("plant.coulomb_n=50"), &mut Idle, 1), "lie on no line");
-    refused(motor::gauge(&mut new(""), &mut Idle, 1), "the joint gave way");
-    refused(motor::mass(&mut new(""), &mut Idle, 1, 0.2), "the added mass shows as");
+    refused(motor::constant(&mut new("plant.coulomb_n=50"), &mut Idle, 1, Against::Gauge), "lie on no line");
+    refused(motor::constant(&mut new(""), &mut Idle, 1, Against::Gauge), "the joint gave way");
+    refused(motor::constant(&mut new(""), &mut Idle, 1, Against::Mass(0.2)), "the added mass shows as");
     refused(motion::inertia(&mut new("axis.count=2 kinematics.model=five-bar"), 1), "five-bar");
 }
 

@@ -2,6 +2,7 @@
 
 mod bringup;
 mod calibrate;
+mod calibrate_winding;
 mod double_double;
 mod engine;
 mod impulsive;

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::calibrate::{At, By, Reference};
+use super::calibrate::{At, By, DataSheet, Reference};
 use crate::cli::{Failure, Ui};
 use haptic_sim::board::bringup::{Plan, bring_up};
 use haptic_sim::board::calibrate::settings_file;
@@ -15,6 +15,8 @@ pub(in crate::cli) struct BringUp {
     by: By,
     #[command(flatten)]
     reference: Reference,
+    #[command(flatten)]
+    sheet: DataSheet,
 }
 
 impl BringUp {
@@ -25,7 +27,7 @@ impl BringUp {
         if file.exists() {
             settings_file::give(&mut *board, file)?;
         }
-        let plan = Plan { joint: self.at.joint, distance, against, file };
+        let plan = Plan { joint: self.at.joint, distance, sheet: self.sheet.sheet(), against, file };
         let passed = bring_up(&mut *board, &mut *person, plan, |passed| {
             ui.status(format_args!("{}: passed: {}", passed.step, passed.seen));
         })?;

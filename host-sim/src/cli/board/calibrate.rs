@@ -1,6 +1,6 @@
 //! `host-sim board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
 //!
-//! In this order, each into the same settings file: counts, sign, motor, friction, inertia. What is found is given to the board at
+//! In this order, each into the same settings file: counts, sign, winding, motor, friction, inertia. What is found is given to the board at
 //! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
@@ -10,10 +10,12 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::{Args, Subcommand};
 
 use super::operator;
+use crate::cli::flags::number;
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::live::operator::Operator;
 use haptic_sim::board::calibrate::counts::{self, Distance};
 use haptic_sim::board::calibrate::motor::{self, Against};
+use haptic_sim::board::calibrate::winding::{self, Sheet};
 use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_sim::{board::calibrate::board::Board, board::calibrate::simulated::Shared};
 
@@ -28,7 +30,16 @@ pub(in crate::cli) enum Calibrate {
     },
     /// Sign of a motor: a weak push both ways. After `counts`.
     Sign(At),
-    /// Motor constant, against a force gauge that you read, or with a known mass that you fasten. After `sign`.
+    /// Resistance and inductance of a motor's winding and the zero of its current's sensor, by small voltages to and fro: boards with a
+    /// current loop. After `sign`.
+    Winding {
+        #[command(flatten)]
+        at: At,
+        #[command(flatten)]
+        sheet: DataSheet,
+    },
+    /// Motor constant, against a force gauge that you read, with a known mass that you fasten, or by the voltage that the motor makes by
+    /// moving, which is held against the other two as well. After `sign`, and `winding`.
     Motor {
         #[command(flatten)]
         at: At,
@@ -71,15 +82,43 @@ pub(in crate::cli) struct Reference {
     /// A mass, kg.
     #[arg(long, value_name = "KG", conflicts_with = "gauge")]
     added_mass_kg: Option<f64>,
+    /// The voltage that it makes by moving: boards with a current loop.
+    #[arg(long, conflicts_with_all = ["gauge", "added_mass_kg"])]
+    emf: bool,
+    /// The data sheet's constant, N/A or N·m/A, which that must not contradict.
+    #[arg(long, value_name = "N", requires = "emf", value_parser = number(1e-4..=1e3, "N/A or N·m/A"))]
+    newton_or_newton_metre_per_a: Option<f64>,
 }
 
 impl Reference {
     pub(super) fn against(self) -> Result<Against, Failure> {
-        match (self.gauge, self.added_mass_kg) {
-            (true, _) => Ok(Against::Gauge),
-            (_, Some(kilograms)) => Ok(Against::Mass(kilograms)),
-            _ => Err("give --gauge or --added-mass-kg: what the motor is measured against".into()),
+        match (self.gauge, self.added_mass_kg, self.emf) {
+            (true, ..) => Ok(Against::Gauge),
+            (_, Some(kilograms), _) => Ok(Against::Mass(kilograms)),
+            (.., true) => Ok(Against::Emf(self.newton_or_newton_metre_per_a)),
+            _ => Err("give --gauge, --added-mass-kg or --emf: what the motor is measured against".into()),
         }
+    }
+}
+
+/// What a motor's data sheet says.
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct DataSheet {
+    /// The data sheet's resistance: another one is refused.
+    #[arg(long, value_name = "OHM", value_parser = number(0.001..=1e4, "Ω"))]
+    resistance_ohm: Option<f64>,
+    /// The data sheet's inductance: another one is refused.
+    #[arg(long, value_name = "H", value_parser = number(1e-6..=10.0, "H"))]
+    inductance_h: Option<f64>,
+    /// How far off either may be, as a share of it.
+    #[arg(long, default_value_t = 0.3, value_name = "SHARE", value_parser = number(0.01..=1.0, ""))]
+    tolerance: f64,
+}
+
+impl DataSheet {
+    pub(super) fn sheet(self) -> Sheet {
+        let Self { resistance_ohm, inductance_h, tolerance } = self;
+        Sheet { resistance_ohm, inductance_h, tolerance }
     }
 }
 
@@ -205,6 +244,10 @@ impl Calibrate {
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
             Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
+            Self::Winding { at, sheet } => at.run(ui, |board, _| {
+                winding::winding(board, at.joint, sheet.sheet())?
+                    .ok_or_else(|| "this board has no current loop: nothing measures the current".to_owned())
+            }),
             Self::Motor { at, reference } => {
                 let against = reference.against()?;
                 at.run(ui, |board, person| motor::constant(board, person, at.joint, against))

@@ -17,7 +17,7 @@ super::commands! {
     Board {
         /// Say lines to a board: arm, stop, set up; sealed.
         Operator(operator::Operate),
-        /// The first hour: light, stop, encoder, sign, motor, lowest force, first contact, stop, cable; each checks before it goes on.
+        /// The first hour: light, stop, encoder, sign, current, motor, lowest force, first contact, stop, cable; each checks before it goes on.
         Bringup(bringup::BringUp),
         /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
         #[command(subcommand)]

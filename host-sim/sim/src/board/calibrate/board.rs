@@ -3,7 +3,7 @@
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
 use haptic_core::settings::{Settings, Value};
-use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
+use haptic_core::{device::AXES, device::kinematics::KinematicsName, device::stage::Measured, num::Motion};
 
 /// One tick of a board, as far as a calibration needs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +16,8 @@ pub struct Tick {
     pub counts: [u16; AXES],
     /// Duties that it commanded, 1/32767 of full scale.
     pub duties: [i16; AXES],
+    /// What the power stage measured since the tick before; none without a current loop.
+    pub stage: Option<Measured>,
 }
 
 /// [`Tick::mode`] of a probe under way.
@@ -32,6 +34,7 @@ impl Tick {
             counts: [half(4)?, half(6)?],
             duties: [half(8)?.cast_signed(), half(10)?.cast_signed()],
             mode: *record.get(12)?,
+            stage: None,
         })
     }
 }
@@ -124,6 +127,8 @@ pub struct Run {
     pub counts: Vec<f64>,
     /// Duties, fractions of full scale, as they go to the bridge.
     pub duties: Vec<f64>,
+    /// What the power stage measured since the tick before; empty without a current loop.
+    pub stage: Vec<Measured>,
     /// How it ended: `done`, `travel`, `speed`.
     pub end: String,
 }
@@ -149,6 +154,7 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String>
         }
         run.counts.push(total);
         run.duties.push(f64::from(tick.duties[at]) / 32767.0);
+        run.stage.extend(tick.stage);
         last = Some(tick);
     }
     Ok(run)
@@ -162,7 +168,7 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
     board.ticks(0.0)?;
     say(board, line)?;
     let mut ticks: Vec<Tick> = Vec::new();
-    let mut waited_s = 0.0;
+    let (mut waited_s, mut over) = (0.0, false);
     while waited_s < PATIENCE_S {
         for tick in board.ticks(LOOK_S)? {
             let begun = !ticks.is_empty();
@@ -177,6 +183,13 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
             }
         }
         waited_s += LOOK_S;
+        // One that ended at its first tick leaves none; what is still on its way has come by the next look.
+        if ticks.is_empty() {
+            if over {
+                return Ok(ticks);
+            }
+            over = !say(board, "probed")?.contains(" running");
+        }
     }
     Err(format!("no ticks of {line:?} came within {PATIENCE_S} s"))
 }

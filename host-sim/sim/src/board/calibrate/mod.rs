@@ -1,17 +1,23 @@
 //! Calibration: what a person and a board find out together about a device, and leave in a settings file.
 //!
 //! Counts and their sign by a known distance, moved by hand; a motor's sign by a weak push both ways, its constant by a force gauge
-//! or a mass that is added; friction, mass and delay by least squares on how a joint moves under cosines of force.
+//! or a mass that is added; friction, mass and delay by least squares on how a joint moves under cosines of force. On a board with a
+//! current loop also resistance, inductance and the sensor's zero, and the motor's constant once more, by the voltage that it makes.
 //!
 //! Every number comes with an interval that holds it in about 19 of 20 calibrations, as far as noise goes; one that the
 //! data do not give is refused, with what to do about it.
 
 pub mod board;
 pub mod counts;
+pub mod emf;
+mod least_squares;
 pub mod motion;
 pub mod motor;
 pub mod settings_file;
 pub mod simulated;
+pub mod winding;
+
+use crate::student::student_95;
 
 /// A number with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -23,6 +29,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The mean of as many values that were found independently, two or more, with Student's interval.
+    pub fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        let value = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|one| (one - value).powi(2)).sum();
+        Self { value, within: student_95(values.len() as u32 - 1) * (squares / (count - 1.0) / count).sqrt() }
+    }
+
     /// The same in another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {

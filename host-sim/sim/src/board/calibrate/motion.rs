@@ -20,7 +20,9 @@
 use std::f64::consts::PI;
 
 use super::board::{Board, Joint, Run, run, settings};
+use super::least_squares::solve;
 use super::{Estimate, Found};
+use crate::student::student_95;
 use haptic_core::settings::Settings;
 
 const WINDOW_S: f64 = 0.05;
@@ -107,49 +109,6 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
     }
 }
 
-/// Least squares: the unknowns, their standard errors, and how well the columns tell each other apart (1: fully).
-fn solve(rows: &[([f64; UNKNOWNS], f64)]) -> Option<[(f64, f64); UNKNOWNS]> {
-    let scale: [f64; UNKNOWNS] =
-        std::array::from_fn(|j| rows.iter().map(|(row, _)| row[j] * row[j]).sum::<f64>().sqrt());
-    if scale.iter().any(|scale| scale.is_nan() || *scale <= 0.0) {
-        return None;
-    }
-    // [AᵀA | I], columns scaled to length 1, then Gauss and Jordan.
-    let mut table = [[0.0; 2 * UNKNOWNS]; UNKNOWNS];
-    let mut right = [0.0; UNKNOWNS];
-    for (row, y) in rows {
-        for i in 0..UNKNOWNS {
-            for j in 0..UNKNOWNS {
-                table[i][j] += row[i] / scale[i] * (row[j] / scale[j]);
-            }
-            right[i] += row[i] / scale[i] * y;
-        }
-    }
-    for (i, line) in table.iter_mut().enumerate() {
-        line[UNKNOWNS + i] = 1.0;
-    }
-    for pivot in 0..UNKNOWNS {
-        let best = (pivot..UNKNOWNS).max_by(|&a, &b| table[a][pivot].abs().total_cmp(&table[b][pivot].abs()))?;
-        table.swap(pivot, best);
-        let head = table[pivot];
-        if head[pivot].abs() < 1e-9 {
-            return None;
-        }
-        for (i, line) in table.iter_mut().enumerate() {
-            let factor = if i == pivot { 1.0 - 1.0 / head[pivot] } else { line[pivot] / head[pivot] };
-            for (cell, head) in line.iter_mut().zip(head) {
-                *cell -= factor * head;
-            }
-        }
-    }
-    let solution: [f64; UNKNOWNS] =
-        std::array::from_fn(|i| (0..UNKNOWNS).map(|j| table[i][UNKNOWNS + j] * right[j]).sum::<f64>() / scale[i]);
-    let squares: f64 =
-        rows.iter().map(|(row, y)| (y - row.iter().zip(solution).map(|(a, x)| a * x).sum::<f64>()).powi(2)).sum();
-    let variance = squares / (rows.len() - UNKNOWNS) as f64;
-    Some(std::array::from_fn(|i| (solution[i], (variance * table[i][UNKNOWNS + i]).sqrt() / scale[i])))
-}
-
 /// Fits the runs of a joint.
 pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
     let mut delay_s = 0.0;
@@ -169,8 +128,7 @@ pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
             .ok_or("the motion does not tell mass, friction and delay apart: other frequencies are needed")?;
         delay_s = (delay_s + found[4].0).clamp(-0.002, 0.02);
     }
-    // Student's t for 95 %, to 1 % from 15 degrees of freedom on.
-    let t = 1.96 + 2.5 / (windows - UNKNOWNS) as f64;
+    let t = student_95((windows - UNKNOWNS) as u32);
     let [mass, damping, dry, _, delay] = found.map(|(value, error)| Estimate { value, within: t * error });
     Ok(Motion { mass, damping, dry, delay_s: Estimate { value: delay_s, ..delay }, windows })
 }
@@ -180,13 +138,18 @@ const FREQUENCIES_HZ: [f64; 5] = [4.0, 6.0, 9.0, 13.0, 18.0];
 /// Weakest duty that is tried, as a fraction of what a probe may.
 const WEAKEST: f64 = 0.02;
 
-/// Moves joint `number` with cosines, as hard as the board's limits let it, and gives the runs.
-fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result<Vec<Run>, String> {
+/// Moves joint `number` with cosines of these frequencies, as hard as the board's limits let it, and gives the runs.
+pub(super) fn excite(
+    board: &mut dyn Board,
+    settings: &Settings,
+    number: u32,
+    frequencies_hz: &[f64],
+) -> Result<Vec<Run>, String> {
     let mut runs = Vec::new();
     let limits = &settings.probe;
     let most = limits.max_duty.min(settings.motor.max_duty);
     let time_s = limits.max_s.min(2.0);
-    for hertz in FREQUENCIES_HZ {
+    for hertz in frequencies_hz {
         let mut duty = most;
         while duty > WEAKEST * most {
             let run = run(board, number, &format!("probe {number} sine {duty:.4} {time_s} {hertz}"))?;
@@ -209,7 +172,7 @@ fn excite(board: &mut dyn Board, settings: &Settings, number: u32) -> Result<Vec
 pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Settings), String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
-    let runs = excite(board, &settings, number)?;
+    let runs = excite(board, &settings, number, &FREQUENCIES_HZ)?;
     let mut motion = fit(&runs, &joint)?;
     if settings.motor.reversed {
         for estimate in [&mut motion.mass, &mut motion.damping, &mut motion.dry] {

@@ -2,12 +2,13 @@
 //!
 //! With a gauge: the joint pushes against a force gauge at three duties, the person reads it, and the slope over the duties is the
 //! constant; friction and the gauge's zero are in the intercept. With a mass: the joint is moved alone and with a known mass
-//! fastened to it; the masses come out in units of duty, and what they differ by is known in kilograms.
+//! fastened to it; the masses come out in units of duty, and what they differ by is known in kilograms. Or by its voltage ([`emf`]).
 
 use haptic_core::settings::Settings;
 
 use super::board::{Board, Joint, run, say, settings};
-use super::{Estimate, Found, Person, Task, motion};
+use super::{Estimate, Found, Person, Task, emf, motion};
+use crate::student::student_95;
 
 /// Slope of a line through points, with its 95 % interval.
 pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
@@ -17,14 +18,10 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
     let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
     let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
-    // Student's t for 95 % of so few points.
-    let t = match points.len() {
-        0..=2 => return Err("two readings make no line: give at least three".to_owned()),
-        3 => 12.71,
-        4 => 4.30,
-        5 => 3.18,
-        _ => 2.78,
-    };
+    if points.len() < 3 {
+        return Err("two readings make no line: give at least three".to_owned());
+    }
+    let t = student_95(points.len() as u32 - 2);
     let within = t * (left / (count - 2.0) / squares).sqrt();
     if value <= 0.0 || within > 0.25 * value {
         return Err(format!(
@@ -42,30 +39,52 @@ pub enum Against {
     Gauge,
     /// A mass that the person fastens, kg.
     Mass(f64),
+    /// The voltage that it makes by moving, on a board that measures currents; and what its data sheet says, N/A or N·m/A.
+    Emf(Option<f64>),
 }
 
-/// Finds the constant of joint `number`'s motor.
+/// Finds the constant of joint `number`'s motor. By a force, it is held against the voltage that the motor makes by moving, where the board
+/// measures currents.
 pub fn constant(
     board: &mut dyn Board,
     person: &mut dyn Person,
     number: u32,
     against: Against,
 ) -> Result<Vec<Found>, String> {
-    match against {
-        Against::Gauge => gauge(board, person, number),
-        Against::Mass(kilograms) => mass(board, person, number, kilograms),
+    let (estimate, unit, way) = match against {
+        Against::Gauge => gauge(board, person, number).map(|(estimate, unit)| (estimate, unit, "by the gauge"))?,
+        Against::Mass(kilograms) => {
+            mass(board, person, number, kilograms).map(|(estimate, unit)| (estimate, unit, "by the mass"))?
+        }
+        Against::Emf(sheet) => {
+            let found =
+                emf::constant(board, number)?.ok_or("this board does not measure currents: give a gauge or a mass")?;
+            let sheet = sheet.map(|value| Estimate { value, within: 0.0 });
+            sheet.map_or(Ok(()), |sheet| emf::against(found, sheet, "by its data sheet"))?;
+            let joint = Joint::of(&settings(board)?, number)?;
+            return Ok(vec![Found::number(KEY, found, unit_of(&joint))]);
+        }
+    };
+    person.please(&Task::LetGo { joint: number })?;
+    if let Some(by_voltage) = emf::constant(board, number)? {
+        emf::against(by_voltage, estimate, way)?;
     }
+    Ok(vec![Found::number(KEY, estimate, unit)])
+}
+
+const KEY: &str = "motor.newton_or_newton_metre_per_a";
+
+fn unit_of(joint: &Joint) -> &'static str {
+    if joint.lever == 1.0 { "N/A" } else { "N·m/A" }
 }
 
 /// The constant for a force per full duty at the hand.
-fn per_ampere(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> Found {
-    let estimate = newton_per_duty.times(joint.lever.abs() / settings.motor.full_scale_a);
-    let unit = if joint.lever == 1.0 { "N/A" } else { "N·m/A" };
-    Found::number("motor.newton_or_newton_metre_per_a", estimate, unit)
+fn per_ampere(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> (Estimate, &'static str) {
+    (newton_per_duty.times(joint.lever.abs() / settings.motor.full_scale_a), unit_of(joint))
 }
 
 /// Finds the constant of joint `number`'s motor with a force gauge, which the person reads.
-pub fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<Vec<Found>, String> {
+fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<(Estimate, &'static str), String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let most = settings.probe.max_duty.min(settings.motor.max_duty);
@@ -82,11 +101,16 @@ pub fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Res
             person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
         ));
     }
-    Ok(vec![per_ampere(slope(&points)?, &settings, &joint)])
+    Ok(per_ampere(slope(&points)?, &settings, &joint))
 }
 
 /// Finds it with a mass, kg, that the person fastens to the hand.
-pub fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilograms: f64) -> Result<Vec<Found>, String> {
+fn mass(
+    board: &mut dyn Board,
+    person: &mut dyn Person,
+    number: u32,
+    kilograms: f64,
+) -> Result<(Estimate, &'static str), String> {
     if !(kilograms > 0.0 && kilograms <= 100.0) {
         return Err(format!("an added mass of {kilograms} kg is not allowed: it must be above 0 and up to 100"));
     }
@@ -104,7 +128,7 @@ pub fn mass(board: &mut dyn Board, person: &mut dyn Person, number: u32, kilogra
     }
     let newton_per_duty = kilograms / difference;
     let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
-    Ok(vec![per_ampere(estimate, &settings, &joint)])
+    Ok(per_ampere(estimate, &settings, &joint))
 }
 
 /// Checks joint `number` before arming, on a board that may still have it wrong, and gives `motor.reversed` as it should be. The
@@ -121,11 +145,13 @@ pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
             break;
         }
     }
-    if answer.contains("; agree: ") {
+    // What else stands against arming is found and set after the signs.
+    if ["; agree: ", "; winding: ", "; scale: "].iter().any(|verdict| answer.contains(verdict)) {
         Ok(vec![Found::flag("motor.reversed", reversed)])
     } else if answer.contains("; disagree: ") {
         Ok(vec![Found::flag("motor.reversed", !reversed)])
     } else {
-        Err(answer.split_once("; ").map_or(answer.clone(), |(_, verdict)| verdict.to_owned()))
+        // How it ended, and what that means.
+        Err(answer.split_once(": ").map_or(answer.clone(), |(_, why)| why.to_owned()))
     }
 }

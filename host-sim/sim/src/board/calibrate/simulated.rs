@@ -1,7 +1,7 @@
 //! A board with a software device and a person at it: to practise calibration on, and to test it against a known truth.
 //!
 //! The device is what a scene says: its mass, friction, encoder and motor are the truth. The board starts with the defaults, as
-//! a new one does, and runs the peer's own tick; of the operator's lines it knows those that calibration and bring-up need. The person does
+//! a new one does, and runs the peer's own tick (its current loop, of `plant.drive = "current"`, knows the winding); of the operator's lines it knows those that calibration and bring-up need. The person does
 //! what is asked, exactly.
 
 use std::{cell::RefCell, rc::Rc};
@@ -18,7 +18,8 @@ use haptic_core::{
 use super::board::{Board, Tick};
 use super::{Person, Task};
 use crate::peers::{DynPeer, Laws};
-use crate::{plant::Plant, scene::Scene};
+use crate::plant::Plant;
+use crate::scene::{DriveName, Scene};
 
 /// The board and its device.
 #[derive(Debug)]
@@ -26,10 +27,14 @@ pub struct Simulated {
     truth: Scene,
     plant: Plant,
     settings: Settings,
+    /// What of them the peer runs.
+    applied: Settings,
     peer: Box<dyn DynPeer<f32>>,
     tick: u32,
     every: u32,
     records: Vec<Tick>,
+    /// Joints that passed the check before arming.
+    passed: [bool; AXES],
     /// The gauge that the hand is held against: force on it, N.
     gauge_n: Option<f64>,
     stop_pressed: bool,
@@ -51,6 +56,11 @@ impl Shared {
         let mut truth = truth.clone();
         truth.world.plant.encoder = true;
         truth.world.plant.motor = true;
+        if truth.world.plant.drive == DriveName::Current {
+            truth.world.plant.winding = true;
+            truth.peer.axis.velocity = VelocityName::Filtered;
+            truth.check("the device").map_err(|error| error.to_string())?;
+        }
         let mut settings = Settings::default();
         settings.axis.velocity = VelocityName::Filtered;
         settings.axis.count = truth.peer.axis.count;
@@ -61,9 +71,11 @@ impl Shared {
             peer,
             truth,
             settings,
+            applied: settings,
             tick: 0,
             every: 0,
             records: Vec::new(),
+            passed: [false; AXES],
             gauge_n: None,
             stop_pressed: false,
             stopped: false,
@@ -93,7 +105,12 @@ impl Simulated {
             *silent_s += self.truth.peer.timing.control_period_s;
         }
         let sensors = self.plant.sensors::<f32>();
+        let probing = self.peer.mode() == Mode::Probing;
         let actuators = self.peer.tick(&sensors);
+        if probing && self.peer.mode() != Mode::Probing && self.peer.probed().check {
+            let outcome = self.peer.probed();
+            self.passed[outcome.joint as usize - 1] = outcome.passed();
+        }
         self.tick += 1;
         if self.every > 0
             && self.tick.is_multiple_of(self.every)
@@ -106,7 +123,7 @@ impl Simulated {
                 Mode::Probing => super::board::PROBING,
             };
             let (counts, duties) = (counts.map(|counts| counts.0), actuators.duties.map(|duty| duty.0));
-            self.records.push(Tick { number: self.tick, mode, counts, duties });
+            self.records.push(Tick { number: self.tick, mode, counts, duties, stage: sensors.stage });
         }
         let before = *self.plant.free_axis().0;
         self.plant.step(f64::from(self.tick) * self.truth.peer.timing.control_period_s, &actuators);
@@ -163,6 +180,11 @@ impl Simulated {
             },
             ["apply"] => match Laws::built_in().peer(&self.settings, [Motion::REST; AXES]) {
                 Ok(peer) => {
+                    let device = |settings: &Settings| (settings.encoder, settings.kinematics, settings.motor);
+                    if device(&self.settings) != device(&self.applied) {
+                        self.passed = [false; AXES];
+                    }
+                    self.applied = self.settings;
                     self.peer = peer;
                     "ok applied".to_owned()
                 }
@@ -197,6 +219,9 @@ impl Simulated {
             ["time", _] => format!("ok cycles of 1 MHz: most 0 in tick 0; from:ticks 0:{}", self.tick),
             ["arm"] if self.stopped => "error clear first: the emergency stop was pressed".to_owned(),
             ["arm"] if self.stop_pressed => "error the emergency stop is pressed, or not connected".to_owned(),
+            ["arm"] if self.passed.iter().take(self.applied.axis.count as usize).any(|passed| !passed) => {
+                "error check first: the signs of motor and encoder were not checked, every joint in use".to_owned()
+            }
             ["arm"] => {
                 self.let_go = false;
                 self.peer.command(Command::Arm);

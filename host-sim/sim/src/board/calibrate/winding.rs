@@ -1,0 +1,263 @@
+//! Resistance and inductance of a motor's winding and the zero of its current's sensor: from small voltages to and fro, the joint at rest.
+//!
+//! A [probe](haptic_core::device::winding) of alternating voltage without a loop, at two amplitudes. From one sample of the current to the next
+//! i′ = a·i + g·(u − e), with a = exp(−R·T/L) over a PWM period T; summed over the N periods of a tick, exactly,
+//!
+//! ```text
+//! u = r·s + h·Δi + κ·q + o,
+//! ```
+//!
+//! u the mean voltage, s the mean of the samples before each period, Δi what the current changed by; r = (1 − a)/g, h = 1/(g·N). A rotor
+//! that is free moves a little under this: its voltage goes with the charge q that has passed, κ = k²/m. Dead time in a bridge takes the same
+//! from both amplitudes, so the difference of the two is fitted.
+//!
+//! Two pulses a period, a quarter of it from its ends, give g = (a^¼ + a^¾)/2 · ln(1/a)/R ([`pulses`]): hence R and L.
+//!
+//! Each of [`STRETCHES`] parts is fitted by itself, and the interval is Student's of what they give.
+//!
+//! Limits: a winding whose time constant is far below a PWM period shows no inductance, and is refused. Friction that holds the rotor in part of
+//! each pulse is not in κ, and dead time that stops the current on its way through zero not in the difference: both are a few percent of L. Intervals hold noise, not what the supply's own measurement is off by.
+
+use haptic_core::device::current::periods_per_tick;
+use haptic_core::device::probe::End;
+use haptic_core::device::stage::Measured;
+use haptic_core::device::winding::{LEAST_CODES, REST_TICKS, WAYS};
+use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
+use haptic_core::settings::{Choice, Settings};
+
+use super::board::{Board, Run, run, settings};
+use super::least_squares::solve;
+use super::{Estimate, Found};
+
+/// Parts that are fitted by themselves.
+const STRETCHES: usize = 10;
+/// Ticks of one, at the least and unless the table `probe` allows less: whole patterns.
+const FEWEST: usize = 2 * WAYS.len();
+const TICKS: usize = 8 * WAYS.len();
+/// From the sample that ends a tick's mean to the voltage of the next tick: the period of the sample, the tick's own and the step's.
+const LATE_PERIODS: f64 = 3.0;
+/// Of what a rotor's motion adds to R and L, how much is not believed: friction holds it in part.
+const UNSURE: f64 = 0.1;
+/// Most of the voltage that the fit may leave unexplained, root mean square.
+const MISFIT: f64 = 0.05;
+/// Most that the sensor may read at rest, of its range.
+const ZERO: f64 = 0.02;
+
+/// What a data sheet says of a winding, and how far off it may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sheet {
+    /// R, Ω.
+    pub resistance_ohm: Option<f64>,
+    /// L, H.
+    pub inductance_h: Option<f64>,
+    /// Of either, as a share of it.
+    pub tolerance: f64,
+}
+
+/// What current and voltage say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Winding {
+    /// R, Ω.
+    pub resistance_ohm: Estimate,
+    /// L, H.
+    pub inductance_h: Estimate,
+    /// What the sensor reads at no current, A.
+    pub zero_a: Estimate,
+}
+
+/// One motor's side of a [`Measured`], in volts and amperes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub(super) mean_a: f64,
+    pub(super) last_a: f64,
+    pub(super) mean_v: f64,
+    pub(super) supply_v: f64,
+}
+
+impl Seen {
+    pub(super) fn of(stage: &Measured, settings: &Settings, number: u32) -> Self {
+        let flow = stage.motors[number as usize - 1];
+        let amperes = |codes: i16| f64::from(codes) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
+        let supply_v = f64::from(stage.supply_mv) / 1e3;
+        let mean_v = f64::from(flow.voltage) / f64::from(stage.supply_counts.max(1)) * supply_v;
+        Self { mean_a: amperes(flow.mean), last_a: amperes(flow.last), mean_v, supply_v }
+    }
+}
+
+/// One tick of the equation above, without q.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    volts: f64,
+    before: f64,
+    change: f64,
+}
+
+/// The ticks of a probe after its rest, `periods` PWM periods each; and the means of the rest.
+fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>, Vec<f64>) {
+    let seen: Vec<Seen> = run.stage.iter().map(|stage| Seen::of(stage, settings, number)).collect();
+    let given = |tick: usize| run.duties[tick] * seen[tick].supply_v;
+    let rest = REST_TICKS as usize;
+    let rows = (rest..seen.len() - 1).map(|tick| {
+        // What was commanded in this tick is what the next one measured. A sample is taken before the voltage that its period adds to the
+        // mean: the last period of the mean is the next tick's first.
+        let (last, now) = (seen[tick], seen[tick + 1]);
+        let change = now.last_a - last.last_a;
+        Row {
+            volts: now.mean_v + (given(tick - 1) - given(tick)) / periods,
+            before: now.mean_a - change / periods,
+            change,
+        }
+    });
+    (rows.collect(), seen[8..=rest].iter().map(|seen| seen.mean_a).collect())
+}
+
+/// What two pulses a period, a quarter of it from its ends, do to the samples between them, of what an even voltage does: a winding that forgets
+/// by exp(−`constants`) in a period.
+pub(super) fn pulses(constants: f64) -> f64 {
+    constants * 0.5 * ((-0.25 * constants).exp() + (-0.75 * constants).exp()) / -(-constants).exp_m1()
+}
+
+/// How much of Δi a rotor that moves takes for itself, of κ: its speed follows what has passed by the middle of a tick, not the tick's mean. A
+/// current that goes to its new value with this time constant (both in ticks) after `late` of the old one.
+fn early(constant: f64, late: f64) -> f64 {
+    let left = 1.0 - late;
+    let end = (-left / constant).exp();
+    let before = late * (1.0 - late) / 2.0;
+    let after = constant * ((0.5 - late) * (1.0 - end) - constant + end * (constant + left));
+    (before + after) / (1.0 - end)
+}
+
+/// R and L of one stretch and what the rotor's motion added to them, and the squares of what is left and of the voltage.
+fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
+    let mean = rows.iter().map(|row| row.before).sum::<f64>() / rows.len() as f64;
+    let mut charge = 0.0;
+    let equations: Vec<([f64; 4], f64)> = (rows.iter())
+        .map(|row| {
+            let within = row.before - mean;
+            charge += within;
+            ([row.before, row.change, charge - 0.5 * within, 1.0], row.volts)
+        })
+        .collect();
+    let [(r, _), (h, _), (kappa, _), (offset, _)] = solve(&equations)?;
+    let left: f64 = (equations.iter()).map(|([s, d, q, _], u)| (u - r * s - h * d - kappa * q - offset).powi(2)).sum();
+    let given = rows.iter().map(|row| row.volts.powi(2)).sum();
+    let mut moved = 0.0;
+    let mut found = [f64::NAN; 4];
+    for _ in 0..4 {
+        let a = 1.0 - r / ((h + moved) * periods);
+        if !(a > 0.0 && a < 1.0) {
+            return Some(([f64::NAN; 4], [left, given]));
+        }
+        let constants = -a.ln();
+        let resistance = r * pulses(constants);
+        let inductance = resistance * PWM_PERIOD_S / constants;
+        moved = kappa * early(1.0 / (constants * periods), LATE_PERIODS / periods);
+        found = [resistance, inductance, kappa / 2.0, moved * periods * PWM_PERIOD_S];
+    }
+    Some((found, [left, given]))
+}
+
+/// The winding that two probes of joint `number` show, the second of half the voltage.
+pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, String> {
+    let periods = f64::from(periods_per_tick(settings).map_err(|refused| refused.to_string())?);
+    let [(full, rest), (half, _)] = runs.map(|run| rows(run, settings, number, periods));
+    let apart: Vec<Row> = (full.iter().zip(&half))
+        .map(|(one, other)| Row {
+            volts: one.volts - other.volts,
+            before: one.before - other.before,
+            change: one.change - other.change,
+        })
+        .collect();
+    let ticks = (apart.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
+    if ticks < FEWEST {
+        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", apart.len()));
+    }
+    let power = |of: fn(&Row) -> f64| apart.iter().map(of).sum::<f64>() / apart.len() as f64;
+    let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
+    let (along, square) = (power(|row| row.volts * row.before), power(|row| row.before.powi(2)));
+    if square < (0.5 * least).powi(2) {
+        return Err(format!(
+            "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
+            1e3 * square.sqrt()
+        ));
+    }
+    if along < 0.0 {
+        return Err("the current flows against the voltage: swap the two wires at the current's sensor".to_owned());
+    }
+    let mut found = [const { Vec::new() }; 4];
+    let [mut left, mut given] = [0.0; 2];
+    for stretch in apart.chunks_exact(ticks).take(STRETCHES) {
+        let (values, squares) = fit(stretch, periods).ok_or("the current does not change: no winding shows in it")?;
+        found.iter_mut().zip(values).for_each(|(found, value)| found.push(value));
+        left += squares[0];
+        given += squares[1];
+    }
+    let misfit = (left / given).sqrt();
+    if misfit > MISFIT {
+        return Err(format!(
+            "current and voltage are not those of a winding: {:.0} % of the voltage is left unexplained, may be {:.0} %; look for a loose \
+             wire, and that nothing moves the joint",
+            100.0 * misfit,
+            100.0 * MISFIT
+        ));
+    }
+    let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
+    resistance_ohm.within += UNSURE * moved_ohm.value.abs();
+    inductance_h.within += UNSURE * moved_h.value.abs();
+    for (name, estimate) in [("resistance", resistance_ohm), ("inductance", inductance_h)] {
+        if !(estimate.value > 0.0 && estimate.within < 0.25 * estimate.value) {
+            return Err(format!("the {name} comes out at {estimate}, which says nothing: raise probe.max_duty"));
+        }
+    }
+    let zeros: Vec<f64> = rest.chunks_exact(4).map(|four| four.iter().sum::<f64>() / 4.0).collect();
+    Ok(Winding { resistance_ohm, inductance_h, zero_a: Estimate::of(&zeros) })
+}
+
+/// Whether a number may be what the data sheet says.
+fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &str) -> Result<(), String> {
+    let Some(sheet) = sheet else { return Ok(()) };
+    if (found.value - sheet).abs() <= tolerance * sheet + found.within {
+        return Ok(());
+    }
+    Err(format!(
+        "the {what} is {found} {unit}, the data sheet says {sheet} {unit}, {:.0} % off at the most: another motor, a winding that is shorted in \
+         part, a bad contact, or a wrong motor.sense_a",
+        100.0 * tolerance
+    ))
+}
+
+/// Drives joint `number`'s motor to and fro, and gives R, L and the sensor's zero; an error where a winding as the data sheet says cannot be what
+/// is behind the bridge. Nothing of a board without a current loop.
+pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Option<Vec<Found>>, String> {
+    let settings = settings(board)?;
+    let (limits, motor) = (&settings.probe, &settings.motor);
+    let period_s = settings.timing.control_period_s;
+    let wanted_s = period_s * f64::from(REST_TICKS + (STRETCHES * TICKS) as u32);
+    let most = limits.max_duty.min(motor.max_duty);
+    let mut runs = Vec::new();
+    for duty in [most, 0.5 * most] {
+        let line = format!("probe {number} winding {duty:.4} {:.4}", wanted_s.min(limits.max_s));
+        let run = run(board, number, &line)?;
+        match End::from_name(&run.end) {
+            Some(End::Done) if run.stage.len() == run.counts.len() => runs.push(run),
+            Some(End::Unmeasured) => return Ok(None),
+            Some(End::Done) => return Err("the board's records do not have the current".to_owned()),
+            Some(end) => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain())),
+            None => return Err(format!("the board says that the probe ended with {:?}", run.end)),
+        }
+    }
+    let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[0], &runs[1]], &settings, number)?;
+    fits("resistance", resistance_ohm, sheet.resistance_ohm, sheet.tolerance, "Ω")?;
+    fits("inductance", inductance_h, sheet.inductance_h, sheet.tolerance, "H")?;
+    if zero_a.value.abs() > ZERO * motor.sense_a {
+        return Err(format!(
+            "the current's sensor reads {zero_a} A while none flows, may be {} A: look at its reference",
+            ZERO * motor.sense_a
+        ));
+    }
+    Ok(Some(vec![
+        Found::number("motor.resistance_ohm", resistance_ohm, "Ω"),
+        Found::number("motor.inductance_h", inductance_h, "H"),
+        Found::number("plant.current_zero_a", zero_a, "A"),
+    ]))
+}
