@@ -11,7 +11,7 @@
 //! coordination force, outgoing wave; (d) the object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
 use crate::contact::{AnyRendering, Impacts, Strikes};
-use crate::device::encoder::{Encoder, EncoderState};
+use crate::device::encoder::{Encoder, EncoderState, Marks};
 use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, Pose};
 use crate::device::motor::{Duty, Motor};
@@ -41,6 +41,15 @@ pub struct Sensors<S> {
     pub overrun: bool,
     /// What the power stage measured; none where there is no current loop.
     pub stage: Option<Measured>,
+    /// What the encoders showed beside their counts; none where nobody looks.
+    pub marks: Option<[Marks; AXES]>,
+}
+
+impl<S> Sensors<S> {
+    /// Where the device is, and no more: in time, without a current loop.
+    pub fn of(reading: Reading<S>) -> Self {
+        Self { reading, overrun: false, stage: None, marks: None }
+    }
 }
 
 /// What the tick commands.
@@ -248,11 +257,16 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         if self.mode != Mode::Probing {
             self.probing.end(End::Stopped);
         }
+        if command == Command::Home && self.mode == Mode::Disarmed {
+            for joint in &mut self.joints {
+                joint.encoder = EncoderState::default();
+            }
+        }
         if command == Command::Clear && matches!(before, Mode::Faulted(_)) {
             // What an encoder says after a jump is taken as where the joint was: the only reference there is. And what an
             // estimator remembers may be no number.
             for (joint, at) in self.joints.iter_mut().zip(self.device) {
-                joint.encoder.primed = false;
+                joint.encoder = EncoderState { total: joint.encoder.total, ..EncoderState::default() };
                 joint.velocity.start(at);
             }
             self.start_stage();
@@ -537,6 +551,9 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                     }
                     motion.velocity = joint.velocity.step(*motion);
                 }
+                if let Some(marks) = &sensors.marks {
+                    self.heed(marks)?;
+                }
                 let mut pose = self.kinematics.forward(joints);
                 for (axis, home) in pose.axes.iter_mut().zip(self.home) {
                     axis.position = axis.position + home;
@@ -553,6 +570,18 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
         }
         Ok(pose)
+    }
+
+    /// What encoders show beside their counts: whether it fits, and while disarmed where the index says the joint is.
+    #[inline(never)]
+    fn heed(&mut self, marks: &[Marks; AXES]) -> Result<(), Fault> {
+        let may_move = self.mode == Mode::Disarmed;
+        for (joint, marks) in self.joints.iter_mut().zip(marks).take(self.axes) {
+            if self.encoder.heed(&mut joint.encoder, marks, may_move)? {
+                joint.velocity.start(Motion::at(self.encoder.position(&joint.encoder)));
+            }
+        }
+        Ok(())
     }
 
     /// Of an axis that is too fast, too far from home or nowhere: why it is a fault. Too fast or too far is none while nothing is

@@ -106,6 +106,8 @@ pub enum Command {
     Disarm,
     /// Forget the fault; the motors stay off.
     Clear,
+    /// The joints are at zero where they are now, and an index still has to come. Only from [`Mode::Disarmed`], which stays.
+    Home,
 }
 
 impl Mode {

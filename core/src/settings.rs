@@ -512,6 +512,10 @@ settings! {
         counts_per_rev: f64 = 8192.0, number(16.0, 1e7), "counts/rev",
             "Counts per revolution, where a joint turns (every other kinematics).";
         reversed: bool = false, Allowed::Flag, "", "Counts grow against the axis.";
+        index: bool = false, Allowed::Flag, "",
+            "The encoders have an index: the first sets the position, and each one after it tells lost counts.";
+        index_at_m_or_rad: f64 = 0.0, number(-100.0, 100.0), "m or rad",
+            "Where a joint is at its index (its first one after a start, whose turn is then the one meant), with encoder.index.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
             "Fastest that the device can move; an encoder that goes further between two readings has jumped.";
     }
@@ -526,6 +530,10 @@ settings! {
         base_m: f64 = 0.06, number(0.0, 1.0), "m", "Five-bar: distance between the two motors.";
         proximal_m: f64 = 0.1, number(0.01, 1.0), "m", "Five-bar: length of the links at the motors.";
         distal_m: f64 = 0.12, number(0.01, 1.0), "m", "Five-bar: length of the links at the hand.";
+        left_home_rad: f64 = core::f64::consts::PI - core::f64::consts::FRAC_PI_3, number(-6.3, 6.3), "rad",
+            "Five-bar: angle of the left link from the base where its joint is zero.";
+        right_home_rad: f64 = core::f64::consts::FRAC_PI_3, number(-6.3, 6.3), "rad",
+            "Five-bar: angle of the right link from the base where its joint is zero.";
     }
 
     /// The motor and amplifier of every joint.

@@ -64,7 +64,7 @@ fn desired<S: Scalar>(settings: &Settings) -> Motion<f64> {
     peer.command(Command::Arm);
     peer.hear(Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() });
     peer.exchange();
-    peer.tick(&Sensors { reading: Reading::Exact([Motion::REST; AXES]), overrun: false, stage: None });
+    peer.tick(&Sensors::of(Reading::Exact([Motion::REST; AXES])));
     let seen = peer.observed().desired;
     Motion { position: seen.position.to_f64(), velocity: seen.velocity.to_f64() }
 }

@@ -76,7 +76,7 @@ fn run(settings: &Settings, probe: Probe<f32>, device: &mut Device, mut each: im
     loop {
         each(ticks, device);
         let reading = Reading::Counts([device.counts(), Counts(0)]);
-        let actuators = peer.tick(&Sensors { reading, overrun: false, stage: None });
+        let actuators = peer.tick(&Sensors::of(reading));
         assert_eq!(actuators.forces, [0.0; AXES]);
         farthest_counts = farthest_counts.max((device.position_m * 200_000.0).abs() as i32);
         if peer.mode() != Mode::Probing {
@@ -250,7 +250,7 @@ fn what_is_outside_the_limits_is_refused_by_name() {
 fn a_probe_begins_only_disarmed_and_stops_by_command() {
     let settings = Settings::default();
     let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, [Motion::REST; AXES]).expect("defaults");
-    let still = Sensors { reading: Reading::Counts([Counts(0), Counts(0)]), overrun: false, stage: None };
+    let still = Sensors::of(Reading::Counts([Counts(0), Counts(0)]));
     let pulse = probe(&settings, Shape::Pulse, 0.05, 1.0);
     peer.command(Command::Arm);
     peer.probe(pulse);

@@ -151,7 +151,7 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
         } else {
             Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
         };
-        let actuators = peer.tick(&Sensors { reading, overrun: now.overrun, stage: now.stage });
+        let actuators = peer.tick(&Sensors { reading, overrun: now.overrun, stage: now.stage, marks: None });
         let forces = actuators.forces.map(S::to_f64);
         let most = safety.max_force_n * (1.0 + 1e-6);
         for (force, before) in forces.into_iter().zip(before) {

@@ -91,7 +91,7 @@ fn run(settings: &Settings, probe: Probe<f32>, mut device: Device) -> (Outcome, 
     let mut ticks = [0; 3];
     loop {
         let reading = Reading::Counts([device.counts(), Counts(0)]);
-        let actuators = peer.tick(&Sensors { reading, overrun: false, stage: Some(device.stage) });
+        let actuators = peer.tick(&Sensors { stage: Some(device.stage), ..Sensors::of(reading) });
         if peer.mode() != Mode::Probing {
             assert_eq!(actuators, Actuators::default(), "off in the tick that ends it");
             return (peer.probed(), ticks, device);
@@ -199,7 +199,7 @@ fn a_windings_probe_rests_and_then_alternates_without_drift() {
     // Nothing measures, nothing is told: it does not push at all.
     let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, [Motion::REST; AXES]).expect("a good scene");
     peer.probe(probe);
-    let still = Sensors { reading: Reading::Counts([Counts(0); AXES]), overrun: false, stage: None };
+    let still = Sensors::of(Reading::Counts([Counts(0); AXES]));
     assert_eq!(peer.tick(&still), Actuators::default());
     assert_eq!(peer.probed().end, End::Unmeasured);
 }

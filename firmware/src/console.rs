@@ -157,6 +157,15 @@ impl Console {
                 self.signals.emergency.set(false);
                 write!(to, "ok {}", status::name(self.order(Command::Clear, Mode::Disarmed).await?))?;
             }
+            Request::Home => {
+                if self.signals.button.get() != Button::Held {
+                    return Err(No::Because(
+                        "hold the blue button down: home moves the room that the device may move in",
+                    ));
+                }
+                self.order(Command::Home, Mode::Disarmed).await?;
+                write!(to, "ok home here")?;
+            }
             Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
             Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
             Request::Probed => self.probed(to)?,

@@ -23,6 +23,8 @@ pub enum Request<'a> {
     Disarm,
     /// A fault forgotten; the motors stay off.
     Clear,
+    /// The joints are at zero where they are.
+    Home,
     /// Do the signs of a joint's motor and encoder agree?
     Check(u32),
     /// A motor pushed open loop.
@@ -75,7 +77,7 @@ impl Misread {
         match self {
             Self::Empty => "send one line of text",
             Self::Word => {
-                "the words are status, check, arm, disarm, clear, probe, probed, set, get, defaults, apply, save, stream, \
+                "the words are status, check, arm, disarm, clear, home, probe, probed, set, get, defaults, apply, save, stream, \
                  capture, time"
             }
             Self::Arguments => {
@@ -98,6 +100,7 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
             Some(word) => (word == "alone").then_some(Request::Arm { alone: true }),
         },
         "clear" => Some(Request::Clear),
+        "home" => Some(Request::Home),
         "check" => number(&mut words).map(Request::Check),
         "probe" => probe(&mut words).map(Request::Probe),
         "probed" => Some(Request::Probed),

@@ -157,7 +157,7 @@ impl Loop {
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }
 
-        let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun, stage: None };
+        let sensors = Sensors { overrun: self.overrun, ..Sensors::of(Reading::Counts(counts)) };
         let actuators = self.peer.tick(&sensors);
         if actuators.enable {
             bridges::drive(actuators.duties);

@@ -12,8 +12,10 @@
 //! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
 //! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
 
+use crate::device::kinematics::{Joints, KinematicsName};
+use crate::num::Scalar;
+use crate::safety::{Fault, Patience};
 use crate::settings::{Allowed, Refused, Settings};
-use crate::{device::kinematics::Joints, num::Scalar};
 
 pub use super::Counts;
 
@@ -24,6 +26,18 @@ pub struct Encoder<S> {
     resolution: S,
     max_step_counts: i32,
     reversed: bool,
+    /// With an index: counts from one to the next, of a slide more than there are; and those that the joint is at where it is.
+    revolution: Option<S>,
+    index_at: i32,
+}
+
+/// What an encoder showed beside its count since the tick before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// Rising edges of its channels A and B: none, one, or 2 for two and more.
+    pub edges: [u8; 2],
+    /// What the counter said when the index came, if it came.
+    pub index: Option<Counts>,
 }
 
 /// What one encoder has seen so far.
@@ -35,6 +49,10 @@ pub struct EncoderState {
     pub last: Counts,
     /// A first reading has been taken; without it, the next one is taken as where the joint already is.
     pub primed: bool,
+    /// Where the index was first seen, as counts of `total`.
+    pub index: Option<i32>,
+    /// Ticks of one channel without the other.
+    pub lone: Patience,
 }
 
 /// A plausible step may exceed `encoder.max_speed_m_per_s` by this factor, so that a motion that is faster than
@@ -42,6 +60,11 @@ pub struct EncoderState {
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
+/// Ticks of one channel without the other: a device that hums on an edge makes no two rising edges a tick, a cut wire does from 8
+/// counts a tick on.
+pub const LONE_TICKS: u32 = 4;
+/// Counts that an index may be off by: it is a period wide at most, and comes from either side.
+pub const INDEX_COUNTS: i32 = 4;
 
 /// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
@@ -57,6 +80,10 @@ impl<S: Scalar> Encoder<S> {
     pub fn build(settings: &Settings) -> Self {
         let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
         let joint_speed = settings.encoder.max_speed_m_per_s * most_per_m;
+        let revolution = match settings.kinematics.model {
+            KinematicsName::Direct => f64::from(1 << 30),
+            _ => settings.encoder.counts_per_rev,
+        };
         let max_step = SPEED_MARGIN * joint_speed * settings.timing.control_period_s * counts_per_unit;
         Self {
             counts_per_unit: S::from_f64(counts_per_unit),
@@ -64,6 +91,8 @@ impl<S: Scalar> Encoder<S> {
             // A float-to-integer cast saturates, and takes NaN to 0.
             max_step_counts: ((max_step + ROUNDING_COUNTS) as i32).min(i32::from(i16::MAX)),
             reversed: settings.encoder.reversed,
+            revolution: settings.encoder.index.then(|| S::from_f64(revolution)),
+            index_at: (settings.encoder.index_at_m_or_rad * counts_per_unit) as i32,
         }
     }
 
@@ -71,17 +100,50 @@ impl<S: Scalar> Encoder<S> {
     #[inline]
     pub fn step(&self, state: &mut EncoderState, counts: Counts) -> Option<S> {
         if !state.primed {
-            *state = EncoderState { total: state.total, last: counts, primed: true };
+            *state = EncoderState { last: counts, primed: true, ..*state };
         }
         let raw = i32::from(counts.0.wrapping_sub(state.last.0).cast_signed());
         let step_counts = if self.reversed { -raw } else { raw };
         match state.total.checked_add(step_counts) {
             Some(total) if step_counts.abs() <= self.max_step_counts => {
-                *state = EncoderState { total, last: counts, primed: true };
+                *state = EncoderState { total, last: counts, ..*state };
                 Some(S::from_i32(total).ratio(self.counts_per_unit))
             }
             _ => None,
         }
+    }
+
+    /// Joint position (m or rad) at the last reading.
+    pub fn position(&self, state: &EncoderState) -> S {
+        S::from_i32(state.total).ratio(self.counts_per_unit)
+    }
+
+    /// What it showed beside the reading just taken. The first index is where the joint is said to be there (`encoder.index_at`), if it
+    /// `may_move`: true if that moved it.
+    ///
+    /// # Errors
+    /// [`Fault::EncoderWire`] after [`LONE_TICKS`] ticks with two edges of one channel and none of the other, counted up and down;
+    /// [`Fault::LostCounts`] if the index is not a whole number of revolutions (of a slide: none) from where it was first seen, to
+    /// [`INDEX_COUNTS`].
+    pub fn heed(&self, state: &mut EncoderState, marks: &Marks, may_move: bool) -> Result<bool, Fault> {
+        let lone = marks.edges.contains(&0) && marks.edges.iter().any(|edges| *edges > 1);
+        if state.lone.spent(lone, LONE_TICKS) {
+            return Err(Fault::EncoderWire);
+        }
+        let (Some(index), Some(revolution)) = (marks.index, self.revolution) else { return Ok(false) };
+        let back = i32::from(state.last.0.wrapping_sub(index.0).cast_signed());
+        let at = state.total.wrapping_sub(if self.reversed { -back } else { back });
+        let Some(first) = state.index else {
+            state.index = Some(if may_move { self.index_at } else { at });
+            if may_move {
+                state.total = state.total.wrapping_sub(at).wrapping_add(self.index_at);
+            }
+            return Ok(may_move);
+        };
+        let off = S::from_i32(at.wrapping_sub(first));
+        // Of a slide the quotient is 0.
+        let turns = S::from_i32(off.ratio(revolution).round_to_i32());
+        if (off - turns * revolution).abs() <= S::from_i32(INDEX_COUNTS) { Ok(false) } else { Err(Fault::LostCounts) }
     }
 
     /// One count, as joint position (m or rad).

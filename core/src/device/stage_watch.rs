@@ -18,8 +18,8 @@
 //! (tolerated r)/k on, one that counts the wrong way from half of that.
 //!
 //! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
-//! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that does not follow either, else
-//! the encoder's. Where only e is, it is the current's, unless the voltage is at its limit: then the encoder says where the voltage
+//! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that misses half of its reference
+//! now, else the encoder's. Where only e is, it is the current's, unless the voltage is at its limit: then the encoder says where the voltage
 //! goes, into speed, and the supply is at its end, which is no fault. What is x times what is tolerated, all the time, is told after
 //! the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14 ms, twice after 6 ms, five
 //! times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just before.
@@ -51,6 +51,9 @@ pub const SETTLES_S: f64 = 0.004;
 const STRAYS: f64 = 0.02;
 const ZERO: f64 = 0.05;
 const END: f64 = 0.98;
+
+/// Codes of two means that are no noise: 0.2 % of full scale.
+const NOISE: i32 = 128;
 
 /// What the watch of all motors goes by.
 #[derive(Clone, Copy, Debug)]
@@ -253,7 +256,8 @@ impl<S: Scalar> StageWatch<S> {
             };
         } else {
             let error = pair.codes - one - two;
-            let borne = self.strays + ((one.abs() + two.abs()) >> 3) + ((changes * self.lags) >> 4);
+            let slew = (changes * self.lags) >> 4;
+            let borne = self.strays + ((one.abs() + two.abs()) >> 3) + slew;
             motor.error = self.leaky.after(motor.error, S::from_i32(error));
             motor.error_borne = self.peak(motor.error_borne, S::from_i32(borne));
             let residual = pair.volts - ohmic - inductive - pair.emf;
@@ -270,7 +274,7 @@ impl<S: Scalar> StageWatch<S> {
             if astray || late {
                 return Some(if pair.ends[1] {
                     Fault::CurrentSensor
-                } else if late || error.abs() > borne {
+                } else if late || (error.abs() > NOISE + slew && 2 * error.abs() > (one + two).abs()) {
                     Fault::CurrentNotFollowed
                 } else {
                     Fault::EncoderImplausible

@@ -60,7 +60,7 @@ impl Device {
     fn tick(&mut self, peer: &mut Peer<f64, AnyLaw<f64>>) {
         let mut axes = [Motion::REST; AXES];
         axes[0] = self.motion;
-        let force = peer.tick(&Sensors { reading: Reading::Exact(axes), overrun: false, stage: None }).forces[0];
+        let force = peer.tick(&Sensors::of(Reading::Exact(axes))).forces[0];
         assert_eq!(peer.mode(), Mode::Armed);
         if self.delay > 0.0 {
             self.fly(self.force, self.delay * PERIOD_S);
@@ -307,7 +307,7 @@ fn a_push_beyond_the_range_of_numbers_is_a_fault() {
         peer.command(Command::Arm);
         // So slow that it rests at once.
         let axes = [Motion { position: 0.0, velocity: 1e-3 }; AXES];
-        let forces = peer.tick(&Sensors { reading: Reading::Exact(axes), overrun: false, stage: None }).forces;
+        let forces = peer.tick(&Sensors::of(Reading::Exact(axes))).forces;
         assert_eq!((peer.mode(), forces[0]), (Mode::Faulted(Fault::OutOfWorkspace), 0.0));
     }
 }

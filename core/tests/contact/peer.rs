@@ -39,7 +39,7 @@ impl<S: Scalar> Rig<S> {
     fn tick(&mut self) {
         let mut axes = [Motion::REST; AXES];
         axes[0] = Motion { position: S::from_f64(self.device.position), velocity: S::from_f64(self.device.velocity) };
-        let force = self.peer.tick(&Sensors { reading: Reading::Exact(axes), overrun: false, stage: None });
+        let force = self.peer.tick(&Sensors::of(Reading::Exact(axes)));
         let force = force.forces[0].to_f64();
         self.peak_n = self.peak_n.max(force.abs());
         let change = 1e-3 / self.mass_kg * force;

@@ -66,7 +66,7 @@ fn half_a_turn_of_the_timer_is_ambiguous_and_refused() {
 fn the_total_does_not_overflow() {
     let encoder = Encoder::<f64>::build(&settings(&[]));
     for (total, counts) in [(i32::MAX - 5, 6_u16), (i32::MIN + 5, 65530)] {
-        let mut state = EncoderState { total, last: Counts(0), primed: true };
+        let mut state = EncoderState { total, primed: true, ..EncoderState::default() };
         assert!(encoder.step(&mut state, Counts(counts)).is_none());
         assert_eq!(state.total, total);
     }
@@ -117,7 +117,7 @@ proptest! {
         primed: bool,
     ) {
         let encoder = Encoder::<f32>::build(&settings(&[]));
-        let mut state = EncoderState { total, last: Counts(last), primed };
+        let mut state = EncoderState { total, last: Counts(last), primed, ..EncoderState::default() };
         for counts in readings {
             if let Some(position) = encoder.step(&mut state, Counts(counts)) {
                 prop_assert!(position.is_finite());

@@ -243,3 +243,30 @@ proptest! {
         }
     }
 }
+
+/// A lab whose links stand otherwise where its joints are zero: the same mechanism, counted from there.
+#[test]
+fn a_home_of_ones_own_is_the_same_mechanism_counted_from_there() {
+    use core::f64::consts::{FRAC_PI_3, PI};
+    let [left, right] = [2.3, 0.9];
+    let mut settings = named("five-bar");
+    (settings.kinematics.left_home_rad, settings.kinematics.right_home_rad) = (left, right);
+    let (own, usual) = (build::<f64>(&settings), five_bar::<f64>());
+    let place = |mechanism: &AnyKinematics<f64>, joints: [f64; 2]| mechanism.forward(joints.map(Motion::at));
+    let shifted = |[a, b]: [f64; 2]| place(&usual, [a + left - (PI - FRAC_PI_3), b + right - FRAC_PI_3]);
+    assert_eq!(place(&own, [0.0; 2]).axes.map(|axis| axis.position), [0.0; 2]);
+    for joints in [[0.1, -0.2], [-0.3, 0.05], [0.2, 0.3]] {
+        let (found, expected, home) = (place(&own, joints), shifted(joints), shifted([0.0; 2]));
+        for axis in 0..2 {
+            let moved = expected.axes[axis].position - home.axes[axis].position;
+            assert!((found.axes[axis].position - moved).abs() < 1e-14, "{joints:?}");
+            for joint in 0..2 {
+                assert!((found.jacobian[axis][joint] - expected.jacobian[axis][joint]).abs() < 1e-13);
+            }
+        }
+    }
+    // Links that do not meet there are refused.
+    settings.kinematics.left_home_rad = PI;
+    settings.kinematics.right_home_rad = 0.0;
+    assert!(settings.check().is_err());
+}

@@ -1,5 +1,6 @@
 //! A peer through its entries alone: what makes it stop, what makes it start again, and what its forces do meanwhile.
 
+mod encoders;
 mod envelope;
 mod midpoint;
 mod parting;
@@ -38,7 +39,7 @@ impl<S: Scalar> Bench<S> {
 
     /// A tick with this reading.
     fn read(&mut self, reading: Reading<S>) -> Actuators<S> {
-        self.peer.tick(&Sensors { reading, overrun: false, stage: None })
+        self.peer.tick(&Sensors::of(reading))
     }
 
     /// A tick with the device here, moving like this.

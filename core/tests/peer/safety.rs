@@ -166,7 +166,7 @@ fn a_peer_whose_packets_come_too_late() {
 fn a_tick_that_overruns() {
     let mut bench = Bench::armed(&Settings::default());
     let reading = Reading::Exact([Motion::REST; AXES]);
-    let last = bench.peer.tick(&Sensors { reading, overrun: true, stage: None });
+    let last = bench.peer.tick(&Sensors { overrun: true, ..Sensors::of(reading) });
     bench.assert_stopped(last, Fault::TickOverrun);
 }
 

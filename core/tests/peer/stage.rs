@@ -90,7 +90,7 @@ impl<S: Scalar> Rig<S> {
             spoil(&mut truth);
             let reading = Reading::Counts(truth.counts.map(|counts| Counts(counts.round() as i64 as u16)));
             let stage = Some(truth.measured);
-            self.duties = self.bench.peer.tick(&Sensors { reading, overrun: false, stage }).duties;
+            self.duties = self.bench.peer.tick(&Sensors { stage, ..Sensors::of(reading) }).duties;
             match self.bench.peer.mode() {
                 Mode::Faulted(fault) => Some((ticks, fault)),
                 _ => None,

@@ -79,7 +79,7 @@ impl Actor<usize> for Seat {
         }
         let Motion { position, velocity } = self.handle.motion;
         let reading = Reading::Exact([Motion { position: position as f32, velocity: velocity as f32 }, Motion::REST]);
-        let Actuators { forces: [motor_n, _], .. } = self.peer.tick(&Sensors { reading, overrun: false, stage: None });
+        let Actuators { forces: [motor_n, _], .. } = self.peer.tick(&Sensors::of(reading));
         self.handle.step(f64::from(motor_n));
     }
 }

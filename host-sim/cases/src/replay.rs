@@ -104,7 +104,7 @@ pub fn run(
         if flags & EXCHANGE != 0 {
             peer.exchange();
         }
-        let actuators = peer.tick(&Sensors { reading, overrun: false, stage: None });
+        let actuators = peer.tick(&Sensors::of(reading));
         fold(&mut hash, &mut peer, &actuators);
         each(ticks, &actuators);
         ticks += 1;

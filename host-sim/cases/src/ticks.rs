@@ -182,5 +182,5 @@ fn sensors<S: Scalar>(settings: &Settings, tick: usize, index: usize) -> Sensors
         }
         _ => Reading::Counts([0.05, 0.03].map(|amplitude| counts(amplitude * settings.encoder.counts_per_rev / TAU))),
     };
-    Sensors { reading, overrun: false, stage: None }
+    Sensors::of(reading)
 }

@@ -75,6 +75,78 @@ impl Choice for Defect {
         &[Self::None, Self::EnableIgnored, Self::SensorReversed, Self::MotorOpen, Self::MotorShorted];
 }
 
+/// What goes wrong with the first joint of the first device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlantFault {
+    /// Nothing.
+    None,
+    /// The motor's wire is off.
+    OpenMotor,
+    /// The current's sensor reads zero.
+    DeadSense,
+    /// The current's sensor reads the end of its range.
+    SenseAtEnd,
+    /// The bridge gives a fifth of its supply while it is off.
+    ConductingBridge,
+    /// The supply of the bridges falls to 0.6 of itself.
+    LowSupply,
+    /// It rises to 1.4 of itself.
+    HighSupply,
+    /// Something holds the device fast.
+    Held,
+    /// The encoder stays where it is.
+    EncoderStuck,
+    /// Its channel A is dead.
+    EncoderWithoutA,
+    /// Its channel B is.
+    EncoderWithoutB,
+    /// It goes to and fro by one count, tick by tick.
+    EncoderDithers,
+    /// It counts the other way.
+    EncoderReversed,
+    /// It counts half.
+    EncoderHalved,
+    /// It loses 40 counts, once.
+    EncoderLoses,
+}
+
+impl Choice for PlantFault {
+    const NAMES: &'static [&'static str] = &[
+        "none",
+        "open-motor",
+        "dead-sense",
+        "sense-at-end",
+        "conducting-bridge",
+        "low-supply",
+        "high-supply",
+        "held",
+        "encoder-stuck",
+        "encoder-without-a",
+        "encoder-without-b",
+        "encoder-dithers",
+        "encoder-reversed",
+        "encoder-halved",
+        "encoder-loses",
+    ];
+    const ALL: &'static [Self] = &[
+        Self::None,
+        Self::OpenMotor,
+        Self::DeadSense,
+        Self::SenseAtEnd,
+        Self::ConductingBridge,
+        Self::LowSupply,
+        Self::HighSupply,
+        Self::Held,
+        Self::EncoderStuck,
+        Self::EncoderWithoutA,
+        Self::EncoderWithoutB,
+        Self::EncoderDithers,
+        Self::EncoderReversed,
+        Self::EncoderHalved,
+        Self::EncoderLoses,
+    ];
+}
+
 haptic_core::settings! {
     /// The world around the peers.
     pub struct World;
@@ -113,6 +185,9 @@ haptic_core::settings! {
             "What is broken about the windings of plant.winding, their bridges and their current's sensors: to practise on.";
         loop_delay_periods: f64 = 1.5, number(1.0, 1.5), "",
             "PWM periods of 50 µs from a sample of the current to the middle of the voltage that comes of it.";
+        fault: PlantFault = PlantFault::None, Allowed::Names(PlantFault::NAMES), "",
+            "What goes wrong with the first joint of device 1: its motor and power stage (with plant.drive = \"current\"), its encoder, or its hand.";
+        fault_at_s: f64 = 1.0, number(0.0, 1e6), "s", "When it does.";
     }
 
     /// The network between the peers.

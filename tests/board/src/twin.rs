@@ -148,7 +148,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             }
             let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;
-            let actuators = peer.tick(&Sensors { reading: Reading::Counts(counts), overrun, stage: None });
+            let actuators = peer.tick(&Sensors { overrun, ..Sensors::of(Reading::Counts(counts)) });
             let mut record = Record::default();
             record.fill(board.tick(), counts, incoming, board.flags(), &mut peer, &actuators);
             record == *board

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Design: both elbows outward, the hand on the far side of the line between the elbows (circle intersection). Joint a
-//! is the left motor, b the right one, both counter-clockwise. At home (joints zero, where the encoders are first read)
-//! the proximal links stand [`HOME_RAD`] from the base, leaning outward: the left at 120°, the right at 60° from x.
+//! is the left motor, b the right one, both counter-clockwise. At home (joints zero, where the encoders are first read) the proximal
+//! links stand at `kinematics.left_home_rad` and `right_home_rad` from x, leaning outward: 120° and 60°, unless a lab says otherwise.
 //!
 //! Jacobian: the distal links are rigid, so with pᵢ = P − Eᵢ and tᵢ the direction in which elbow i turns, pᵢ·Ṗ =
 //! l₁·(pᵢ·tᵢ)·q̇ᵢ; Cramer's rule solves the pair, with the determinant p_a × p_b = d·h (elbow distance times height).
@@ -58,8 +58,11 @@ impl<S: Scalar> Model<S> for FiveBar<S> {
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         settings.within("axis.count", Allowed::Whole { min: 2, max: 2 })?;
-        // The distal links meet at home with room to move. Half the elbows' distance there; cos 60° = 1/2.
-        let half_distance = 0.5 * settings.kinematics.base_m + 0.5 * settings.kinematics.proximal_m;
+        let [left, right] = [settings.kinematics.left_home_rad, settings.kinematics.right_home_rad];
+        // The distal links meet at home with room to move. Half the elbows' distance there, along the base and across.
+        let half_proximal = 0.5 * settings.kinematics.proximal_m;
+        let along = 0.5 * settings.kinematics.base_m + half_proximal * (libm::cos(right) - libm::cos(left));
+        let half_distance = libm::hypot(along, half_proximal * (libm::sin(right) - libm::sin(left)));
         let (least, most) = HOME_COSINE;
         let allowed = Allowed::Number { min: half_distance / most, max: half_distance / least };
         settings.within("kinematics.distal_m", allowed)?;
@@ -71,7 +74,7 @@ impl<S: Scalar> Model<S> for FiveBar<S> {
             half_proximal: S::from_f64(0.5 * kinematics.proximal_m),
             distal_squared: S::from_f64(kinematics.distal_m * kinematics.distal_m),
             margin: S::from_f64(MIN_SINE * kinematics.distal_m),
-            home_rad: [S::from_f64(core::f64::consts::PI - HOME_RAD), S::from_f64(HOME_RAD)],
+            home_rad: [S::from_f64(left), S::from_f64(right)],
             home: [S::ZERO; AXES],
         };
         // With the tick's own arithmetic, so that home is zero to the last bit.

@@ -18,7 +18,10 @@ use haptic_core::settings::{Refused, Settings};
 
 use super::winding::{Flow, Winding};
 use crate::rng::Rng;
-use crate::scene::{Defect, DriveName, PlantSettings};
+use crate::scene::{Defect, DriveName, PlantFault, PlantSettings};
+
+/// Share of the supply that a bridge gives which conducts although it is off.
+const LEAKS: f64 = 0.2;
 
 /// The converter that a current is read by, with its noise.
 #[derive(Clone, Debug)]
@@ -84,10 +87,11 @@ impl Closed {
 }
 
 /// What the power stage of a device measured since the last tick; none without a current loop.
-pub(super) fn measured(drives: &[Drive; AXES], plant: &PlantSettings) -> Option<Measured> {
+pub(super) fn measured(drives: &[Drive; AXES], supply_counts: u16) -> Option<Measured> {
     let [Some(one), Some(two)] = drives.each_ref().map(Drive::measured) else { return None };
-    let supply_mv = (1e3 * plant.supply_v).round() as u16;
-    Some(Measured { motors: [one, two], supply_mv, supply_counts: plant.timer_counts() })
+    let [Drive { winding, .. }, _] = drives;
+    let supply_mv = (1e3 * winding.supply_v).round() as u16;
+    Some(Measured { motors: [one, two], supply_mv, supply_counts })
 }
 
 /// What a tick wants of a drive.
@@ -124,6 +128,7 @@ pub struct Drive {
     /// Voltage of this period, counts.
     voltage: i32,
     current_a: f64,
+    fault: PlantFault,
 }
 
 impl Drive {
@@ -171,12 +176,30 @@ impl Drive {
             next: OFF,
             voltage: 0,
             current_a: 0.0,
+            fault: PlantFault::None,
         })
+    }
+
+    /// Something goes wrong with it, now.
+    pub fn fail(&mut self, fault: PlantFault) {
+        self.fault = fault;
+        self.winding.supply_v *= match fault {
+            PlantFault::LowSupply => 0.6,
+            PlantFault::HighSupply => 1.4,
+            _ => 1.0,
+        };
+        if let Some(closed) = &mut self.closed {
+            closed.supply_mv = (1e3 * self.winding.supply_v).round() as u32;
+            closed.gains = closed.design.gains(closed.supply_mv);
+        }
     }
 
     /// The bridge lets go, and the loop forgets.
     pub fn off(&mut self) {
-        (self.now, self.next, self.voltage, self.current_a) = (OFF, OFF, 0, 0.0);
+        (self.now, self.next, self.voltage) = (OFF, OFF, 0);
+        if self.fault != PlantFault::ConductingBridge {
+            self.current_a = 0.0;
+        }
         self.on = false;
         if let Some(closed) = &mut self.closed {
             closed.controller = Controller::default();
@@ -214,12 +237,19 @@ impl Drive {
     pub fn period(&mut self, joint_speed: f64) -> f64 {
         let sample_s = self.closed.as_ref().map_or(0.0, |closed| closed.sample_s);
         let share = f64::from(self.voltage) / self.counts;
-        let Flow { sampled_a, mean_a, end_a } = if self.on {
+        let conducts = self.on || self.fault == PlantFault::ConductingBridge;
+        let share = if self.on { share } else { LEAKS };
+        let Flow { mut sampled_a, mean_a, end_a } = if conducts && self.fault != PlantFault::OpenMotor {
             self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s)
         } else {
             Flow::default()
         };
         self.current_a = end_a;
+        match self.fault {
+            PlantFault::DeadSense => sampled_a = 0.0,
+            PlantFault::SenseAtEnd => sampled_a = f64::INFINITY,
+            _ => {}
+        }
         let order = self.now;
         self.now = self.next;
         let volts = |Duty(duty)| (f64::from(duty) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32;

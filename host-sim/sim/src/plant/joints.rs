@@ -4,8 +4,9 @@
 
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName};
 use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::{device::AXES, device::encoder::Counts, num::Motion, settings::Settings};
+use haptic_core::{device::AXES, num::Motion, settings::Settings};
 
+use super::encoders::Encoders;
 use crate::scene::PlantSettings;
 
 /// Joints of a simulated device.
@@ -60,9 +61,14 @@ impl Joints {
         joints
     }
 
-    /// What the encoders' counters say; they count from 0 where the device is built.
-    pub(super) fn counts(&self, axes: [Motion<f64>; AXES]) -> [Counts; AXES] {
-        self.inverse(axes).map(|joint| Counts((joint * self.counts_per_unit).floor() as i64 as u16))
+    /// Where the encoders are, counts; from 0 where the device is built.
+    pub(super) fn counts(&self, axes: [Motion<f64>; AXES]) -> [i64; AXES] {
+        self.inverse(axes).map(|joint| (joint * self.counts_per_unit).floor() as i64)
+    }
+
+    /// The encoders of a device that is built here.
+    pub(super) fn encoders(&self, settings: &Settings, axes: [Motion<f64>; AXES]) -> Encoders {
+        Encoders::new(settings, self.counts_per_unit, self.counts(axes))
     }
 
     /// Forces on the axes (N) that the duties give.

@@ -11,6 +11,7 @@
 //! found by inverse kinematics.
 
 mod drive;
+mod encoders;
 mod joints;
 mod linear;
 mod winding;
@@ -19,9 +20,10 @@ use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measu
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 
-use crate::scene::{PlantSettings, Scene};
+use crate::scene::{PlantFault, Scene};
 use crate::user::User;
 pub use drive::{Converter, Drive};
+use encoders::Encoders;
 use joints::Joints;
 pub use linear::Linear;
 pub use winding::{Flow, Winding};
@@ -36,7 +38,7 @@ struct Windings {
     seen: [f64; AXES],
     /// What the power stage measured in the last tick; none without a current loop.
     measured: Option<Measured>,
-    plant: PlantSettings,
+    supply_counts: u16,
 }
 
 /// A device, its user's hand on it.
@@ -54,6 +56,10 @@ pub struct Plant {
     friction_n: f64,
     moving_mass_kg: f64,
     joints: Option<Joints>,
+    encoders: Option<Encoders>,
+    /// What is going to go wrong, and when (s).
+    fault: Option<(PlantFault, f64)>,
+    held: bool,
     driven_by_duty: bool,
     arm: bool,
     /// What else pulls on the free axis, N.
@@ -79,7 +85,7 @@ impl Plant {
             periods: periods_per_tick(settings).expect("a scene that was checked"),
             seen: joints.seen(scene.start(index)),
             measured: None,
-            plant: world.plant,
+            supply_counts: world.plant.timer_counts(),
         });
         let period_s = scene.peer.timing.control_period_s;
         // With windings the steps are PWM periods, and nothing else is late.
@@ -102,7 +108,13 @@ impl Plant {
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
             moving_mass_kg,
+            encoders: (joints.as_ref())
+                .filter(|joints| joints.encoder)
+                .map(|j| j.encoders(settings, scene.start(index))),
             joints,
+            fault: Some((world.plant.fault, world.plant.fault_at_s))
+                .filter(|(fault, _)| index == 0 && *fault != PlantFault::None),
+            held: false,
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
             pull_n: 0.0,
@@ -123,6 +135,10 @@ impl Plant {
         self.motions[0].position += by_m;
         if let (Some(joints), Some(windings)) = (&self.joints, &mut self.windings) {
             windings.seen = joints.seen(self.motions);
+        }
+        if let (Some(joints), Some(encoders)) = (&self.joints, &mut self.encoders) {
+            encoders.turn(joints.counts(self.motions));
+            encoders.turn(joints.counts(self.motions));
         }
         self
     }
@@ -146,19 +162,42 @@ impl Plant {
 
     /// What the peer's sensors say now.
     pub fn sensors<S: Scalar>(&self) -> Sensors<S> {
-        let reading = match &self.joints {
-            Some(joints) if joints.encoder => Reading::Counts(joints.counts(self.motions)),
-            _ => Reading::Exact(self.motions.map(|motion| Motion {
+        let reading = match &self.encoders {
+            Some(encoders) => Reading::Counts(encoders.counts()),
+            None => Reading::Exact(self.motions.map(|motion| Motion {
                 position: S::from_f64(motion.position),
                 velocity: S::from_f64(motion.velocity),
             })),
         };
         let stage = self.windings.as_ref().and_then(|windings| windings.measured);
-        Sensors { reading, overrun: false, stage }
+        let marks = self.encoders.as_ref().map(Encoders::marks);
+        Sensors { stage, marks, ..Sensors::of(reading) }
     }
 
     /// One control period from `time_s` on, under what the peer commands.
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+        if let Some((fault, _)) = self.fault.take_if(|(_, at_s)| time_s >= *at_s) {
+            self.fail(fault);
+        }
+        self.drive(time_s, actuators);
+        if let (Some(joints), Some(encoders)) = (&self.joints, &mut self.encoders) {
+            encoders.turn(joints.counts(self.motions));
+        }
+    }
+
+    /// Something goes wrong with the first joint, now.
+    pub fn fail(&mut self, fault: PlantFault) {
+        self.held |= fault == PlantFault::Held;
+        if let Some(encoders) = &mut self.encoders {
+            encoders.fail(fault);
+        }
+        if let Some(windings) = &mut self.windings {
+            windings.drives[0].fail(fault);
+        }
+    }
+
+    /// The hand and the motors, for a control period.
+    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {
@@ -195,7 +234,7 @@ impl Plant {
                 *mean += force / f64::from(windings.periods);
             }
         }
-        windings.measured = drive::measured(&windings.drives, &windings.plant);
+        windings.measured = drive::measured(&windings.drives, windings.supply_counts);
         self.windings = Some(windings);
     }
 
@@ -211,7 +250,7 @@ impl Plant {
                 next.velocity -= taken;
                 next.position -= 0.5 * taken * self.step_s;
             }
-            self.motions[axis] = next;
+            self.motions[axis] = if self.held { Motion::at(self.motions[axis].position) } else { next };
         }
     }
 

@@ -5,6 +5,7 @@ mod calibrate;
 mod calibrate_winding;
 mod double_double;
 mod engine;
+mod faults;
 mod impulsive;
 mod link;
 mod measure;

@@ -236,6 +236,11 @@ impl Simulated {
                 self.peer.command(Command::Clear);
                 "ok disarmed".to_owned()
             }
+            ["home"] if self.peer.mode() != Mode::Disarmed => "error home is for motors that are off".to_owned(),
+            ["home"] => {
+                self.peer.command(Command::Home);
+                "ok home here".to_owned()
+            }
             ["probed"] => format!("ok {}", self.peer.probed()),
             _ => return None,
         })
