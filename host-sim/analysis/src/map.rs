@@ -108,15 +108,6 @@ impl Map {
             .done()
     }
 
-    /// Whether the scene is stable at every x (columns) and y (rows) of the axes, row by row.
-    pub fn cells(&self) -> Vec<bool> {
-        self.axes[1]
-            .values()
-            .iter()
-            .flat_map(|y| self.columns.iter().map(|column| column.limit.is_stable(*y)))
-            .collect()
-    }
-
     /// Spectral radii that were computed.
     pub fn evaluations(&self) -> usize {
         self.columns.iter().map(|column| column.limit.evaluations).sum()

@@ -3,9 +3,11 @@
 //! Crossings of a column alternate between leaving and entering the region. From column to column they move, and they
 //! appear and vanish in neighbouring pairs (a pocket opens or closes) or across the lower or upper end of the range. Of all
 //! ways to explain one column by the next, the one with the least movement is taken. Every crossing then has at most one
-//! continuation to the left and one to the right, so the outline is a set of paths.
+//! continuation to the left and one to the right, so the outline is a set of paths, and what lies between two columns is strips
+//! with the same edges.
 
 use super::map::Map;
+use haptic_plot::Strip;
 
 /// What a crossing is joined to on one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +47,38 @@ type Plan = (f64, Vec<(Step, usize, usize)>);
 
 /// Paths along the outline of a map's region, as (x, y).
 pub(crate) fn outline(map: &Map) -> Vec<Vec<(f64, f64)>> {
+    paths(&joined(map).0)
+}
+
+/// The region itself, between the lines of its outline.
+pub(crate) fn strips(map: &Map) -> Vec<Strip> {
+    let (low, high) = (map.axes[1].range.from, map.axes[1].range.to);
+    let (nodes, columns) = joined(map);
+    let mut strips = Vec::new();
+    for (pair, sides) in columns.windows(2).zip(map.columns.windows(2)) {
+        let left = pair[0].clone();
+        let on = |at: usize| match nodes[at].links[1] {
+            Link::To(next, 0) => Some((nodes[at].y, nodes[next].y, nodes[at].leaves)),
+            _ => None,
+        };
+        let lines: Vec<(f64, f64, bool)> = left.clone().filter_map(on).collect();
+        // At the lower end a side decides whose own lowest crossing does not go over the rim.
+        let ends_left = left.clone().any(|at| nodes[at].links[1] == Link::Rim(low));
+        let at_left = if ends_left { &sides[1] } else { &sides[0] };
+        let mut inside = lines.first().map_or(at_left.limit.stable_at_start, |(_, _, leaves)| *leaves);
+        let mut below = (low, low);
+        for (from, to, _) in lines.into_iter().chain([(high, high, true)]) {
+            if inside {
+                strips.push(Strip { left: (sides[0].x, below.0, from), right: (sides[1].x, below.1, to) });
+            }
+            (below, inside) = ((from, to), !inside);
+        }
+    }
+    strips
+}
+
+/// The crossings of a map, joined, and those of each column.
+fn joined(map: &Map) -> (Vec<Node>, Vec<std::ops::Range<usize>>) {
     let (low, high) = (map.axes[1].range.from, map.axes[1].range.to);
     let mut nodes: Vec<Node> = Vec::new();
     let mut columns: Vec<std::ops::Range<usize>> = Vec::new();
@@ -60,7 +94,7 @@ pub(crate) fn outline(map: &Map) -> Vec<Vec<(f64, f64)>> {
             join(&mut nodes, [columns[at - 1].clone(), columns[at].clone()], turned, [low, high]);
         }
     }
-    paths(&nodes)
+    (nodes, columns)
 }
 
 /// Links two neighbouring columns; `turned` where the lower end of the range is inside in only one of them, so that the

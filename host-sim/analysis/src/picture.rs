@@ -2,7 +2,7 @@
 
 use super::figure4::{self, Curve};
 use super::map::Map;
-use super::outline::outline;
+use super::outline::{outline, strips};
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 /// Key and unit, for an axis.
@@ -19,7 +19,7 @@ fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> impl Iterator<Item 
 /// One region.
 pub fn region(title: &str, map: &Map) -> Figure {
     let [x, y] = &map.axes;
-    let mut series = vec![Series::cells("stable", 0, x.values(), y.values(), map.cells())];
+    let mut series = vec![Series::region("stable", 0, strips(map))];
     series.extend(lines(map, "", 0, Dash::Solid));
     let panel = Panel {
         x_label: label(&x.range.key, map.units[0]),
@@ -47,7 +47,9 @@ pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
             .iter()
             .enumerate()
             .flat_map(|(at, (curve, map))| {
-                let name = format!("n_t = {}", curve.one_way_delay_packets);
+                // One legend, where there is room for it, serves all panels.
+                let first = curve.comm == figure4::COMMS[0];
+                let name = if first { format!("n_t = {}", curve.one_way_delay_packets) } else { String::new() };
                 lines(map, &name, at, dashes[at % dashes.len()]).collect::<Vec<_>>()
             })
             .collect(),

@@ -4,7 +4,8 @@
 //! need; a row is as high as its headings and axis texts need. In a row that shares its vertical axis only the first
 //! panel carries its texts; of panels below each other with the same horizontal axis only the lowest does. If a legend
 //! would cover data, every vertical range of its group found from data is widened upwards once, until the legend is
-//! clear; a legend that would take more than half of its panel stands below all panels instead.
+//! clear; a legend that would take more than half of its panel, or that covers data in a range that was given, stands below all
+//! panels instead.
 
 use super::range::{self, Axes};
 use super::scale::Scale;
@@ -26,7 +27,8 @@ const GAP: f64 = 46.0;
 pub(crate) fn sheet(figure: &Figure) -> Sheet {
     let axes = range::resolve(figure);
     // Legends that stand below all panels.
-    let tall: Vec<bool> = needs(figure, &axes).into_iter().map(|need| need > 0.5).collect();
+    let needs_room = needs(figure, &axes).into_iter().zip(&axes);
+    let tall: Vec<bool> = needs_room.map(|(need, axes)| need > if axes.y_auto { 0.5 } else { 0.0 }).collect();
     let axes = with_headroom(figure, axes, &tall);
     let mut writer = Writer(Vec::new());
     let mut top = MARGIN;

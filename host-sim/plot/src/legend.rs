@@ -103,14 +103,14 @@ fn entry(series: &Series, (left, base): Point) -> [Mark; 2] {
     let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
     let stroke = |dash: Dash| {
         let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
-        Mark::Line { points, color, width: panel::STROKE, dash }
+        Mark::Line { points, color, width: series.width, dash }
     };
     let sample = match &series.shape {
         Shape::Line { dash, .. } => stroke(*dash),
         Shape::Steps(_) => stroke(Dash::Solid),
         Shape::Dots { .. } | Shape::Intervals(_) => Mark::Disc { at: (left + 20.0, middle), radius: panel::DOT, color },
         Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
-        Shape::Cells { .. } => Mark::Fill { frames: vec![square], color, opacity: panel::TINT },
+        Shape::Region(_) => Mark::Fill { frames: vec![square], color, opacity: panel::TINT },
     };
     [sample, Mark::text((left + SAMPLE, base), Anchor::Start, SIZE, INK, &series.label)]
 }

@@ -99,6 +99,8 @@ pub struct Series {
     pub label: String,
     /// Number of the colour in [`PALETTE`], which is used cyclically.
     pub color: usize,
+    /// Width of its lines, pixels of a sheet [`WIDTH`] wide.
+    pub width: f64,
     /// What is drawn.
     pub shape: Shape,
 }
@@ -128,15 +130,17 @@ pub enum Shape {
     Bars(Vec<(f64, f64)>),
     /// Values with half of an interval each, (x, y, within): a dot, and a stroke from y − within to y + within.
     Intervals(Vec<(f64, f64, f64)>),
-    /// A region on a grid: the tinted cells are those where `inside[row * xs.len() + column]` is true.
-    Cells {
-        /// Centres of the columns, ascending.
-        xs: Vec<f64>,
-        /// Centres of the rows, ascending.
-        ys: Vec<f64>,
-        /// Row by row, as many as `xs.len() * ys.len()`; what is missing is outside.
-        inside: Vec<bool>,
-    },
+    /// A tinted region, in pieces that do not overlap.
+    Region(Vec<Strip>),
+}
+
+/// A piece of a region between two upright sides: x, lower and upper edge of each. The edges between them are straight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strip {
+    /// The left side.
+    pub left: (f64, f64, f64),
+    /// The right side.
+    pub right: (f64, f64, f64),
 }
 
 impl Series {
@@ -147,38 +151,49 @@ impl Series {
 
     /// A line with this dash.
     pub fn dashed(label: impl Into<String>, color: usize, dash: Dash, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Line { points, dash } }
+        Self::new(label, color, Shape::Line { points, dash })
     }
 
     /// A line that holds each value until the next point.
     pub fn steps(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Steps(points) }
+        Self::new(label, color, Shape::Steps(points))
     }
 
     /// Dots with the names in `names` beside them.
     pub fn dots(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>, names: Vec<String>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Dots { points, names } }
+        Self::new(label, color, Shape::Dots { points, names })
     }
 
     /// Values with their intervals: (x, y, half of the interval).
     pub fn intervals(label: impl Into<String>, color: usize, points: Vec<(f64, f64, f64)>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Intervals(points) }
+        Self::new(label, color, Shape::Intervals(points))
     }
 
     /// Bars at the positions of [`Panel::categories`].
     pub fn bars(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Bars(points) }
+        Self::new(label, color, Shape::Bars(points))
     }
 
-    /// The cells of a grid that are inside a region.
-    pub fn cells(label: impl Into<String>, color: usize, xs: Vec<f64>, ys: Vec<f64>, inside: Vec<bool>) -> Self {
-        Self { label: label.into(), color, shape: Shape::Cells { xs, ys, inside } }
+    /// A region.
+    pub fn region(label: impl Into<String>, color: usize, strips: Vec<Strip>) -> Self {
+        Self::new(label, color, Shape::Region(strips))
+    }
+
+    /// As wide as this, where it is a line: wide ones below and narrow ones above show all of several lines that lie on each other.
+    #[must_use]
+    pub fn wide(mut self, width: f64) -> Self {
+        self.width = width;
+        self
+    }
+
+    fn new(label: impl Into<String>, color: usize, shape: Shape) -> Self {
+        Self { label: label.into(), color, width: panel::STROKE, shape }
     }
 }
 
-/// The figure as an SVG document.
-pub fn svg(figure: &Figure) -> String {
-    svg::render(&layout::sheet(figure))
+/// The figure as an SVG document, with `about` in it for programs: what made it.
+pub fn svg(figure: &Figure, about: &str) -> String {
+    svg::render(&layout::sheet(figure), about)
 }
 
 /// The figure as a PNG file.
@@ -194,7 +209,7 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
         name.push(extension);
         PathBuf::from(name)
     });
-    write_file(&svg_path, "SVG", svg(figure).as_bytes())?;
+    write_file(&svg_path, "SVG", svg(figure, "").as_bytes())?;
     write_file(&png_path, "PNG", &png(figure).map_err(ReportError::write(&png_path, "PNG"))?)?;
     Ok(vec![svg_path, png_path])
 }

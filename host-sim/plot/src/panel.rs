@@ -8,12 +8,11 @@
 //! series share the room of a category. A bar without a finite value still has its value written: nothing is left out
 //! in silence.
 //!
-//! Borders of a region's cells lie half way between centres, in whole pixels, so that neighbouring cells neither overlap
-//! nor leave a seam. Cells next to each other in a row are one rectangle.
+//! A region is tinted between straight edges, which are those that its outline is drawn along.
 
 use super::range::Axes;
 use super::sheet::{Anchor, Dash, FAINT, Frame, GRID, INK, Mark, PAPER, Point, color};
-use super::{Panel, Series, Shape, font, significant, trace};
+use super::{Panel, Series, Shape, Strip, font, significant, trace};
 
 /// Width of the lines of series.
 pub(crate) const STROKE: f64 = 2.6;
@@ -40,18 +39,18 @@ pub(crate) struct Drawing {
 pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y_ticks: &[f64]) -> Drawing {
     let mut canvas = Canvas { axes, frame, out: Drawing::default() };
     let (regions, others): (Vec<&Series>, Vec<&Series>) =
-        panel.series.iter().partition(|s| matches!(s.shape, Shape::Cells { .. }));
+        panel.series.iter().partition(|s| matches!(s.shape, Shape::Region(_)));
     regions.into_iter().for_each(|series| canvas.region(series));
     canvas.grid(x_ticks, y_ticks);
     let ends = |pixels: Vec<Point>| if panel.off_scale { until_far(pixels, frame) } else { pixels };
     canvas.bars(&others);
     for series in &others {
         match &series.shape {
-            Shape::Line { points, dash } => canvas.line(&ends(canvas.pixels(points)), series.color, *dash),
-            Shape::Steps(points) => canvas.line(&trace::steps(&ends(canvas.pixels(points))), series.color, Dash::Solid),
+            Shape::Line { points, dash } => canvas.line(&ends(canvas.pixels(points)), series, *dash),
+            Shape::Steps(points) => canvas.line(&trace::steps(&ends(canvas.pixels(points))), series, Dash::Solid),
             Shape::Dots { points, .. } => canvas.dots(points, series.color),
-            Shape::Intervals(points) => canvas.intervals(points, series.color),
-            Shape::Bars(_) | Shape::Cells { .. } => {}
+            Shape::Intervals(points) => canvas.intervals(points, series),
+            Shape::Bars(_) | Shape::Region(_) => {}
         }
     }
     canvas.names(&others);
@@ -92,7 +91,7 @@ impl Canvas<'_> {
         self.out.marks.extend(marks);
     }
 
-    fn line(&mut self, pixels: &[Point], number: usize, dash: Dash) {
+    fn line(&mut self, pixels: &[Point], series: &Series, dash: Dash) {
         for points in trace::polylines(pixels, self.frame) {
             for pair in points.windows(2) {
                 let (dx, dy) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
@@ -101,31 +100,23 @@ impl Canvas<'_> {
                     .map(|i| (pair[0].0 + dx * i as f64 / count, pair[0].1 + dy * i as f64 / count));
                 self.out.obstacles.extend(between);
             }
-            self.out.marks.push(Mark::Line { points, color: color(number), width: STROKE, dash });
+            self.out.marks.push(Mark::Line { points, color: color(series.color), width: series.width, dash });
         }
     }
-    /// Tints the cells inside.
+    /// Tints a region.
     fn region(&mut self, series: &Series) {
-        let Shape::Cells { xs, ys, inside } = &series.shape else { return };
-        if xs.is_empty() {
-            return;
-        }
-        let columns = edges(&xs.iter().map(|x| self.x(*x)).collect::<Vec<_>>(), self.frame.left, self.frame.right);
-        let rows = edges(&ys.iter().map(|y| self.y(*y)).collect::<Vec<_>>(), self.frame.top, self.frame.bottom);
-        let mut frames = Vec::new();
-        for (row, cells) in inside.chunks(xs.len().max(1)).take(ys.len()).enumerate() {
-            let mut column = 0;
-            for run in cells.chunk_by(|a, b| a == b) {
-                let (start, end) = (columns[column], columns[column + run.len()]);
-                column += run.len();
-                let (top, bottom) = (rows[row].min(rows[row + 1]), rows[row].max(rows[row + 1]));
-                if run[0] && start < end && top < bottom {
-                    frames.push(Frame { left: start, right: end, top, bottom });
-                }
-            }
-        }
-        if !frames.is_empty() {
-            self.out.marks.push(Mark::Fill { frames, color: color(series.color), opacity: TINT });
+        let Shape::Region(strips) = &series.shape else { return };
+        let inside = |value: f64, low: f64, high: f64| if value.is_nan() { low } else { value.clamp(low, high) };
+        let x = |value: f64| inside(self.x(value), self.frame.left, self.frame.right);
+        let y = |value: f64| inside(self.y(value), self.frame.top, self.frame.bottom);
+        let corners = |strip: &Strip| {
+            let ((left, ..), (right, ..)) = (strip.left, strip.right);
+            [(left, strip.left.2), (right, strip.right.2), (right, strip.right.1), (left, strip.left.1)]
+                .map(|(at, height)| (x(at), y(height)))
+        };
+        let strips: Vec<[Point; 4]> = strips.iter().map(corners).collect();
+        if !strips.is_empty() {
+            self.out.marks.push(Mark::Region { strips, color: color(series.color), opacity: TINT });
         }
     }
 
@@ -176,15 +167,15 @@ impl Canvas<'_> {
     }
 
     /// A stroke with a cross-stroke at either end, and the dot between them.
-    fn intervals(&mut self, points: &[(f64, f64, f64)], number: usize) {
+    fn intervals(&mut self, points: &[(f64, f64, f64)], series: &Series) {
         for (x, y, within) in points.iter().filter(|(_, _, within)| *within > 0.0) {
             let (at, [low, high]) = (self.x(*x), [y - within, y + within].map(|end| self.y(end)));
-            self.line(&[(at, low), (at, high)], number, Dash::Solid);
+            self.line(&[(at, low), (at, high)], series, Dash::Solid);
             for end in [low, high] {
-                self.line(&[(at - DOT, end), (at + DOT, end)], number, Dash::Solid);
+                self.line(&[(at - DOT, end), (at + DOT, end)], series, Dash::Solid);
             }
         }
-        self.dots(&points.iter().map(|(x, y, _)| (*x, *y)).collect::<Vec<_>>(), number);
+        self.dots(&points.iter().map(|(x, y, _)| (*x, *y)).collect::<Vec<_>>(), series.color);
     }
 
     fn dots(&mut self, points: &[(f64, f64)], number: usize) {
@@ -222,21 +213,6 @@ impl Canvas<'_> {
         }
         taken.iter().for_each(|area| self.out.obstacles.extend(lattice(area)));
     }
-}
-
-/// The borders of cells around these centres, in whole pixels and inside the limits: one more than there are centres.
-fn edges(centres: &[f64], low: f64, high: f64) -> Vec<f64> {
-    let inside = |v: f64| if v.is_nan() { low } else { v.clamp(low, high).round() };
-    let count = centres.len();
-    let at = |i: usize| centres[i.min(count - 1)];
-    let border = |i: usize| match i {
-        0 if count == 1 => low,
-        _ if count == 1 => high,
-        0 => 1.5 * at(0) - 0.5 * at(1),
-        _ if i == count => 1.5 * at(count - 1) - 0.5 * at(count - 2),
-        _ => (at(i - 1) + at(i)) / 2.0,
-    };
-    if count == 0 { Vec::new() } else { (0..=count).map(|i| inside(border(i))).collect() }
 }
 
 /// Colour and points of a series of bars.

@@ -61,6 +61,9 @@ impl Painter<'_> {
             Mark::Fill { frames, color, opacity } => {
                 frames.iter().try_for_each(|frame| self.fill(frame, &style(*color, *opacity)))
             }
+            Mark::Region { strips, color, opacity } => {
+                strips.iter().try_for_each(|corners| self.strip(corners, &style(*color, *opacity)))
+            }
             Mark::Disc { at, radius, color } => self.disc(*at, *radius, &style(*color, 1.0)),
             Mark::Text(text) => self.letters(text),
         }
@@ -83,7 +86,13 @@ impl Painter<'_> {
                 [1.0, -1.0].map(|side| [from, to].map(|at| large((at.0 - side * dy, at.1 + side * dx))));
             self.0.fill_polygon([left[0], left[1], right[1], right[0]], style).map_err(|e| e.to_string())?;
         }
-        let joints = if width < 2.0 { &[] } else { points.get(1..points.len().max(2) - 1).unwrap_or(&[]) };
+        // A stroke shorter than it is wide, of a dotted line, has no joint to be seen.
+        let length: f64 = points.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).sum();
+        let joints = if width < 2.0 || length < 1.5 * width {
+            &[]
+        } else {
+            points.get(1..points.len().max(2) - 1).unwrap_or(&[])
+        };
         joints.iter().try_for_each(|at| self.disc(*at, half, style))
     }
 
@@ -94,6 +103,21 @@ impl Painter<'_> {
         self.0
             .draw_rect((left, top), (right.max(left + 1), bottom.max(top + 1)), style, true)
             .map_err(|e| e.to_string())
+    }
+
+    /// Column of pixels by column, each by its middle: pieces side by side share none.
+    fn strip(&mut self, corners: &[Point; 4], style: &ShapeStyle) -> Result<(), String> {
+        let zoomed = corners.map(|(x, y)| (x * f64::from(ZOOM), y * f64::from(ZOOM)));
+        let [(left, top_left), (right, top_right), (_, bottom_right), (_, bottom_left)] = zoomed;
+        for column in (left - 0.5).ceil() as i32..(right - 0.5).ceil() as i32 {
+            let share = (f64::from(column) + 0.5 - left) / (right - left);
+            let between = |from: f64, to: f64| (from + (to - from) * share).round() as i32;
+            let (top, bottom) = (between(top_left, top_right), between(bottom_left, bottom_right));
+            if top < bottom {
+                self.0.draw_rect((column, top), (column + 1, bottom), style, true).map_err(|e| e.to_string())?;
+            }
+        }
+        Ok(())
     }
 
     fn disc(&mut self, at: Point, radius: f64, style: &ShapeStyle) -> Result<(), String> {

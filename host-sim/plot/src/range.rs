@@ -69,13 +69,13 @@ fn found_x(panel: &Panel) -> Range {
 fn found_y(panel: &Panel, x: &Scale) -> Range {
     let visible = panel.series.iter().flat_map(span).filter(|(at, _)| x.holds(*at)).map(|(_, y)| y);
     let bars = panel.series.iter().any(|s| matches!(s.shape, Shape::Bars(_)));
-    let cells = panel.series.iter().any(|s| matches!(s.shape, Shape::Cells { .. }));
+    let region = panel.series.iter().any(|s| matches!(s.shape, Shape::Region(_)));
     let (mut lo, mut hi) = extent(visible, panel.log_y)?;
     if let Some((a, b)) = panel.y_cap.filter(|(a, b)| !a.is_nan() && !b.is_nan()) {
         (lo, hi) = (lo.clamp(a.min(b), a.max(b)), hi.clamp(a.min(b), a.max(b)));
     }
     // Bars stand on the axis and carry their values at the end; regions fill the panel to its edge.
-    let sides = match (bars, cells, panel.log_y) {
+    let sides = match (bars, region, panel.log_y) {
         (true, _, true) => (0.25, 0.15),
         (true, _, false) => {
             (lo, hi) = (lo.min(0.0), hi.max(0.0));
@@ -100,7 +100,7 @@ fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-/// Points that span a series: its own, or for cells the two diagonal corners of the grid.
+/// Points that span a series: its own, or the corners of a region.
 fn span(series: &Series) -> Vec<(f64, f64)> {
     match &series.shape {
         Shape::Line { points, .. } | Shape::Dots { points, .. } => points.clone(),
@@ -108,8 +108,9 @@ fn span(series: &Series) -> Vec<(f64, f64)> {
         Shape::Intervals(points) => {
             points.iter().flat_map(|(x, y, within)| [(*x, y - within), (*x, *y), (*x, y + within)]).collect()
         }
-        Shape::Cells { xs, ys, .. } => {
-            xs.iter().zip(ys.iter().cycle()).chain(xs.iter().cycle().zip(ys)).map(|(x, y)| (*x, *y)).collect()
+        Shape::Region(strips) => {
+            let corners = |(x, low, high): (f64, f64, f64)| [(x, low), (x, high)];
+            strips.iter().flat_map(|strip| [corners(strip.left), corners(strip.right)].concat()).collect()
         }
     }
 }

@@ -157,6 +157,12 @@ pub(crate) enum Mark {
         color: Rgb,
         opacity: f64,
     },
+    /// Pieces with upright sides that do not overlap, as one shape: upper left corner, upper right, lower right, lower left.
+    Region {
+        strips: Vec<[Point; 4]>,
+        color: Rgb,
+        opacity: f64,
+    },
     Disc {
         at: Point,
         radius: f64,

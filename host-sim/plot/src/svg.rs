@@ -2,7 +2,7 @@
 //!
 //! Positions are written to a tenth of a pixel, paths relative to their last point, so that nine panels of dense lines
 //! stay below 300 kB. Letters stay letters (searchable, selectable); `textLength` fits whatever font the viewer has to
-//! the widths the layout counted on. Title and caption are there for screen readers.
+//! the widths the layout counted on. Title and caption are there for screen readers, what made the figure for programs.
 
 use std::fmt::Write;
 
@@ -10,14 +10,15 @@ use super::font;
 use super::sheet::{Anchor, Mark, PAPER, Point, Rgb, Sheet, Text, WIDTH};
 
 /// The sheet as an SVG document.
-pub(crate) fn render(sheet: &Sheet) -> String {
+pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
     let (height, paper) = (sheet.height, hex(PAPER));
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{WIDTH}\" height=\"{height}\" \
          viewBox=\"0 0 {WIDTH} {height}\" font-family=\"Ubuntu,'Segoe UI','DejaVu Sans',Arial,sans-serif\">\n\
-         <title>{}</title>\n<desc>{}</desc>\n<rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n",
+         <title>{}</title>\n<desc>{}</desc>\n{}<rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n",
         escape(&sheet.title),
         escape(&sheet.caption),
+        metadata(about),
     );
     for mark in &sheet.marks {
         // Writing to a String cannot fail.
@@ -34,6 +35,10 @@ pub(crate) fn render(sheet: &Sheet) -> String {
                 let boxes: String = frames.iter().map(|f| path(&f.corners()) + "z").collect();
                 writeln!(out, "<path d=\"{boxes}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
             }
+            Mark::Region { strips, color, opacity } => {
+                let pieces: String = strips.iter().map(|corners| path(corners) + "z").collect();
+                writeln!(out, "<path d=\"{pieces}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
+            }
             Mark::Disc { at: (x, y), radius, color } => {
                 writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{}\"/>", hex(*color))
             }
@@ -41,6 +46,12 @@ pub(crate) fn render(sheet: &Sheet) -> String {
         };
     }
     out + "</svg>\n"
+}
+
+/// What made the figure, line by line; nothing where there is nothing to say.
+fn metadata(about: &str) -> String {
+    let lines: Vec<String> = about.lines().map(escape).collect();
+    if lines.is_empty() { String::new() } else { format!("<metadata>\n{}\n</metadata>\n", lines.join("\n")) }
 }
 
 /// A text as one element, or as one for each word when it has indices or powers: viewers do not agree on how

@@ -1,26 +1,58 @@
 //! Pictures of runs: the cooperation paper's Figures 6–9, and one sheet for any scene.
 
 use super::paper::Experiment;
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
 use haptic_sim::run::Outcome;
 
-/// One column of a table over time, scaled.
+/// One column of a table over time, scaled; of a run that stopped, until it did: what comes after it is nobody's.
 fn over_time(outcome: &Outcome, column: &str, scale: f64) -> Vec<(f64, f64)> {
-    outcome.table.points("time_s", column, scale)
+    let mut points = outcome.table.points("time_s", column, scale);
+    points.retain(|(time_s, _)| outcome.fault_time_s.is_none_or(|stop_s| *time_s <= stop_s));
+    points
 }
 
-/// Position of local and remote copy, coordination force, discrepancy and energy ledger: one column of a sheet.
-fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first: bool) -> [Panel; 4] {
+/// How a column of a sheet is drawn.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Time that is shown, s.
+    window: (f64, f64),
+    /// Positions and energy count from the beginning of the window, so that columns that have come elsewhere by then share a scale.
+    from_there: bool,
+    /// The first column: its legend serves the row.
+    first: bool,
+    discrepancy: Discrepancy,
+}
+
+/// What a panel of discrepancies shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Discrepancy {
+    True,
+    /// At peer 2.
+    Decoded,
+    Both,
+}
+
+/// Position of hand, local and remote copy, forces, discrepancy and energy ledger: one column of a sheet.
+fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4] {
     let other = 3 - peer;
-    // A run that stopped shows how it came to that.
-    let window =
-        outcome.fault_time_s.map_or(window, |stop| ((stop - (window.1 - window.0) + 0.5).max(0.0), stop + 0.5));
+    // A run that stopped is shown from its start until then, at a scale of its own.
+    let stopped = outcome.fault_time_s.map(|stop_s| (0.0, stop_s));
+    let window = stopped.unwrap_or(look.window);
+    let own_scale = |series: &[Series]| {
+        let lines = series.iter().filter_map(|series| match &series.shape {
+            Shape::Line { points, .. } => Some(points),
+            _ => None,
+        });
+        let values = lines.flatten().map(|(_, value)| (*value, *value)).filter(|(value, _)| value.is_finite());
+        values.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
     let panel = |title: &str, y_label: &str, series: Vec<Series>| Panel {
         title: title.to_owned(),
         x_label: "Time (s)".to_owned(),
         y_label: y_label.to_owned(),
         x_range: Some(window),
-        off_scale: !outcome.bounded,
+        y_range: stopped.and_then(|_| own_scale(&series)),
+        off_scale: !outcome.bounded || stopped.is_some(),
         note: outcome
             .fault
             .zip(outcome.fault_time_s)
@@ -29,66 +61,88 @@ fn column(title: &str, outcome: &Outcome, peer: usize, window: (f64, f64), first
         series,
         ..Panel::default()
     };
-    // A legend in the first column serves the row.
-    let label = |text: &str| if first { text.to_owned() } else { String::new() };
-    let names = [format!("object_{peer}_m"), format!("desired_{peer}_m"), format!("object_{other}_m")];
-    let [local, decoded, remote] = names.map(|name| over_time(outcome, &name, 1e3));
-    let energy = |name: &str| over_time(outcome, &format!("energy_{name}_{peer}_j"), 1.0);
-    let net = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
+    let label = |text: &str| if look.first { text.to_owned() } else { String::new() };
+    let from_there = |points: Vec<(f64, f64)>, zero: f64| -> Vec<(f64, f64)> {
+        let zero = if look.from_there { zero } else { 0.0 };
+        points.into_iter().map(|(time_s, value)| (time_s, value - zero)).collect()
+    };
+    let at_start = |points: &[(f64, f64)]| points.iter().find(|(time_s, _)| *time_s >= window.0).map_or(0.0, |at| at.1);
+    let local = over_time(outcome, &format!("object_{peer}_m"), 1e3);
+    let zero = at_start(&local);
+    let place = |name: String| from_there(over_time(outcome, &name, 1e3), zero);
+    let [hand, decoded, remote] =
+        [format!("device_{peer}_m"), format!("desired_{peer}_m"), format!("object_{other}_m")].map(place);
+    let force = |name: &str| over_time(outcome, &format!("{name}_force_{peer}_n"), 1.0);
+    let energy = |name: &str| over_time(outcome, &format!("energy_{name}_{peer}_j"), 1e3);
+    let net: Vec<_> = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
+    let net = from_there(net.clone(), at_start(&net));
+    let mut discrepancies = Vec::new();
+    if look.discrepancy != Discrepancy::Decoded {
+        let name = if look.discrepancy == Discrepancy::True { "true".to_owned() } else { label("true") };
+        discrepancies.push(Series::line(name, 2, over_time(outcome, "true_discrepancy_m", 1e3)));
+    }
+    if look.discrepancy != Discrepancy::True {
+        let only = look.discrepancy == Discrepancy::Decoded;
+        let name = if only { "decoded, peer 2".to_owned() } else { label("decoded, peer 2") };
+        discrepancies.push(Series::dashed(name, 1, Dash::Dashed, over_time(outcome, "decoded_discrepancy_2_m", 1e3)));
+    }
     [
         panel(
             title,
             "Position (mm)",
             vec![
-                Series::line(label("local copy"), 0, local),
+                Series::line(label("hand"), 4, hand),
+                Series::line(label("local copy"), 0, from_there(local, zero)),
                 Series::dashed(label("remote copy, decoded here"), 1, Dash::Dashed, decoded),
                 Series::dashed(label("remote copy, true"), 2, Dash::Dotted, remote),
             ],
         ),
         panel(
             "",
-            "Coordination force (N)",
-            vec![Series::line("", 0, over_time(outcome, &format!("coordination_force_{peer}_n"), 1.0))],
-        ),
-        panel(
-            "",
-            "Discrepancy (mm)",
+            "Force on the copy (N)",
             vec![
-                Series::line(label("true"), 2, over_time(outcome, "true_discrepancy_m", 1e3)),
-                Series::dashed(
-                    label("decoded, peer 2"),
-                    1,
-                    Dash::Dashed,
-                    over_time(outcome, "decoded_discrepancy_2_m", 1e3),
-                ),
+                Series::line(label("coordination"), 0, force("coordination")),
+                Series::line(label("contact"), 4, force("contact")),
             ],
         ),
-        panel("", "Net energy from network (J)", vec![Series::line("", 3, net)]),
+        panel("", "Discrepancy (mm)", discrepancies),
+        panel("", "Net energy from network (mJ)", vec![Series::line("", 3, net)]),
     ]
 }
 
 /// A column of a figure: its title, the run, and which peer's.
 type OfPeer<'a> = (String, &'a Outcome, usize);
 
-/// Columns side by side on equal axes.
+/// Columns side by side on equal axes, positions and energy from the beginning of the window.
 fn side_by_side(title: &str, caption: &str, columns: &[OfPeer<'_>], window: (f64, f64)) -> Figure {
-    let sheet = |(at, (title, outcome, peer)): (usize, &OfPeer<'_>)| column(title, outcome, *peer, window, at == 0);
-    let sheets: Vec<[Panel; 4]> = columns.iter().enumerate().map(sheet).collect();
+    // A legend stands in the first column that shares the scales.
+    let first = columns.iter().position(|(_, outcome, _)| outcome.fault_time_s.is_none()).unwrap_or(0);
+    let look = |at| Look { window, from_there: true, first: at == first, discrepancy: Discrepancy::Both };
+    let sheet = |(at, (title, outcome, peer)): (usize, &OfPeer<'_>)| column(title, outcome, *peer, look(at));
+    sheet_of(title, caption, columns.iter().enumerate().map(sheet).collect())
+}
+
+/// Columns of panels as one figure.
+fn sheet_of(title: &str, caption: &str, sheets: Vec<[Panel; 4]>) -> Figure {
     Figure {
         title: title.to_owned(),
         caption: caption.to_owned(),
-        columns: columns.len(),
+        columns: sheets.len(),
         share_y: ShareY::Rows,
         panels: (0..4).flat_map(|row| sheets.iter().map(move |sheet| sheet[row].clone())).collect(),
         ..Figure::default()
     }
 }
 
-/// The sheet of one run.
+/// The sheet of one run. The copies' true discrepancy is one, and stands once.
 pub fn run(name: &str, outcome: &Outcome) -> Figure {
     let end = outcome.table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
-    let columns = [1, 2].map(|peer| (format!("{name}, peer {peer}"), outcome, peer));
-    side_by_side(&format!("Two peers, one object: {name}"), "", &columns, (0.0, end))
+    let peer = |(peer, discrepancy)| {
+        let look = Look { window: (0.0, end), from_there: false, first: peer == 1, discrepancy };
+        column(&format!("{name}, peer {peer}"), outcome, peer, look)
+    };
+    let sheets = [(1, Discrepancy::True), (2, Discrepancy::Decoded)].map(peer);
+    sheet_of(&format!("Two peers, one object: {name}"), "", sheets.to_vec())
 }
 
 /// How a figure calls one kind of communications.
@@ -111,9 +165,9 @@ pub(crate) fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
         let columns: Vec<_> = of("5.1", round_trip_ms).into_iter().map(|one| (title(one), &one.outcome, 2)).collect();
         let heading = format!("Figure {number}: largest coordination gains, {round_trip_ms} ms round trip (peer 2)");
         let caption = "Each user pushes 0.1 N toward the other; user 1 adds 1 N for 25 ms every 2.5 s. The paper plots the \
-                       remote copy as decoded at the same peer; the true one stands beside it. An unstable run is shown \
-                       as it comes to a fault, cut at the others' scale.";
-        // Two pulses, after the start has settled; an unstable run shows how it begins.
+                       remote copy as decoded at the same peer; the true one stands beside it. Positions and energy count from 9.5 s on. A run that \
+                       stopped is shown from its start until then, at scales of its own.";
+        // Two pulses, after the start has settled.
         side_by_side(&heading, caption, &columns, (9.5, 13.5))
     };
     let runs = of("5.2", 16.0);
@@ -121,7 +175,7 @@ pub(crate) fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
     let matched = matched.map(|one| ("Matched line".to_owned(), &one.outcome, 2));
     let columns: Vec<_> = runs.iter().map(|one| (title(one), &one.outcome, 2)).chain(matched).collect();
     let caption = "Each user pushes 1 N toward the other; user 2 adds 0.25 sin 3t N. The matched line puts the object's mass \
-                   into the wave line (b = 40 N s/m) and leaves 20 g to each copy.";
+                   into the wave line (b = 40 N s/m) and leaves 20 g to each copy. Positions and energy count from 10 s on.";
     let heading = "Section 5.2: position coherency, 16 ms round trip (peer 2)";
     vec![
         ("figure-6", gains(6, 16.0)),

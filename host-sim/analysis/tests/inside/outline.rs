@@ -48,3 +48,50 @@ fn a_region_that_ends_goes_down_to_the_rim() {
     let paths = outline(&map(&[(true, &[8.0]), (true, &[9.0]), (true, &[])]));
     assert_eq!(paths, [[(0.0, 8.0), (1.0, 9.0), (1.0, 10.0)]]);
 }
+
+/// The fill and the outline are one: every edge of a strip between two columns is a piece of the outline, and every such piece is the
+/// edge of one strip.
+#[test]
+fn the_region_ends_at_its_outline() {
+    let maps = [
+        map(&[(true, &[5.0]), (true, &[4.0]), (true, &[4.5])]),
+        map(&[(true, &[9.0]), (true, &[3.0, 4.0, 9.0]), (true, &[2.0, 5.0, 9.0])]),
+        map(&[(false, &[]), (false, &[4.0, 5.0]), (false, &[3.0, 6.0]), (false, &[])]),
+        map(&[(true, &[2.0]), (true, &[1.0]), (false, &[])]),
+        map(&[(false, &[]), (true, &[2.0]), (true, &[])]),
+        map(&[(true, &[]), (true, &[]), (false, &[])]),
+    ];
+    for map in maps {
+        let strips = strips(&map);
+        let mut edges: Vec<[(f64, f64); 2]> = Vec::new();
+        for strip in &strips {
+            let (left, right) = (strip.left, strip.right);
+            assert!(left.0 < right.0 && left.1 <= left.2 && right.1 <= right.2, "{strip:?}");
+            edges.extend([[(left.0, left.1), (right.0, right.1)], [(left.0, left.2), (right.0, right.2)]]);
+        }
+        edges.retain(|edge| ![0.0, 10.0].iter().any(|rim| edge.iter().all(|end| end.1 == *rim)));
+        let mut pieces: Vec<[(f64, f64); 2]> = Vec::new();
+        for path in outline(&map) {
+            pieces.extend(
+                path.windows(2)
+                    .filter(|pair| pair[0].0 != pair[1].0)
+                    .map(|pair| if pair[0].0 < pair[1].0 { [pair[0], pair[1]] } else { [pair[1], pair[0]] }),
+            );
+        }
+        let key = |edge: &[(f64, f64); 2]| format!("{edge:?}");
+        edges.sort_by_key(key);
+        pieces.sort_by_key(key);
+        assert_eq!(edges, pieces);
+        // Where a column has no pair that opens or closes there, its strips are what it says.
+        for (at, column) in map.columns.iter().enumerate().skip(1) {
+            let links = column.limit.crossings.len() == map.columns[at - 1].limit.crossings.len();
+            for y in [0.5, 2.2, 3.5, 5.5, 9.5].into_iter().filter(|_| links && !column.limit.crossings.is_empty()) {
+                let inside = strips.iter().any(|strip| {
+                    let (x, low, high) = strip.right;
+                    x == column.x && low < y && y < high
+                });
+                assert_eq!(inside, column.limit.is_stable(y), "column {at} at {y}");
+            }
+        }
+    }
+}

@@ -29,15 +29,6 @@ fn values_carry_no_zeros_that_say_nothing() {
     }
 }
 
-#[test]
-fn borders_are_half_way_and_inside() {
-    assert_eq!(edges(&[10.0, 20.0, 40.0], 0.0, 45.0), [5.0, 15.0, 30.0, 45.0]);
-    assert_eq!(edges(&[40.0, 20.0], 0.0, 45.0), [45.0, 30.0, 10.0]);
-    assert_eq!(edges(&[10.0], 0.0, 45.0), [0.0, 45.0]);
-    assert_eq!(edges(&[f64::NAN, 10.0], 0.0, 45.0).len(), 3);
-    assert!(edges(&[], 0.0, 45.0).is_empty());
-}
-
 /// A stroke from end to end with two cross-strokes and a dot; only the dot where the interval is nothing.
 #[test]
 fn an_interval_is_drawn_to_its_ends() {

@@ -30,7 +30,8 @@ fn grid(count: usize) -> Figure {
 /// Every shape with these points, on every kind of axis.
 fn shapes(points: &[(f64, f64)]) -> Figure {
     let series = |points: &[(f64, f64)]| {
-        let (xs, ys): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let side = |at: usize| (points[at].0, points[at].1, 2.0 * points[at].1);
+        let pieces = (1..points.len()).map(|at| Strip { left: side(at - 1), right: side(at) }).collect();
         let names = vec!["first".to_owned(), "second".to_owned()];
         vec![
             Series::line("line", 0, points.to_vec()),
@@ -39,9 +40,8 @@ fn shapes(points: &[(f64, f64)]) -> Figure {
             Series::dots("dots", 3, points.to_vec(), names),
             Series::bars("bars", 4, points.to_vec()),
             Series::bars("more bars", 5, points.to_vec()),
-            Series::cells("cells", 6, xs.clone(), ys.clone(), vec![true; xs.len() * ys.len() + 3]),
-            Series::cells("few cells", 7, xs, Vec::new(), vec![true, false]),
-            Series::cells("no cells", 8, Vec::new(), ys, vec![true, false]),
+            Series::region("region", 6, pieces),
+            Series::region("no region", 7, Vec::new()),
         ]
     };
     let panel = |i: usize| Panel {
@@ -97,6 +97,7 @@ fn assert_finite(sheet: &Sheet) {
         let points = match mark {
             Mark::Line { points, .. } => points.clone(),
             Mark::Fill { frames, .. } => frames.iter().flat_map(Frame::corners).collect(),
+            Mark::Region { strips, .. } => strips.concat(),
             Mark::Disc { at, .. } => vec![*at],
             Mark::Text(text) => vec![text.at],
         };
@@ -183,7 +184,7 @@ fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
     for points in cases {
         let sheet = sheet(&shapes(points));
         assert_finite(&sheet);
-        assert!(!svg::render(&sheet).contains("NaN,"));
+        assert!(!svg::render(&sheet, "").contains("NaN,"));
     }
 }
 
@@ -222,4 +223,14 @@ fn an_error_names_the_file_and_the_cause() {
     std::fs::write(&file, "").unwrap();
     let text = draw(&Figure::default(), &file.join("figure")).unwrap_err().to_string();
     assert!(text.starts_with("cannot write ") && text.contains("a-file/figure.svg as SVG: "), "{text}");
+}
+
+/// A legend over a range that was given has nowhere to go but below the panels.
+#[test]
+fn a_legend_covers_nothing_in_a_range_that_was_given() {
+    let dense: Vec<(f64, f64)> = (0..3000).map(|i| (f64::from(i), f64::from(i % 7))).collect();
+    let panel = Panel { y_range: Some((0.0, 6.0)), series: vec![Series::line("dense", 0, dense)], ..Panel::default() };
+    let sheet = sheet(&Figure { panels: vec![panel], ..Figure::default() });
+    assert!(!sheet.marks.iter().any(|mark| matches!(mark, Mark::Fill { color: sheet::PAPER, .. })));
+    assert_eq!(texts(&sheet).iter().filter(|text| text.text == "dense").count(), 1);
 }

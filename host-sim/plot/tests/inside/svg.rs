@@ -12,3 +12,11 @@ fn paths_are_relative_and_do_not_drift() {
 fn reserved_and_forbidden_characters_do_not_break_the_document() {
     assert_eq!(escape("a<b & \"c\">\u{1}d"), "a&lt;b &amp; &quot;c&quot;&gt;d");
 }
+
+/// What made it stands in the document, with what XML reserves escaped, and only where there is something.
+#[test]
+fn a_figure_carries_what_made_it() {
+    let document = render(&Sheet::default(), "# host-sim paper\nkey = \"a < b\"");
+    assert!(document.contains("<metadata>\n# host-sim paper\nkey = &quot;a &lt; b&quot;\n</metadata>"), "{document}");
+    assert!(!render(&Sheet::default(), "").contains("metadata"));
+}

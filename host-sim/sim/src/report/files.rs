@@ -4,7 +4,7 @@
 //! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as REQUIRED DOUBLE, bit for bit, or
 //! as text, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows.
 //!
-//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and as metadata in Parquet. It
+//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and as metadata in Parquet and SVG. It
 //! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
 //! not give the same bytes. The file holds every setting as a scene file does, so that it is one: who loads it runs the same
 //! again; its table `[made]`, which a scene ignores, holds version, commit, start and the rest.
@@ -137,10 +137,21 @@ impl Files {
     /// This figure as `FIGURE.svg` and `FIGURE.png`; under the name of the files where it has none of its own.
     pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
         let name = name.unwrap_or(&self.name).to_owned();
-        self.add(name.clone(), "svg", svg(figure).into_bytes());
+        self.add(name.clone(), "svg", svg(figure, &self.about()).into_bytes());
         let bytes = png(figure).map_err(self.failed("png", "PNG"))?;
         self.add(name, "png", bytes);
         Ok(())
+    }
+
+    /// What a figure carries inside: the command, and what [`Made`] says but for the time.
+    fn about(&self) -> String {
+        let program =
+            |word: String| Path::new(&word).file_name().map_or(word.clone(), |name| name.to_string_lossy().into());
+        let mut words = std::env::args();
+        let command: Vec<String> = words.next().map(program).into_iter().chain(words).collect();
+        let made = self.made.toml();
+        let made = made.lines().filter(|line| !line.starts_with("started = "));
+        format!("# {}\n{}", command.join(" "), made.collect::<Vec<_>>().join("\n"))
     }
 
     fn add(&mut self, name: String, ending: &'static str, bytes: Vec<u8>) {
@@ -159,8 +170,8 @@ impl Files {
 
     /// Writes them all; returns their paths, that of what made them last.
     pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
-        // Parquet says when it was made: whether the data are the same, CSV tells.
-        let compared = || self.parts.iter().filter(|part| part.ending != "parquet");
+        // Parquet says when it was made and SVG by which command: whether what they hold is the same, CSV and PNG tell.
+        let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg"));
         let there = |part: &Part, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
         let mut number = 1;
         while compared().any(|part| there(part, number).is_some_and(|bytes| bytes != part.bytes)) {

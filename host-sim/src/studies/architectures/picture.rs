@@ -21,7 +21,18 @@ fn panel(rows: &[Row], named: bool, y_label: &str, log_y: bool, value: fn(&Row) 
             Architecture::DistributedWave => 2,
             _ => at,
         };
-        Series::dashed(if named { architecture.name() } else { "" }, color, dash, points)
+        // Of a family's lines, which may lie on each other, the first is the widest, and the last, drawn above them, the narrowest.
+        let (rank, of) = match architecture {
+            Architecture::Static | Architecture::CooperativeServerUnbounded => (0, 3),
+            Architecture::CollaborativeLock | Architecture::CooperativeServer => (1, 3),
+            Architecture::CollaborativeRing | Architecture::CooperativeClient => (2, 3),
+            Architecture::DistributedPower => (3, 4),
+            Architecture::DistributedWave => (0, 4),
+            Architecture::DistributedPassiveWave => (1, 4),
+            Architecture::DistributedPassiveMean => (2, 4),
+        };
+        let width = 2.6 + 2.2 * f64::from(of - 1 - rank);
+        Series::dashed(if named { architecture.name() } else { "" }, color, dash, points).wide(width)
     };
     Panel {
         x_label: "Delay from user to user, one way (ms)".to_owned(),
@@ -36,8 +47,8 @@ fn panel(rows: &[Row], named: bool, y_label: &str, log_y: bool, value: fn(&Row) 
 pub fn figure(rows: &[Row]) -> Figure {
     Figure {
         title: "Two people carry and place a body, in every architecture".to_owned(),
-        caption: "Dotted: own copies, lock, token ring. Dashed: one dynamics engine. Solid: copies held together by a law. \
-                  Lines end where an architecture is unstable, as the engine without bounder is everywhere; a discrepancy of \
+        caption: "Dotted: own copies, lock, token ring. Dashed: one dynamics engine. Solid: copies held together by a law. Where lines of one \
+                  kind lie on each other the wider one shows beside the narrower. Lines end where an architecture is unstable, as the engine without bounder is everywhere; a discrepancy of \
                   0, as with one engine at the server, has no place on its axis. Lock and ring are apart only while one \
                   carries, and only who carries feels the body. Bytes are those that one user sends, sealed."
             .to_owned(),
