@@ -1,4 +1,4 @@
-//! What one tick read, computed and commanded, with a digest of the state behind it: 92 bytes, little-endian.
+//! What one tick read, computed and commanded, with a digest of the state behind it: 108 bytes, little-endian.
 //!
 //! The interrupt fills one [`Record`] a tick; tasks put its bytes into telemetry. Inputs and digest are enough to run the
 //! same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
@@ -21,7 +21,10 @@
 //! | 64 | 8 | energy from and to the network (J) |
 //! | 72 | 16 | the counters of the packet that came in: energy (J), wave integral (√W·s), 2 × f64; 0 without one |
 //! | 88 | 4 | its live ticks; 0 without one |
+//! | 92 | 12 | what the power stage measured since the tick before, of each motor: mean and last current (1/32767 of full scale), mean voltage (counts of the timer), 3 × i16 |
+//! | 104 | 4 | supply of the bridges (mV), counts of the timer that are all of it, 2 × u16; 0 without a current loop |
 
+use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::law::{Law, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer};
@@ -32,7 +35,7 @@ use crate::signals::Coded;
 /// What a sample with a record in it is called on the operator's link.
 pub const CODE: u16 = 1;
 /// Bytes of a record.
-pub const BYTES: usize = 92;
+pub const BYTES: usize = 108;
 const WORDS: usize = BYTES / 4;
 
 /// The bridges are enabled.
@@ -59,6 +62,7 @@ impl Record {
         &mut self,
         tick: u32,
         counts: [Counts; AXES],
+        stage: Option<Measured>,
         incoming: Option<Packet<f32>>,
         flags: u8,
         peer: &mut Peer<f32, L>,
@@ -94,6 +98,12 @@ impl Record {
         words[20] = integral as u32;
         words[21] = (integral >> 32) as u32;
         words[22] = incoming.live_ticks;
+        let Measured { motors: [one, two], supply_mv, supply_counts } = stage.unwrap_or_default();
+        let signed = |numbers: [i16; AXES]| halves(numbers.map(i16::cast_unsigned));
+        words[23] = signed([one.mean, one.last]);
+        words[24] = signed([one.voltage, two.mean]);
+        words[25] = signed([two.last, two.voltage]);
+        words[26] = halves([supply_mv, supply_counts]);
     }
 
     /// The bytes on the wire.
@@ -122,6 +132,16 @@ impl Record {
     /// Motor duties.
     pub fn duties(&self) -> [Duty; AXES] {
         [self.0[2], self.0[2] >> 16].map(|half| Duty((half as u16).cast_signed()))
+    }
+    /// What the power stage measured since the tick before; none without a current loop.
+    pub fn stage(&self) -> Option<Measured> {
+        let half = |at: usize| (self.0[23 + at / 2] >> (16 * (at % 2))) as u16;
+        let motors = [0, 3].map(|at| {
+            let [mean, last, voltage] = [at, at + 1, at + 2].map(|at| half(at).cast_signed());
+            Flow { mean, last, voltage }
+        });
+        let stage = Measured { motors, supply_mv: half(6), supply_counts: half(7) };
+        (stage.supply_counts > 0).then_some(stage)
     }
     /// Mode, and the fault in it.
     pub fn mode(&self) -> Mode {

@@ -184,7 +184,10 @@ impl Loop {
         if self.record_due() {
             let (tick, peer) = (self.tick, &mut self.peer);
             // Without room it is lost: whoever misses it sees it by the numbers.
-            let _ = self.side.records.put(|record| record.fill(tick, counts, incoming, flags, peer, &actuators));
+            let _ = self
+                .side
+                .records
+                .put(|record| record.fill(tick, counts, sensors.stage, incoming, flags, peer, &actuators));
         }
         self.overrun = pace::due();
         if self.overrun {

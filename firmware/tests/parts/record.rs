@@ -3,6 +3,7 @@
 use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, digest};
 use haptic_core::device::AXES;
 use haptic_core::device::encoder::Counts;
+use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer};
@@ -18,7 +19,7 @@ fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
     let counts = [Counts(0x1234), Counts(0xABCD)];
     let mut record = Record::default();
-    record.fill(7, counts, None, ENABLED | SENT, &mut peer, &Actuators::default());
+    record.fill(7, counts, None, None, ENABLED | SENT, &mut peer, &Actuators::default());
     let back = Record::from_bytes(&record.bytes());
     assert_eq!(back, record);
     assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, counts, Mode::Disarmed, ENABLED | SENT));
@@ -44,11 +45,23 @@ fn a_packet_that_came_in_comes_out_whole() {
     let told = |flags, incoming| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
+        record.fill(8, Default::default(), None, incoming, flags, &mut peer, &Actuators::default());
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
     assert_eq!(told(SENT, None), None);
+}
+
+#[test]
+fn what_the_stage_measured_comes_out_whole() {
+    let motors = [Flow { mean: -1, last: 2, voltage: -3 }, Flow { mean: 4, last: -5, voltage: i16::MIN }];
+    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000 };
+    for stage in [Some(stage), None] {
+        let mut peer = peer(0.0);
+        let mut record = Record::default();
+        record.fill(9, Default::default(), stage, None, ENABLED, &mut peer, &Actuators::default());
+        assert_eq!(Record::from_bytes(&record.bytes()).stage(), stage);
+    }
 }
 
 #[test]

@@ -53,28 +53,6 @@ impl Choice for DriveName {
     const ALL: &'static [Self] = &[Self::Voltage, Self::Current];
 }
 
-/// What is broken about a motor, its bridge or its current's sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Defect {
-    /// Nothing.
-    None,
-    /// The bridge does not obey its enable.
-    EnableIgnored,
-    /// The two wires of the current's sensor are swapped.
-    SensorReversed,
-    /// A wire of the motor is off.
-    MotorOpen,
-    /// The wires of the motor touch each other.
-    MotorShorted,
-}
-
-impl Choice for Defect {
-    const NAMES: &'static [&'static str] =
-        &["none", "enable-ignored", "sensor-reversed", "motor-open", "motor-shorted"];
-    const ALL: &'static [Self] =
-        &[Self::None, Self::EnableIgnored, Self::SensorReversed, Self::MotorOpen, Self::MotorShorted];
-}
-
 /// What goes wrong with the first joint of the first device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantFault {
@@ -82,12 +60,18 @@ pub enum PlantFault {
     None,
     /// The motor's wire is off.
     OpenMotor,
+    /// The motor's wires touch each other.
+    ShortedMotor,
     /// The current's sensor reads zero.
     DeadSense,
+    /// The two wires of the current's sensor are swapped.
+    ReversedSense,
     /// The current's sensor reads the end of its range.
     SenseAtEnd,
     /// The bridge gives a fifth of its supply while it is off.
     ConductingBridge,
+    /// The bridge does not obey its enable.
+    IgnoredEnable,
     /// The supply of the bridges falls to 0.6 of itself.
     LowSupply,
     /// It rises to 1.4 of itself.
@@ -114,9 +98,12 @@ impl Choice for PlantFault {
     const NAMES: &'static [&'static str] = &[
         "none",
         "open-motor",
+        "shorted-motor",
         "dead-sense",
+        "reversed-sense",
         "sense-at-end",
         "conducting-bridge",
+        "ignored-enable",
         "low-supply",
         "high-supply",
         "held",
@@ -131,9 +118,12 @@ impl Choice for PlantFault {
     const ALL: &'static [Self] = &[
         Self::None,
         Self::OpenMotor,
+        Self::ShortedMotor,
         Self::DeadSense,
+        Self::ReversedSense,
         Self::SenseAtEnd,
         Self::ConductingBridge,
+        Self::IgnoredEnable,
         Self::LowSupply,
         Self::HighSupply,
         Self::Held,
@@ -181,8 +171,6 @@ haptic_core::settings! {
             "Converter of the current, from -motor.sense_a to motor.sense_a.";
         current_noise_a: f64 = 0.0032, number(0.0, 1.0), "A", "Noise of the current's sensor, root mean square.";
         current_zero_a: f64 = 0.0, number(-1.0, 1.0), "A", "What the current's sensor reads while none flows.";
-        defect: Defect = Defect::None, Allowed::Names(Defect::NAMES), "",
-            "What is broken about the windings of plant.winding, their bridges and their current's sensors: to practise on.";
         loop_delay_periods: f64 = 1.5, number(1.0, 1.5), "",
             "PWM periods of 50 µs from a sample of the current to the middle of the voltage that comes of it.";
         fault: PlantFault = PlantFault::None, Allowed::Names(PlantFault::NAMES), "",

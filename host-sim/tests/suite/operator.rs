@@ -65,7 +65,7 @@ impl Board {
                 }
                 let Some(to) = to else { continue };
                 let mut sample = streams.then(|| {
-                    let mut record = [0; 92];
+                    let mut record = [0; 108];
                     record[..4].copy_from_slice(&((now / 1000) as u32).to_le_bytes());
                     Sample::new(7, &record).unwrap()
                 });

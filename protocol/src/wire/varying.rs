@@ -84,7 +84,7 @@ with_payload! {
 
 with_payload! {
     /// What an instrument saw, once, and lost if it is lost.
-    Sample("sample", kind 9, up to 92 bytes) {
+    Sample("sample", kind 9, up to 108 bytes) {
         code: u16, "What the payload means, for the application to choose.";
     }
 }

@@ -125,7 +125,7 @@ fn push_and_moved() {
 }
 
 #[test]
-fn events_have_up_to_48_bytes_and_samples_92() {
+fn events_have_up_to_48_bytes_and_samples_108() {
     let event = Event::new(0xbeef, &[9, 8, 7]).unwrap().numbered(0x0102_0304);
     is(event, &[3, 3, 0xef, 0xbe, 4, 3, 2, 1, 9, 8, 7]);
     assert_eq!(event.emitted_len(), 11);
@@ -136,11 +136,11 @@ fn events_have_up_to_48_bytes_and_samples_92() {
     refused(&[3], 0, &[3], Error::Length { message: "event", wanted: 8, got: 1 });
 
     is(Sample::new(0x1234, &[0xaa, 0xbb]).unwrap(), &[9, 2, 0x34, 0x12, 0xaa, 0xbb]);
-    is(Sample::new(1, &[7; 92]).unwrap(), &[&[9, 92, 1, 0][..], &[7; 92]].concat());
-    assert!(Sample::new(0, &[0; 93]).is_err());
+    is(Sample::new(1, &[7; 108]).unwrap(), &[&[9, 108, 1, 0][..], &[7; 108]].concat());
+    assert!(Sample::new(0, &[0; 109]).is_err());
     refused(&[9, 1, 0, 0], 0, &[], Error::Length { message: "sample", wanted: 5, got: 4 });
     refused(&[9, 0, 0, 0, 0], 0, &[], Error::Length { message: "sample", wanted: 4, got: 5 });
-    refused(&[9, 93, 0, 0], 0, &[], Error::OutOfRange { message: "sample", field: "payload length" });
+    refused(&[9, 109, 0, 0], 0, &[], Error::OutOfRange { message: "sample", field: "payload length" });
 }
 
 #[test]

@@ -148,9 +148,10 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             }
             let counts = board.counts();
             let overrun = board.flags() & record::OVERRUN != 0;
-            let actuators = peer.tick(&Sensors { overrun, ..Sensors::of(Reading::Counts(counts)) });
+            let stage = board.stage();
+            let actuators = peer.tick(&Sensors { overrun, stage, ..Sensors::of(Reading::Counts(counts)) });
             let mut record = Record::default();
-            record.fill(board.tick(), counts, incoming, board.flags(), &mut peer, &actuators);
+            record.fill(board.tick(), counts, stage, incoming, board.flags(), &mut peer, &actuators);
             record == *board
         },
         records.len() as u64,

@@ -8,8 +8,8 @@ use haptic_core::device::AXES;
 
 use crate::report::Columns;
 
-/// Columns, with their units.
-pub const COLUMNS: [&str; 19] = [
+/// Columns, with their units; duties, currents and voltages are shares of all there is.
+pub const COLUMNS: [&str; 24] = [
     "time_s",
     "tick",
     "mode",
@@ -29,11 +29,16 @@ pub const COLUMNS: [&str; 19] = [
     "coordination_n",
     "energy_received_j",
     "energy_sent_j",
+    "current_1",
+    "current_2",
+    "voltage_1",
+    "voltage_2",
+    "supply_v",
 ];
 
 /// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.
 pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
-    const BYTES: usize = 92;
+    const BYTES: usize = 108;
     let record: &[u8; BYTES] = record.try_into().ok()?;
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
     let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);
@@ -45,7 +50,13 @@ pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
     let energies = [number(64), number(68)];
     let tick = f64::from(word(0));
     let head = [period_s * tick, tick, f64::from(record[12]), f64::from(record[13]), f64::from(record[14])];
-    let values = head.into_iter().chain(counts).chain(duties).chain(motions).chain(energies);
+    // Means since the tick before: currents of full scale, voltages of the supply; 0 without a current loop.
+    let share = |at: usize, of: f64| f64::from(half(at).cast_signed()) / of;
+    let supply_counts = f64::from(half(106).max(1));
+    let currents = [92, 98].map(|at| share(at, 32767.0));
+    let voltages = [96, 102].map(|at| share(at, supply_counts));
+    let stage = currents.into_iter().chain(voltages).chain([f64::from(half(104)) / 1e3]);
+    let values = head.into_iter().chain(counts).chain(duties).chain(motions).chain(energies).chain(stage);
     row.iter_mut().zip(values).for_each(|(to, from)| *to = from);
     Some(row)
 }

@@ -8,7 +8,7 @@
 //! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third. Sampled in
 //! the middle of a period instead, `plant.loop_delay_periods` = 1, the same voltage comes of a newer current.
 //!
-//! Off, a bridge lets go: the current is gone at once. `plant.defect` breaks one of motor, bridge and sensor.
+//! Off, a bridge lets go: the current is gone at once. [`Drive::fail`] breaks one of motor, bridge and sensor.
 
 use haptic_core::device::AXES;
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
@@ -18,7 +18,7 @@ use haptic_core::settings::{Refused, Settings};
 
 use super::winding::{Flow, Winding};
 use crate::rng::Rng;
-use crate::scene::{Defect, DriveName, PlantFault, PlantSettings};
+use crate::scene::{DriveName, PlantFault, PlantSettings};
 
 /// Share of the supply that a bridge gives which conducts although it is off.
 const LEAKS: f64 = 0.2;
@@ -28,7 +28,6 @@ const LEAKS: f64 = 0.2;
 pub struct Converter {
     /// Steps of either half.
     half: f64,
-    /// Negative where its wires are swapped.
     sense_a: f64,
     noise_a: f64,
     zero_a: f64,
@@ -40,7 +39,7 @@ impl Converter {
     pub fn new(settings: &Settings, plant: &PlantSettings, seed: u64) -> Self {
         Self {
             half: f64::from(1_u32 << (plant.current_bits - 1)),
-            sense_a: if plant.defect == Defect::SensorReversed { -1.0 } else { 1.0 } * settings.motor.sense_a,
+            sense_a: settings.motor.sense_a,
             noise_a: plant.current_noise_a,
             zero_a: plant.current_zero_a,
             rng: Rng::new(seed),
@@ -105,9 +104,8 @@ enum Order {
 
 /// No current.
 const OFF: Order = Order::Current(Duty::OFF, 0);
-/// Ω and H of a motor whose wires touch, and Ω of one that has a wire off.
+/// Ω and H of a motor whose wires touch.
 const SHORTED: [f64; 2] = [0.02, 1e-5];
-const OPEN_OHM: f64 = 1e9;
 
 /// The power stage and the motor of one joint.
 #[derive(Clone, Debug)]
@@ -120,8 +118,6 @@ pub struct Drive {
     closed: Option<Closed>,
     /// The bridge conducts.
     on: bool,
-    /// It does so whatever its enable says.
-    always_on: bool,
     /// What acts, and what does from the next period on.
     now: Order,
     next: Order,
@@ -159,19 +155,17 @@ impl Drive {
                 })
             }
         };
-        // What does not reach the motor neither moves it nor is moved by it.
-        let ([resistance_ohm, inductance_h], reaches) = match plant.defect {
-            Defect::MotorOpen => ([OPEN_OHM, motor.inductance_h], 0.0),
-            Defect::MotorShorted => (SHORTED, 0.0),
-            _ => ([motor.resistance_ohm * plant.resistance_ratio, motor.inductance_h], 1.0),
-        };
         Ok(Self {
-            winding: Winding { resistance_ohm, inductance_h, supply_v: plant.supply_v, dead_time_s: plant.dead_time_s },
-            force_per_a: reaches * motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
+            winding: Winding {
+                resistance_ohm: motor.resistance_ohm * plant.resistance_ratio,
+                inductance_h: motor.inductance_h,
+                supply_v: plant.supply_v,
+                dead_time_s: plant.dead_time_s,
+            },
+            force_per_a: motor.newton_or_newton_metre_per_a * if motor.reversed { -1.0 } else { 1.0 },
             counts: f64::from(counts),
             closed,
             on: false,
-            always_on: plant.defect == Defect::EnableIgnored,
             now: OFF,
             next: OFF,
             voltage: 0,
@@ -188,6 +182,11 @@ impl Drive {
             PlantFault::HighSupply => 1.4,
             _ => 1.0,
         };
+        if fault == PlantFault::ShortedMotor {
+            // What does not reach the motor neither moves it nor is moved by it.
+            [self.winding.resistance_ohm, self.winding.inductance_h] = SHORTED;
+            self.force_per_a = 0.0;
+        }
         if let Some(closed) = &mut self.closed {
             closed.supply_mv = (1e3 * self.winding.supply_v).round() as u32;
             closed.gains = closed.design.gains(closed.supply_mv);
@@ -219,7 +218,7 @@ impl Drive {
     }
 
     fn take(&mut self, order: Order, enable: bool) {
-        if !enable && !self.always_on {
+        if !enable && self.fault != PlantFault::IgnoredEnable {
             return self.off();
         }
         (self.next, self.on) = (order, true);
@@ -247,6 +246,7 @@ impl Drive {
         self.current_a = end_a;
         match self.fault {
             PlantFault::DeadSense => sampled_a = 0.0,
+            PlantFault::ReversedSense => sampled_a = -sampled_a,
             PlantFault::SenseAtEnd => sampled_a = f64::INFINITY,
             _ => {}
         }

@@ -98,12 +98,13 @@ fn dead_time_is_no_resistance() {
 #[test]
 fn what_is_broken_is_refused_before_the_board_is_armed() {
     for (defect, calibration, end) in [
-        ("enable-ignored", None, " enable "),
-        ("sensor-reversed", Some("the current flows against the voltage"), " sensor "),
-        ("motor-open", Some("no current flows"), " open "),
-        ("motor-shorted", Some("far beyond what was asked for"), " current "),
+        ("ignored-enable", None, " enable "),
+        ("reversed-sense", Some("the current flows against the voltage"), " sensor "),
+        ("dead-sense", Some("no current flows"), " open "),
+        ("open-motor", Some("no current flows"), " open "),
+        ("shorted-motor", Some("far beyond what was asked for"), " current "),
     ] {
-        let new = || board(&format!("plant.defect={defect}"));
+        let new = || board(&format!("plant.fault={defect} plant.fault_at_s=0"));
         match calibration {
             Some(said) => refused(winding(&mut new(), 1, Sheet::default()), said),
             // A winding is a winding, however long it is driven.
@@ -125,7 +126,7 @@ fn what_is_broken_is_refused_before_the_board_is_armed() {
 fn an_encoder_of_another_scale_is_refused_before_the_board_is_armed() {
     for counts in ["400000", "100000", "300000", "130000"] {
         let new = || {
-            let mut board = board("plant.defect=none");
+            let mut board = board("");
             ask(
                 &mut board,
                 &[&format!("set encoder.counts_per_m {counts}"), "set probe.max_speed_counts_per_s 1000000"],

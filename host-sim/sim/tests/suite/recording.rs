@@ -4,9 +4,9 @@ use haptic_sim::board::recording::{longest_gap, started_anew, table};
 use haptic_sim::report::Columns;
 
 fn recorded(ticks: &[u32]) -> Columns {
-    let records: Vec<[u8; 92]> = (ticks.iter())
+    let records: Vec<[u8; 108]> = (ticks.iter())
         .map(|tick| {
-            let mut record = [0; 92];
+            let mut record = [0; 108];
             record[..4].copy_from_slice(&tick.to_le_bytes());
             record
         })

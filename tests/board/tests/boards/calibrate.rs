@@ -12,6 +12,7 @@ use haptic_sim::board::bringup::{Plan, bring_up};
 use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::Distance;
 use haptic_sim::board::calibrate::motor::Against;
+use haptic_sim::board::calibrate::winding::Sheet;
 use haptic_sim::board::calibrate::{Person, Task};
 use haptic_sim::scene::Scene;
 
@@ -109,9 +110,15 @@ fn a_person_brings_up_a_board_whose_signs_are_wrong() {
     assert!(probed.contains("; disagree: "), "{probed}");
     assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
 
-    let plan = Plan { joint: 1, distance: Distance::Metres(0.05), against: Against::Mass(0.2), file: &file };
+    let plan = Plan {
+        joint: 1,
+        distance: Distance::Metres(0.05),
+        sheet: Sheet::default(),
+        against: Against::Mass(0.2),
+        file: &file,
+    };
     let passed = bring_up(&mut board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
-    assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 10);
+    assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 11);
 
     let found = Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
     assert_eq!((found.peer.encoder.reversed, found.peer.motor.reversed), (true, false));

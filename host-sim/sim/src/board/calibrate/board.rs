@@ -2,8 +2,9 @@
 //!
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
+use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::settings::{Settings, Value};
-use haptic_core::{device::AXES, device::kinematics::KinematicsName, device::stage::Measured, num::Motion};
+use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
 
 /// One tick of a board, as far as a calibration needs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,9 +35,23 @@ impl Tick {
             counts: [half(4)?, half(6)?],
             duties: [half(8)?.cast_signed(), half(10)?.cast_signed()],
             mode: *record.get(12)?,
-            stage: None,
+            stage: stage(half)?,
         })
     }
+}
+
+/// What the power stage measured; none without a current loop, of which the supply has no counts.
+fn stage(half: impl Fn(usize) -> Option<u16>) -> Option<Option<Measured>> {
+    let mut numbers = [0; 8];
+    for (at, number) in numbers.iter_mut().enumerate() {
+        *number = half(92 + 2 * at)?;
+    }
+    let [mean_1, last_1, voltage_1, mean_2, last_2, voltage_2, supply_mv, supply_counts] = numbers;
+    let motors = [[mean_1, last_1, voltage_1], [mean_2, last_2, voltage_2]].map(|motor| {
+        let [mean, last, voltage] = motor.map(u16::cast_signed);
+        Flow { mean, last, voltage }
+    });
+    Some((supply_counts > 0).then_some(Measured { motors, supply_mv, supply_counts }))
 }
 
 /// A board, or what stands for one.
