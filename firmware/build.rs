@@ -17,10 +17,10 @@ fn main() {
         println!("cargo::rustc-link-arg-bin=firmware={argument}");
     }
 
-    // The proof that the tick cannot panic starts at the interrupt, or at the mistake planted after it.
+    // The proof that tick and current loop cannot panic starts at both interrupts, or at the mistake planted after them.
     println!("cargo::rerun-if-changed=no_panic.x");
     fs::copy("no_panic.x", out.join("no_panic.x")).expect("no_panic.x stands here");
-    let start = if env::var_os("CARGO_FEATURE_PLANTED_PANIC").is_some() { "planted" } else { "TIM6_DAC" };
+    let start = if env::var_os("CARGO_FEATURE_PLANTED_PANIC").is_some() { "planted" } else { "both" };
     for argument in ["--nmagic", "-Tno_panic.x", "--gc-sections", "--orphan-handling=error", "-e", start] {
         println!("cargo::rustc-link-arg-bin=no-panic={argument}");
     }

@@ -58,6 +58,12 @@ words! {
         "five-bar" => FiveBar, "Two motors on a base, two links each, one hand.";
     }
 
+    /// Who makes a current of a duty.
+    MotorDrive {
+        "current-loop" => CurrentLoop, "The board itself: bridges and current sensors, a loop at 20 kHz.";
+        "amplifier" => Amplifier, "An amplifier in current mode behind the PWM.";
+    }
+
     /// Which sine and cosine a mechanism is computed with.
     Maths {
         "libm" => Libm, "Exact to the last bit or so.";

@@ -6,7 +6,7 @@
 
 use core::fmt;
 
-use crate::names::{Decode, IntegratorName, KinematicsName, Maths, RenderingName, Side, VelocityName};
+use crate::names::{Decode, IntegratorName, KinematicsName, Maths, MotorDrive, RenderingName, Side, VelocityName};
 
 pub use crate::names::Choice;
 
@@ -540,6 +540,8 @@ settings! {
     motor: Motor {
         newton_or_newton_metre_per_a: f64 = 8.0, number(1e-4, 1e3), "N/A or N·m/A",
             "Force (direct) or torque (turning joint) per ampere.";
+        drive: MotorDrive = MotorDrive::CurrentLoop, Allowed::Names(MotorDrive::NAMES), "",
+            "On a board, what makes a current of a duty, as it is wired; a simulated device has its own, plant.drive.";
         full_scale_a: f64 = 5.0, number(1e-3, 1e3), "A", "Current at full duty.";
         max_duty: f64 = 0.95, number(0.01, 1.0), "",
             "Largest duty the amplifier may be given, as a fraction of full scale.";

@@ -17,12 +17,13 @@ use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
+use haptic_core::names::MotorDrive;
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Allowed, Refused, SetError, Settings};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
-use crate::board::{Number, bridges, clocks::CORE_HZ, pace};
+use crate::board::{Number, bridges, clocks::CORE_HZ, current::Power, pace};
 use crate::storage::{self, Origin};
 use crate::tick::{Peer, Plan};
 use crate::{fault::Cause, flow, telemetry::Telemetry};
@@ -84,7 +85,11 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
     let peer = Peer::new(&settings, [Motion::at(clear), Motion::REST])?;
-    Ok(Plan { peer, device: 0 })
+    let power = match settings.motor.drive {
+        MotorDrive::CurrentLoop => Some(Power::build(&settings)?),
+        MotorDrive::Amplifier => None,
+    };
+    Ok(Plan { peer, power, device: 0 })
 }
 
 /// Why the answer is `error`.

@@ -43,6 +43,7 @@ mod image {
     use haptic_core::settings::Settings;
     use static_cell::StaticCell;
 
+    use crate::board::current::{self, Order, Stage, Sums};
     use crate::board::{self, pace};
     use crate::console::{self, Console};
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
@@ -73,9 +74,9 @@ mod image {
         };
     }
 
-    // Priority 2, below the tick and its bell, above the time driver (3) and Ethernet (4).
+    // Priority 3, below the tick and its bell, above the time driver (4) and Ethernet (5).
     executor!(SUPERVISOR on UART4);
-    // Priority 5.
+    // Priority 6.
     executor!(NETWORK on UART5);
 
     #[embassy_executor::main]
@@ -95,8 +96,12 @@ mod image {
         let (outgoing_in, outgoing) = shared!(Latest<Outgoing>, Latest::new(Outgoing::default()));
         let (records_in, records) = shared!(Queue<Record, RECORDS>, Queue::default());
         let (probes, probes_out) = shared!(Latest<(u32, Probe<f32>)>, Latest::new((0, Probe::default())));
+        let (orders_in, orders) = shared!(Latest<Order>, Latest::new(Order::default()));
+        let (sums_in, sums) = shared!(Latest<Sums>, Latest::new(Sums::default()));
         let (probed_in, probed) = shared!(Latest<Outcome>, Latest::new(Outcome::default()));
+        current::prepare(orders, sums_in);
         tick::prepare(tick::Side {
+            stage: Stage::new(orders_in, sums),
             plans: plans_out,
             incoming: incoming_out,
             outgoing: outgoing_in,
@@ -107,8 +112,8 @@ mod image {
         });
         pace::start(board.pace);
 
-        interrupt::UART4.set_priority(Priority::P2);
-        interrupt::UART5.set_priority(Priority::P5);
+        interrupt::UART4.set_priority(Priority::P3);
+        interrupt::UART5.set_priority(Priority::P6);
         let supervisor = SUPERVISOR.start(interrupt::UART4);
         supervisor.spawn(defmt::unwrap!(supervisor::run(
             board.watchdog,

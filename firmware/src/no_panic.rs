@@ -1,6 +1,7 @@
-//! Two proofs about the tick: it cannot panic, and all of its code lies in ITCM. This program links only if both hold.
+//! Two proofs about the tick and the current loop: they cannot panic, and all of their code lies in ITCM. This program links only if both
+//! hold.
 //!
-//! It holds the interrupt's own lines (`tick.rs` and what it uses) and starts at the interrupt; the linker drops what cannot be
+//! It holds the two interrupts' own lines (`tick.rs`, `board/current.rs` and what they use) and starts at them; the linker drops what cannot be
 //! reached from there. If the panic handler is left, so is its call of a function that does not exist, and the link fails
 //! with that name. `no_panic.x` has a place for code in ITCM only, as memory.x fills it: code that is left and not there makes
 //! the link fail with its own name. The program is never run.
@@ -35,15 +36,27 @@ mod proof {
         unsafe { a_panic_is_reachable_from_the_tick() }
     }
 
-    /// The tick with a mistake in it, and not in ITCM: the start of the program with the feature `planted-panic`.
+    unsafe extern "C" {
+        fn ADC();
+        fn TIM6_DAC();
+    }
+
+    /// The start of the program.
+    #[unsafe(no_mangle)]
+    #[unsafe(link_section = ".itcm.both")]
+    extern "C" fn both() {
+        // SAFETY: never run.
+        unsafe {
+            ADC();
+            TIM6_DAC();
+        }
+    }
+
+    /// The same with a mistake in it, and not in ITCM: the start of the program with the feature `planted-panic`.
     #[cfg(feature = "planted-panic")]
     #[unsafe(no_mangle)]
     extern "C" fn planted() -> u32 {
-        unsafe extern "C" {
-            fn TIM6_DAC();
-        }
-        // SAFETY: never run.
-        unsafe { TIM6_DAC() }
+        both();
         let table = [1, 2, 3, 4];
         table[usize::from(crate::board::encoders::read()[0].0)]
     }

@@ -4,7 +4,7 @@
 //! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
 //! lasts for two periods is ended by a reset ([`crate::board::deadman`]).
 //!
-//! **Rules**: the highest priority there is, above every critical section; code in ITCM, data in DTCM. No lock, no log, no
+//! **Rules**: above every critical section, and below nothing but the current loop; code in ITCM, data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
 //! Order, as in host-sim's harness: encoders; operator's orders, probes and a new scene at packet boundaries, stopping at once;
@@ -16,12 +16,13 @@ use firmware_parts::exchange::{Producer, Reader, Writer};
 use firmware_parts::record::{self, Record};
 use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::{AXES, Reading};
+use haptic_core::device::{AXES, Reading, encoder::Counts};
 use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::peer::{self, Sensors};
+use haptic_core::peer::{self, Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 
-use crate::board::{bridges, encoders, pace};
+use crate::board::current::{Power, Stage};
+use crate::board::{bridges, deadman, encoders, pace};
 
 /// The peer that this image holds, with any law, chosen by the settings.
 pub(crate) type Peer = peer::Peer<f32, AnyLaw<f32>>;
@@ -30,6 +31,8 @@ pub(crate) type Peer = peer::Peer<f32, AnyLaw<f32>>;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) peer: Peer,
+    /// The current loop; none where amplifiers make the current.
+    pub(crate) power: Option<Power>,
     /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
     pub(crate) device: u32,
 }
@@ -55,6 +58,8 @@ pub(crate) const RECORDS: usize = 64;
 
 /// The tick's side of what it shares with the tasks.
 pub(crate) struct Side {
+    /// The current loop's interrupt.
+    pub(crate) stage: Stage,
     /// New scenes, taken while disarmed.
     pub(crate) plans: Reader<'static, Plan>,
     pub(crate) incoming: Reader<'static, Received>,
@@ -74,11 +79,16 @@ struct Loop {
     /// A probe was begun, and what came of it is not told yet.
     probing: bool,
     peer: Peer,
+    power: Option<Power>,
     tick: u32,
     life: u32,
     until_record: u32,
-    /// Ticks since the bridges were enabled, until they are driven: [`bridges::WAKE_TICKS`] and one.
-    enabled: u32,
+    /// The bridges are driven, or waking.
+    driving: bool,
+    /// Ticks since they were enabled, until they are awake: [`bridges::WAKE_TICKS`] and one.
+    awake: u32,
+    /// Their outputs were turned on.
+    outputs: bool,
     overrun: bool,
 }
 
@@ -92,10 +102,13 @@ pub(crate) fn prepare(side: Side) {
         device: plan.device,
         probing: false,
         peer: plan.peer,
+        power: plan.power,
         tick: 0,
         life: 0,
         until_record: 0,
-        enabled: 0,
+        driving: false,
+        awake: 0,
+        outputs: false,
         overrun: false,
         side,
     };
@@ -121,11 +134,15 @@ impl Loop {
     #[inline(always)]
     fn period(&mut self) {
         let began = pace::begin();
+        let stage = self.power.as_ref().and_then(|power| self.side.stage.measured(power));
+        if self.power.is_none() || stage.is_some() {
+            deadman::wind();
+        }
         let counts = encoders::read();
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 
-        if self.enabled > bridges::WAKE_TICKS && !bridges::live() {
+        if self.outputs && !bridges::live() {
             self.broken();
         }
         if self.side.signals.disarm.get() {
@@ -157,25 +174,20 @@ impl Loop {
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }
 
-        let sensors = Sensors { overrun: self.overrun, ..Sensors::of(Reading::Counts(counts)) };
+        let sensors = Sensors { overrun: self.overrun, stage, ..Sensors::of(Reading::Counts(counts)) };
         let actuators = self.peer.tick(&sensors);
-        if actuators.enable {
-            bridges::drive(actuators.duties);
-            if self.enabled <= bridges::WAKE_TICKS {
-                match self.enabled {
-                    0 => bridges::wake(),
-                    bridges::WAKE_TICKS => bridges::on(),
-                    _ => {}
-                }
-                self.enabled += 1;
+        if actuators.enable || actuators.open {
+            self.drive(&actuators, counts);
+            if actuators.enable {
+                flags |= record::ENABLED;
             }
-            flags |= record::ENABLED;
             if self.peer.is_engaged() {
                 flags |= record::ENGAGED;
             }
         } else {
             bridges::off();
-            self.enabled = 0;
+            self.side.stage.rest(counts);
+            (self.driving, self.awake, self.outputs) = (false, 0, false);
             self.judge();
         }
 
@@ -194,6 +206,31 @@ impl Loop {
             self.side.signals.overruns.count();
         }
         pace::end(began, self.tick, flags);
+    }
+
+    /// What the peer wants, onto the bridges. Outputs are on when those have been enabled for long enough to be awake, and while a probe
+    /// looks whether what is not enabled stays off.
+    #[inline(always)]
+    fn drive(&mut self, actuators: &Actuators<f32>, counts: [Counts; AXES]) {
+        if !self.driving {
+            self.driving = true;
+            bridges::forget();
+        }
+        match &self.power {
+            Some(power) => self.side.stage.act(power, actuators, counts),
+            None => bridges::drive(actuators.duties),
+        }
+        bridges::enable(actuators.enable);
+        self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
+        let outputs = !actuators.enable || self.awake > bridges::WAKE_TICKS;
+        if outputs != self.outputs {
+            self.outputs = outputs;
+            if outputs {
+                bridges::on();
+            } else {
+                bridges::rest();
+            }
+        }
     }
 
     /// The outputs went off by themselves: motors off, and the cause kept.
@@ -224,6 +261,7 @@ impl Loop {
         if self.peer.mode() == Mode::Disarmed && self.side.plans.fetch() {
             let plan = self.side.plans.get();
             self.peer = plan.peer;
+            self.power = plan.power;
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; AXES];

@@ -168,8 +168,8 @@ impl Controller {
     }
 }
 
-/// From what a converter reads to the current that flows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// From what a converter reads to the current that flows; without a build, none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sensor {
     /// What it reads at no current.
     pub zero: i32,

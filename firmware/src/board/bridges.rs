@@ -1,48 +1,44 @@
 //! Two motor bridges on one advanced timer, and the three things that keep them off.
 //!
-//! Locked antiphase: channel and complement of a bridge are its two legs; half duty is no current, so one pair of pins and
-//! one dead time drive a bridge both ways. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); 3000 steps from zero to full
-//! duty. Dead time 0.5 µs on top of what the driver adds itself.
+//! Unipolar: each leg of a bridge is a channel of its own, around half of the period, one as much longer as the other is shorter; no
+//! voltage is both legs alike, and no ripple. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); [`COUNTS`] = 6000 are all of the supply. The dead time is
+//! the drivers' own. What is written acts from the next period on, which begins where both legs are high: there the timer updates.
 //!
 //! Off is the default three times over: the enable line is low (and pulled down on the wiring while the chip is in reset),
 //! the timer's outputs are off (MOE) and then held at their inactive level (OSSI), and a break clears MOE in hardware with no
 //! software in between. Three things break, and [`cut`] tells them apart: the emergency stop's contact on the first input, which is
 //! pulled down, so that a cut wire is a pressed button; the bridges' own fault output on the second, pulled up because it is an open
 //! drain; and the failures of the chip that [`super::breaks`] wires to it. MOE comes back only when the tick begins to drive again
-//! ([`wake`], [`on`]). What the break depends on is locked until the next reset (LOCK).
+//! ([`enable`], [`on`]). What the break depends on is locked until the next reset (LOCK).
 //!
 //! Both inputs take a level that 8 samples agree on, 0.27 µs: the bridges' edges are shorter than that, and a press is not. The filter
 //! needs the timer's clock; when that stops, the clock security system breaks by itself (RM0433 §38.3.16).
 //!
 //! [`OFF`] is the same in two stores, for handlers that cannot trust their stack.
 
-use core::sync::atomic::{Ordering, compiler_fence};
+use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
-use embassy_stm32::peripherals::{PE6, PE8, PE9, PE10, PE11, PE15, PF3, TIM1};
-use embassy_stm32::{
-    Peri, pac, pac::timer::regs::BdtrAdv, timer::complementary_pwm::ComplementaryPwmPin, timer::low_level::Timer,
-    timer::simple_pwm::PwmPin,
-};
-use haptic_core::{device::AXES, device::motor::Duty};
+use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
+use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer, timer::simple_pwm::PwmPin};
+use haptic_core::device::{AXES, current::PWM_HZ, motor::Duty};
 
 use super::clocks::TIMERS_HZ;
 
-const PWM_HZ: u32 = 20_000;
-/// Counts from the middle (no current) to either end (full duty).
-pub(crate) const STEPS: u16 = (TIMERS_HZ / PWM_HZ / 4) as u16;
-/// Dead time in timer clocks: 0.5 µs.
-const DEAD_CLOCKS: u32 = TIMERS_HZ / 2_000_000;
-const _: () = assert!(DEAD_CLOCKS < 128, "longer dead times are encoded differently");
+/// Counts from the bottom of the period to its top: a leg that is high all the time, and a voltage that is all of the supply.
+pub(crate) const COUNTS: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
+const MIDDLE: u16 = COUNTS / 2;
+/// The channels of the timer that are legs.
+const LEGS: usize = 2 * AXES;
 
 /// 8 samples at an eighth of the timer's clock: BKF and BK2F.
 const FILTER: u32 = 0b1001;
 /// Level 3, all that there is to lock; taken in the first write of the register after a reset, or never.
 const LOCK: u32 = 3 << 8;
 
-/// BDTR with the outputs off: dead time, lock, idle level while off, both breaks enabled, active low and filtered.
-const BDTR_OFF: u32 = DEAD_CLOCKS | LOCK | 1 << 10 | 1 << 11 | 1 << 12 | FILTER << 16 | FILTER << 20 | 1 << 24;
+/// BDTR with the outputs off: lock, idle level while off, both breaks enabled, active low and filtered.
+const BDTR_OFF: u32 = LOCK | 1 << 10 | 1 << 11 | 1 << 12 | FILTER << 16 | FILTER << 20 | 1 << 24;
 /// The same with the outputs on.
 const BDTR_ON: u32 = BDTR_OFF | 1 << 15;
 /// What broke, in SR: first input, second, chip.
@@ -59,6 +55,9 @@ pub(crate) const OFF: [(u32, u32); 2] = [(0x5802_1418, ENABLE_RESET), (0x4001_00
 /// Ticks from enabling the bridges to driving them. They need a millisecond to wake, and may report a fault meanwhile (DRV8874).
 pub(crate) const WAKE_TICKS: u32 = 2;
 
+/// Outputs were turned on, and not off since: whoever writes voltages without being asked may do so.
+static DRIVEN: AtomicBool = AtomicBool::new(false);
+
 /// What turned the outputs off without being told to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cut {
@@ -71,8 +70,8 @@ pub(crate) enum Cut {
 }
 
 pub(crate) struct Pins {
-    pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE8>),
-    pub(crate) bridge_2: (Peri<'static, PE11>, Peri<'static, PE10>),
+    pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE11>),
+    pub(crate) bridge_2: (Peri<'static, PE13>, Peri<'static, PE14>),
     pub(crate) enable: Peri<'static, PF3>,
     pub(crate) stop: Peri<'static, PE15>,
     pub(crate) fault: Peri<'static, PE6>,
@@ -98,28 +97,26 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
         w.set_cms(Cms::CENTER_ALIGNED1);
         w.set_arpe(true);
     });
-    tim.arr().write(|w| w.set_arr(2 * STEPS));
-    for channel in 0..AXES {
-        tim.ccmr_output(0).modify(|w| {
-            w.set_ocm(channel, OcmGp::PWM_MODE1);
-            w.set_ocpe(channel, true);
+    tim.arr().write(|w| w.set_arr(COUNTS));
+    // Every second turn is an update; written before the counter starts, the lower one (RM0433 §38.3.3).
+    tim.rcr().write(|w| w.set_rep(1));
+    for leg in 0..LEGS {
+        tim.ccmr_output(leg / 2).modify(|w| {
+            w.set_ocm(leg % 2, OcmGp::PWM_MODE1);
+            w.set_ocpe(leg % 2, true);
         });
-        tim.ccr(channel).write(|w| w.set_ccr(STEPS));
-        tim.ccer().modify(|w| {
-            w.set_cce(channel, true);
-            w.set_ccne(channel, true);
-        });
+        tim.ccr(leg).write(|w| w.set_ccr(MIDDLE));
+        tim.ccer().modify(|w| w.set_cce(leg, true));
     }
     // Behind the modes and outputs of the channels, which it locks.
     tim.bdtr().write_value(BdtrAdv(BDTR_OFF));
     tim.egr().write(|w| w.set_ug(true));
     tim.cr1().modify(|w| w.set_cen(true));
-    let (high_1, low_1) = pins.bridge_1;
-    let (high_2, low_2) = pins.bridge_2;
-    core::mem::forget(PwmPin::new(high_1, OutputType::PushPull));
-    core::mem::forget(ComplementaryPwmPin::new(low_1, OutputType::PushPull));
-    core::mem::forget(PwmPin::new(high_2, OutputType::PushPull));
-    core::mem::forget(ComplementaryPwmPin::new(low_2, OutputType::PushPull));
+    let ((one_a, one_b), (two_a, two_b)) = (pins.bridge_1, pins.bridge_2);
+    core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
+    core::mem::forget(PwmPin::new(one_b, OutputType::PushPull));
+    core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
+    core::mem::forget(PwmPin::new(two_b, OutputType::PushPull));
     let mut stop = Flex::new(pins.stop);
     // Alternate function 1 of PE15 is the timer's break input.
     stop.set_as_af_unchecked(1, AfType::input(Pull::Down));
@@ -130,33 +127,61 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     core::mem::forget(fault);
 }
 
-/// Duties onto the bridges.
+/// Duties as shares of the supply onto the bridges, for amplifiers behind them.
 #[inline(always)]
 pub(crate) fn drive(duties: [Duty; AXES]) {
-    for (channel, duty) in duties.into_iter().enumerate() {
-        pac::TIM1.ccr(channel).write(|w| w.set_ccr(compare(duty)));
+    for (bridge, duty) in duties.into_iter().enumerate() {
+        voltage(bridge, counts(duty));
     }
 }
 
-/// Enables the bridges, whose outputs stay off for [`WAKE_TICKS`]. What broke before is forgotten.
+/// The voltage of a bridge, at most [`COUNTS`] either way: the difference of its legs. Of an odd count the first leg has the half more.
 #[inline(always)]
-pub(crate) fn wake() {
+pub(crate) fn voltage(bridge: usize, counts: i32) {
+    let second = counts >> 1;
+    let legs = [i32::from(MIDDLE) + counts - second, i32::from(MIDDLE) - second];
+    for (leg, compare) in (2 * bridge..).zip(legs) {
+        pac::TIM1.ccr(leg).write(|w| w.set_ccr(compare as u16));
+    }
+}
+
+/// What broke before is forgotten: before driving begins.
+#[inline(always)]
+pub(crate) fn forget() {
     // Zero clears a flag, one does not touch it.
     pac::TIM1.sr().write(|w| w.0 = !(STOP | BRIDGE | CHIP));
-    pac::GPIOF.bsrr().write(|w| w.0 = ENABLE_SET);
+}
+
+/// Enables the bridges, whose outputs stay off for [`WAKE_TICKS`], or disables them.
+#[inline(always)]
+pub(crate) fn enable(enable: bool) {
+    pac::GPIOF.bsrr().write(|w| w.0 = if enable { ENABLE_SET } else { ENABLE_RESET });
 }
 
 /// Outputs on, once, when the bridges are awake: nothing else undoes a break, however short it was. They stay off if the emergency stop
-/// was pressed since [`wake`] or the chip failed, and the timer does not take it while any of the three still breaks.
+/// was pressed since [`forget`] or the chip failed, and the timer does not take it while any of the three still breaks.
 #[inline(always)]
 pub(crate) fn on() {
     if pac::TIM1.sr().read().0 & (STOP | CHIP) == 0 {
         pac::TIM1.sr().write(|w| w.0 = !BRIDGE);
         pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_ON));
+        DRIVEN.store(true, Ordering::Relaxed);
     }
 }
 
-/// What turned the outputs off since [`wake`]. A press of the stop takes the bridges' supply, too, and they report it; so does a failing
+/// Outputs off, whatever the enable line is, and the compare values back to no voltage.
+#[inline(always)]
+pub(crate) fn rest() {
+    // From here on the current loop's interrupt, which may come between any two of these, writes no compare value.
+    DRIVEN.store(false, Ordering::Relaxed);
+    compiler_fence(Ordering::SeqCst);
+    pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_OFF));
+    for leg in 0..LEGS {
+        pac::TIM1.ccr(leg).write(|w| w.set_ccr(MIDDLE));
+    }
+}
+
+/// What turned the outputs off since [`forget`]. A press of the stop takes the bridges' supply, too, and they report it; so does a failing
 /// supply: what the others follow from comes first.
 pub(crate) fn cut() -> Cut {
     let flags = pac::TIM1.sr().read().0;
@@ -169,15 +194,18 @@ pub(crate) fn cut() -> Cut {
     }
 }
 
-/// Everything off: enable line, outputs, and the compare values back to no current.
+/// Everything off: enable line, outputs, and the compare values back to no voltage.
 #[inline(always)]
 pub(crate) fn off() {
-    pac::GPIOF.bsrr().write(|w| w.0 = ENABLE_RESET);
-    pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_OFF));
-    for channel in 0..AXES {
-        pac::TIM1.ccr(channel).write(|w| w.set_ccr(STEPS));
-    }
+    enable(false);
+    rest();
     compiler_fence(Ordering::SeqCst);
+}
+
+/// Whether the outputs were turned on, and not off since.
+#[inline(always)]
+pub(crate) fn driven() -> bool {
+    DRIVEN.load(Ordering::Relaxed)
 }
 
 /// Whether the timer's outputs are on; a break turns them off without asking.
@@ -191,12 +219,11 @@ pub(crate) fn stop_released() -> bool {
     pac::GPIOE.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
 }
 
-/// The compare value of a duty: the middle plus the duty in [`STEPS`], rounded to the nearest (a tie cannot be).
+/// A duty in [`COUNTS`], rounded to the nearest (a tie cannot be).
 #[inline(always)]
-fn compare(duty: Duty) -> u16 {
+pub(crate) fn counts(duty: Duty) -> i32 {
     const FULL: i32 = Duty::FULL_SCALE as i32;
-    let twice = 2 * i32::from(duty.0) * i32::from(STEPS);
-    // |twice| ≤ 2·32768·3000 < 2³¹, and the quotient lies within ±3001: no overflow, no loss.
-    let steps = (twice + if twice < 0 { -FULL } else { FULL }) / (2 * FULL);
-    (i32::from(STEPS) + steps) as u16
+    let twice = 2 * i32::from(duty.0) * i32::from(COUNTS);
+    // |twice| ≤ 2·32768·6000 < 2³¹, and the quotient lies within ±6000: no overflow, and no leg beyond its ends.
+    (twice + if twice < 0 { -FULL } else { FULL }) / (2 * FULL)
 }

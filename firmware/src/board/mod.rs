@@ -2,12 +2,13 @@
 //!
 //! docs/hardware.md has the wiring. Ethernet is the Nucleo's own.
 //!
-//! Interrupt priorities, most urgent first: 0 tick, 1 bell, 2 supervisor, 3 time driver, 4 Ethernet, 5 network executor,
-//! thread: storage. A critical section masks 1 and everything below it, never the tick.
+//! Interrupt priorities, most urgent first: 0 current loop, 1 tick, 2 bell, 3 supervisor, 4 time driver, 5 Ethernet, 6 network executor,
+//! thread: storage. A critical section masks 2 and everything below it, never the loop or the tick.
 
 mod breaks;
 pub(crate) mod bridges;
 pub(crate) mod clocks;
+pub(crate) mod current;
 pub(crate) mod deadman;
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
@@ -79,20 +80,21 @@ pub(crate) fn init() -> Board {
     bridges::init(
         p.TIM1,
         bridges::Pins {
-            bridge_1: (p.PE9, p.PE8),
-            bridge_2: (p.PE11, p.PE10),
+            bridge_1: (p.PE9, p.PE11),
+            bridge_2: (p.PE13, p.PE14),
             enable: p.PF3,
             stop: p.PE15,
             fault: p.PE6,
         },
     );
     breaks::connect(external);
+    current::init();
     uptime::put_right();
     memory::protect();
     encoders::init(p.TIM3, (p.PC6, p.PC7), p.TIM4, (p.PD12, p.PD13));
-    // All interrupts come out of reset at priority 0, the tick's own.
-    interrupt::TIM5.set_priority(Priority::P3);
-    interrupt::ETH.set_priority(Priority::P4);
+    // All interrupts come out of reset at priority 0, the current loop's own.
+    interrupt::TIM5.set_priority(Priority::P4);
+    interrupt::ETH.set_priority(Priority::P5);
     let mut flash = flash::Settings::new(p.FLASH);
     random::start(p.RNG, flash.count_boot());
     let strap = Input::new(p.PG12, Pull::Up);

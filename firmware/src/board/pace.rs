@@ -1,5 +1,7 @@
 //! The 1 kHz timer of the tick, and the bell by which its interrupt wakes a task.
 //!
+//! Ticks begin at the same place of a PWM period, behind the current loop's interrupt ([`BEHIND_UPDATE`]).
+//!
 //! The tick may not touch an executor (that takes a critical section, and the tick is above all of them). It pends an
 //! unused interrupt of lower priority instead, one store, and that one signals. It also counts how long the tick took
 //! ([`TIMES`]), from what the tick left of two clocks: its own timer, which says how late it began, and the core's counter of cycles.
@@ -22,6 +24,13 @@ pub(crate) const PERIOD_S: f64 = 0.001;
 /// Timer counts in a period: 60 MHz, so that the counter shows how long a tick took to 17 ns.
 const COUNTS: u32 = TIMERS_HZ / PRESCALER / 1000;
 const PRESCALER: u32 = 4;
+/// From an update of the bridges' timer, whose periods fit 20 times into the tick's, to a tick: 4 µs. By then the current loop's interrupt has
+/// ended, the next one is 47 µs away, and so it stays: the two timers have one clock.
+const BEHIND_UPDATE: u32 = COUNTS / 250;
+/// Set when the bridges' timer updates.
+const UPDATED: u32 = 1;
+/// Looks for that: more than a period of it.
+const LOOKS: u32 = 10_000;
 const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_HZ);
 
 /// Times of the tick since the start.
@@ -38,8 +47,8 @@ static BELL: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 /// Starts the tick: from here on the interrupt runs, and has to.
 pub(crate) fn start(timer: Peri<'static, TIM6>) {
     core::mem::forget(Timer::new(timer));
-    interrupt::UART8.set_priority(Priority::P1);
-    interrupt::TIM6_DAC.set_priority(Priority::P0);
+    interrupt::UART8.set_priority(Priority::P2);
+    interrupt::TIM6_DAC.set_priority(Priority::P1);
     let tim = pac::TIM6;
     tim.psc().write_value((PRESCALER - 1) as u16);
     tim.arr().write(|w| w.set_arr((COUNTS - 1) as u16));
@@ -57,7 +66,13 @@ pub(crate) fn start(timer: Peri<'static, TIM6>) {
     DWT::unlock();
     processor.DWT.enable_cycle_counter();
     deadman::start();
-    tim.cr1().modify(|w| w.set_cen(true));
+    // Nothing may come between the update and the start; for 50 µs at the most, unless the bridges' timer stands still.
+    cortex_m::interrupt::free(|_| {
+        pac::TIM1.sr().write(|w| w.0 = !UPDATED);
+        let _ = (0..LOOKS).any(|_| pac::TIM1.sr().read().0 & UPDATED != 0);
+        tim.cnt().write(|w| w.set_cnt((COUNTS - BEHIND_UPDATE) as u16));
+        tim.cr1().modify(|w| w.set_cen(true));
+    });
 }
 
 /// The beginning of a tick.
@@ -71,7 +86,6 @@ pub(crate) struct Began {
 #[inline(always)]
 pub(crate) fn begin() -> Began {
     let began = Began { late: pac::TIM6.cnt().read().cnt(), cycle: DWT::cycle_count() };
-    deadman::wind();
     pac::TIM6.sr().write(|w| w.set_uif(false));
     began
 }

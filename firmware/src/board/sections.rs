@@ -1,17 +1,17 @@
 //! Critical sections that the tick preempts.
 //!
-//! BASEPRI masks priority 1 and everything less urgent; the tick has priority 0, which BASEPRI cannot mask. So a critical
-//! section of whatever task delays the tick by nothing, and in turn the tick must never take one.
+//! BASEPRI masks priority 2 and everything less urgent; the tick has priority 1 and the current loop 0. So a critical section of
+//! whatever task delays neither, and in turn neither must ever take one.
 
 use critical_section::RawRestoreState;
 
-/// Priority 1 in the four bits that this chip has.
-const MASK: u8 = 1 << 4;
+/// Priority 2 in the four bits that this chip has.
+const MASK: u8 = 2 << 4;
 
 struct BelowTheTick;
 critical_section::set_impl!(BelowTheTick);
 
-// SAFETY: everything that takes a critical section runs at priority 1 or less urgently, and is masked until `release`
+// SAFETY: everything that takes a critical section runs at priority 2 or less urgently, and is masked until `release`
 // puts back what was there.
 unsafe impl critical_section::Impl for BelowTheTick {
     unsafe fn acquire() -> RawRestoreState {

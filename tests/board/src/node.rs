@@ -4,8 +4,8 @@
 //! So several boards run at the same time, and everything between them is decided in one place, in order: runs are
 //! reproducible to the bit.
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
 use rigless::emulator::{Driver, Hit, Host, Settled, Start, Stop, Watch, run};
@@ -15,13 +15,16 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
-use crate::part::{Bridges, Nucleo};
+use crate::part::motors::Motors;
+use crate::part::{Bridges, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
 #[derive(Debug, Default)]
 pub struct Inputs {
     /// Frames from the wire.
     pub frames: Vec<Vec<u8>>,
+    /// What hangs at the bridges from now on and moves by itself.
+    pub motors: Option<Option<Arc<Mutex<Motors>>>>,
     /// Where the device has moved the encoders.
     pub counts: Option<[i64; 2]>,
     /// The emergency stop is pressed (or released).
@@ -96,6 +99,30 @@ struct Stepper {
     stops: Sender<Stopped>,
     hits: Vec<Hit>,
     peeked: Vec<u32>,
+    /// What hangs at the bridges and moves by itself, and when its next PWM period begins, ns.
+    motors: Option<Arc<Mutex<Motors>>>,
+    next: Option<u64>,
+    /// When the bench wants to hear of the board, ns.
+    until: u64,
+}
+
+/// A PWM period, ns.
+const PWM_NS: u64 = 50_000;
+
+impl Stepper {
+    /// The PWM period that begins now, if one does; the next stop.
+    fn periods(&mut self, part: &mut Part, at: VirtualNanos) {
+        if let (Some(motors), Some(next)) = (&self.motors, &mut self.next)
+            && *next <= at.0
+        {
+            part.period(at, &mut motors.lock().expect("nobody panics with it"));
+            *next += PWM_NS;
+        }
+    }
+
+    fn next_stop(&self) -> VirtualNanos {
+        VirtualNanos(self.next.map_or(self.until, |next| next.min(self.until)))
+    }
 }
 
 impl Driver<Nucleo> for Stepper {
@@ -108,6 +135,10 @@ impl Driver<Nucleo> for Stepper {
     fn on_stop(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         let resets = session.resets().len();
         let part = &mut session.board_mut().part;
+        self.periods(part, stop.at);
+        if stop.at.0 < self.until {
+            return Some(self.next_stop());
+        }
         let stopped = Stopped {
             at: stop.at.0,
             frames: std::mem::take(&mut part.dma.sent),
@@ -142,6 +173,11 @@ impl Driver<Nucleo> for Stepper {
         if let Some(works) = inputs.noise {
             part.noise(stop.at, works);
         }
+        if let Some(motors) = inputs.motors {
+            self.motors = motors;
+        }
+        self.next = self.motors.as_ref().and_then(|_| part.next_update(stop.at));
+        self.until = until;
         if let Some(counts) = inputs.counts {
             part.turn(stop.at, counts);
         }
@@ -173,7 +209,7 @@ impl Driver<Nucleo> for Stepper {
         for address in inputs.unwatch {
             host.unwatch(Watch::Instruction(address));
         }
-        Some(VirtualNanos(until))
+        Some(self.next_stop())
     }
 }
 
@@ -185,7 +221,15 @@ impl Node {
         let thread = std::thread::spawn(move || {
             let board = Nucleo::new(number).expect("the emulator knows this part");
             let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
-            let stepper = Stepper { orders: their_orders, stops: their_stops, hits: Vec::new(), peeked: Vec::new() };
+            let stepper = Stepper {
+                orders: their_orders,
+                stops: their_stops,
+                hits: Vec::new(),
+                peeked: Vec::new(),
+                motors: None,
+                next: None,
+                until: 0,
+            };
             let images = std::slice::from_ref(&firmware.image);
             let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");
             report(&mut finished.session)

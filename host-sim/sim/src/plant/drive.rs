@@ -1,8 +1,7 @@
 //! What turns a duty into a motor's current: a bridge alone, or core's current loop around it.
 //!
 //! One [`Drive`] a joint. The tick says [`Drive::command`] once, then [`Drive::period`] runs as often as there are PWM periods in a
-//! control period; that is all that a virtual board's power stage has to call too, with the voltage from its timer instead
-//! ([`Winding::period`], [`Converter::read`]).
+//! control period; a virtual board's power stage, whose voltage comes from its timer, calls what that calls ([`Drive::flow`]).
 //!
 //! **Time**: what the tick computes is there when its first PWM period ends. The bridge alone takes it for the second; the loop
 //! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third. Sampled in
@@ -232,12 +231,12 @@ impl Drive {
         self.closed.as_ref().and_then(Closed::flow)
     }
 
-    /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.
-    pub fn period(&mut self, joint_speed: f64) -> f64 {
+    /// One PWM period of a voltage (counts; none, where the bridge is off) on a joint that moves at this speed (m/s or rad/s): what the converter
+    /// reads, 0 without one, and the mean force, N or N·m.
+    pub fn flow(&mut self, voltage: Option<i32>, joint_speed: f64) -> (u16, f64) {
         let sample_s = self.closed.as_ref().map_or(0.0, |closed| closed.sample_s);
-        let share = f64::from(self.voltage) / self.counts;
-        let conducts = self.on || self.fault == PlantFault::ConductingBridge;
-        let share = if self.on { share } else { LEAKS };
+        let conducts = voltage.is_some() || self.fault == PlantFault::ConductingBridge;
+        let share = voltage.map_or(LEAKS, |voltage| f64::from(voltage) / self.counts);
         let Flow { mut sampled_a, mean_a, end_a } = if conducts && self.fault != PlantFault::OpenMotor {
             self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s)
         } else {
@@ -250,12 +249,24 @@ impl Drive {
             PlantFault::SenseAtEnd => sampled_a = f64::INFINITY,
             _ => {}
         }
+        let read = self.closed.as_mut().map_or(0, |closed| closed.converter.read(sampled_a));
+        (read, self.force_per_a * mean_a)
+    }
+
+    /// The bridge's supply, V.
+    pub fn supply_v(&self) -> f64 {
+        self.winding.supply_v
+    }
+
+    /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.
+    pub fn period(&mut self, joint_speed: f64) -> f64 {
+        let (read, force) = self.flow(self.on.then_some(self.voltage), joint_speed);
         let order = self.now;
         self.now = self.next;
         let volts = |Duty(duty)| (f64::from(duty) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32;
         self.voltage = match &mut self.closed {
             Some(closed) => {
-                closed.last = closed.sensor.codes(closed.converter.read(sampled_a));
+                closed.last = closed.sensor.codes(read);
                 closed.codes += closed.last;
                 closed.volts += self.voltage;
                 closed.periods += 1;
@@ -269,6 +280,6 @@ impl Drive {
                 Order::Current(duty, _) | Order::Voltage(duty) => volts(duty),
             },
         };
-        self.force_per_a * mean_a
+        force
     }
 }

@@ -24,7 +24,7 @@ use crate::scene::{PlantFault, Scene};
 use crate::user::User;
 pub use drive::{Converter, Drive};
 use encoders::Encoders;
-use joints::Joints;
+use joints::{Joints, Pose};
 pub use linear::Linear;
 pub use winding::{Flow, Winding};
 
@@ -39,6 +39,14 @@ struct Windings {
     /// What the power stage measured in the last tick; none without a current loop.
     measured: Option<Measured>,
     supply_counts: u16,
+}
+
+/// What stays as it is through a control period of a device with windings.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    /// Forces on the axes beside the motors', N.
+    pushes: [f64; AXES],
+    pose: Pose,
 }
 
 /// A device, its user's hand on it.
@@ -176,13 +184,48 @@ impl Plant {
 
     /// One control period from `time_s` on, under what the peer commands.
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+        self.fail_at(time_s);
+        self.drive(time_s, actuators);
+        self.turn();
+    }
+
+    fn fail_at(&mut self, time_s: f64) {
         if let Some((fault, _)) = self.fault.take_if(|(_, at_s)| time_s >= *at_s) {
             self.fail(fault);
         }
-        self.drive(time_s, actuators);
+    }
+
+    fn turn(&mut self) {
         if let (Some(joints), Some(encoders)) = (&self.joints, &mut self.encoders) {
             encoders.turn(joints.counts(self.motions));
         }
+    }
+
+    /// A control period that begins at `time_s`, of a device whose power stage is somebody else's: what stays as it is through it. None without
+    /// windings.
+    pub fn begin(&mut self, time_s: f64) -> Option<Held> {
+        self.fail_at(time_s);
+        let joints = self.joints.as_ref().filter(|_| self.windings.is_some())?;
+        Some(Held { pushes: self.pushes(time_s), pose: joints.pose(self.motions) })
+    }
+
+    /// One PWM period of it, under these voltages (counts; none of a bridge that is off): what the converters read. Without a beginning, nothing moves.
+    pub fn period(&mut self, held: Option<&Held>, voltages: [Option<i32>; AXES]) -> [u16; AXES] {
+        let Some(mut windings) = self.windings.take() else { return [0; AXES] };
+        let speeds = held.map_or([0.0; AXES], |held| held.pose.speeds(self.motions));
+        let flows = [0, 1].map(|joint: usize| windings.drives[joint].flow(voltages[joint], speeds[joint]));
+        if let Some(Held { pushes, pose }) = held {
+            let motor = pose.forces(flows.map(|(_, force)| force));
+            self.advance(motor, motor, *pushes);
+            self.turn();
+        }
+        self.windings = Some(windings);
+        flows.map(|(read, _)| read)
+    }
+
+    /// Supply of the bridges, V; none without windings.
+    pub fn supply_v(&self) -> Option<f64> {
+        self.windings.as_ref().map(|windings| windings.drives[0].supply_v())
     }
 
     /// Something goes wrong with the first joint, now.
@@ -196,8 +239,8 @@ impl Plant {
         }
     }
 
-    /// The hand and the motors, for a control period.
-    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+    /// Forces on the axes beside the motors', N.
+    fn pushes(&self, time_s: f64) -> [f64; AXES] {
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {
@@ -205,7 +248,12 @@ impl Plant {
             push +=
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
-        let pushes = [push + self.pull_n, profile.side_push_n];
+        [push + self.pull_n, profile.side_push_n]
+    }
+
+    /// The hand and the motors, for a control period.
+    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+        let pushes = self.pushes(time_s);
         let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
             let motor = match &self.joints {
                 Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),

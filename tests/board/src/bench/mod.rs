@@ -27,6 +27,7 @@ use crate::wire::{Line, PC, Wire};
 
 pub use device::{PWM_STEPS, duties, for_boards};
 
+use crate::part::motors::has_loop;
 use device::Device;
 
 /// A control period, ns.
@@ -229,9 +230,12 @@ impl Bench {
             }
         }
         let time_s = self.ticks as f64 * self.period_s;
+        // Half a PWM period before the next tick.
+        let begins_ns = self.now_ns + PERIOD_NS / 2 - 25_000;
         if !self.loose.is_empty() {
-            for ((device, stopped), inputs) in self.loose.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
-                inputs.counts = Some(device.step(time_s, &stopped.bridges));
+            for ((device, stopped), inputs) in self.loose.iter().zip(&self.stopped).zip(&mut self.inputs) {
+                let counts = device.step(time_s, &stopped.bridges, begins_ns);
+                inputs.counts = counts.or(inputs.counts);
             }
             return;
         }
@@ -243,17 +247,20 @@ impl Bench {
             }
         }
         let all_on = self.on.iter().copied().try_fold(0, |last: u64, on| Some(last.max(on?)));
-        if self.begun.is_none() && all_on.is_some_and(|since| self.stops == since + self.engaging) {
-            self.begun = Some(self.stops);
+        // What moves by itself does so from the next tick on, and not from the one before.
+        let ahead = u64::from(has_loop(&self.scene));
+        let begins = |since: u64| self.stops + ahead == since + self.engaging.max(ahead);
+        if self.begun.is_none() && all_on.is_some_and(begins) {
+            self.begun = Some(self.stops + ahead);
         }
         if self.begun.is_none() {
             return;
         }
         let mut moved = false;
-        for ((device, stopped), inputs) in self.devices.iter_mut().zip(&self.stopped).zip(&mut self.inputs) {
+        for ((device, stopped), inputs) in self.devices.iter().zip(&self.stopped).zip(&mut self.inputs) {
             let Some(device) = device else { continue };
             moved = true;
-            inputs.counts = Some(device.step(time_s, &stopped.bridges));
+            inputs.counts = device.step(time_s, &stopped.bridges, begins_ns).or(inputs.counts);
         }
         self.ticks += u64::from(moved);
     }

@@ -10,7 +10,6 @@ use firmware_parts::record::ENGAGED;
 use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
-use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
 use super::device::Device;
@@ -64,6 +63,20 @@ impl Bench {
         self.inputs.iter_mut().for_each(|inputs| inputs.button = Some(held));
     }
 
+    /// Tells a board (1 or 2) that was told nothing else that amplifiers make its motors' currents: what the bench's devices are without a scene.
+    ///
+    /// # Panics
+    /// It does not take it.
+    pub fn tell_of_amplifiers(&mut self, number: usize) {
+        self.input(number).button = Some(true);
+        self.run_for_ms(100);
+        for line in ["set motor.drive amplifier", "apply"] {
+            let answer = self.ask(number, line);
+            assert!(answer.starts_with("ok"), "{line}: {answer}");
+        }
+        self.input(number).button = Some(false);
+    }
+
     /// Brings every board to the scene, at the board, and puts a device on it; disarmed still.
     ///
     /// # Errors
@@ -71,9 +84,10 @@ impl Bench {
     pub fn set_up(&mut self, scene: &Scene) -> Result<(), String> {
         self.period_s = scene.peer.timing.control_period_s;
         self.scene = scene.clone();
-        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(Plant::new(scene, index)))).collect();
-        for (device, inputs) in self.devices.iter_mut().flatten().zip(&mut self.inputs) {
-            inputs.counts = Some(device.turn());
+        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(scene, index))).collect();
+        for (device, inputs) in self.devices.iter().flatten().zip(&mut self.inputs) {
+            inputs.counts = Some(device.motors().turn());
+            inputs.motors = Some(device.stage());
         }
         self.hold_buttons(true);
         for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
@@ -119,19 +133,25 @@ impl Bench {
         scene.users = Default::default();
         let counts = |index: usize| {
             let now = self.loose.get(index).or(self.devices[index].as_ref());
-            now.map_or([0; AXES], |device| device.counts)
+            now.map_or([0; AXES], |device| device.motors().counts)
         };
-        self.loose = (0..self.nodes.len()).map(|i| Device::at(Plant::new(&scene, i), counts(i))).collect();
+        self.loose = (0..self.nodes.len()).map(|i| Device::at(&scene, i, counts(i))).collect();
+        for (device, inputs) in self.loose.iter().zip(&mut self.inputs) {
+            inputs.motors = Some(device.stage());
+        }
     }
 
     /// Moves the loose device of a board by hand along its first axis, evenly, and leaves it at rest.
     pub fn carry(&mut self, number: usize, metres: f64, ms: u64) {
         for _ in 0..ms {
-            let motion = self.loose[number - 1].plant.free_axis().0;
-            *motion = Motion::at(motion.position + metres / ms as f64);
+            let place = |device: &Device, further: f64| {
+                let mut motors = device.motors();
+                let motion = motors.plant.free_axis().0;
+                *motion = Motion::at(motion.position + further);
+            };
+            place(&self.loose[number - 1], metres / ms as f64);
             self.step();
-            *self.loose[number - 1].plant.free_axis().0 =
-                Motion::at(self.loose[number - 1].plant.motions()[0].position);
+            place(&self.loose[number - 1], 0.0);
         }
     }
 
@@ -139,19 +159,25 @@ impl Bench {
     pub fn take_hold(&mut self) {
         /// Slow enough for any limit of speed in these tests, counts in a period.
         const STRIDE: i64 = 100;
-        let mut loose = std::mem::take(&mut self.loose);
+        let whereabouts = |device: &Device| device.motors().counts;
+        let loose = std::mem::take(&mut self.loose);
+        let mut now: Vec<[i64; AXES]> = loose.iter().map(whereabouts).collect();
         let home: Vec<[i64; AXES]> =
-            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], |device| device.counts)).collect();
+            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], whereabouts)).collect();
+        self.inputs.iter_mut().for_each(|inputs| inputs.motors = Some(None));
         let held = std::mem::take(&mut self.devices);
         self.devices = held.iter().map(|_| None).collect();
-        while loose.iter().zip(&home).any(|(device, home)| device.counts != *home) {
-            for ((device, home), inputs) in loose.iter_mut().zip(&home).zip(&mut self.inputs) {
-                for (counts, home) in device.counts.iter_mut().zip(home) {
+        while now != home {
+            for ((now, home), inputs) in now.iter_mut().zip(&home).zip(&mut self.inputs) {
+                for (counts, home) in now.iter_mut().zip(home) {
                     *counts += (home - *counts).clamp(-STRIDE, STRIDE);
                 }
-                inputs.counts = Some(device.counts);
+                inputs.counts = Some(*now);
             }
             self.step();
+        }
+        for (device, inputs) in held.iter().flatten().zip(&mut self.inputs) {
+            inputs.motors = Some(device.stage());
         }
         self.devices = held;
         self.run_to(self.now_ns + PERIOD_NS);

@@ -45,12 +45,17 @@ impl EncoderTimer {
 
     /// Turns the encoder to `counts`, starting now.
     pub fn turn(&mut self, counts: i64, context: &mut DeviceContext<'_>) {
+        self.turn_within(counts, SPREAD_NS, context);
+    }
+
+    /// The same within another time, ns.
+    pub fn turn_within(&mut self, counts: i64, spread_ns: u64, context: &mut DeviceContext<'_>) {
         let way = counts - self.target();
         if way == 0 {
             return;
         }
         self.pending.extend(std::iter::repeat_n(way.signum(), way.unsigned_abs() as usize));
-        self.every_ns = (SPREAD_NS / self.pending.len() as u64).max(CLOSEST_NS);
+        self.every_ns = (spread_ns / self.pending.len() as u64).max(CLOSEST_NS);
         if self.next.is_none() {
             self.schedule(context);
         }

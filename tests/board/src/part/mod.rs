@@ -7,12 +7,16 @@
 //! | [`oscillator`] | the clock controller while the external clock does not come |
 //! | [`iwdg`] | the independent watchdog |
 //! | [`wwdg`] | the window watchdog |
+//! | [`converter`] | the injected group of ADC1 |
+//! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
 //!
 //! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the bridges' fault line, the blue button.
 
+pub mod converter;
 pub mod encoder;
 pub mod ethernet;
 pub mod iwdg;
+pub mod motors;
 pub mod oscillator;
 pub mod wwdg;
 
@@ -32,9 +36,11 @@ use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, Bre
 use rigless::soc::{Bus, Error, Width};
 use rigless::time::VirtualNanos;
 
+use converter::Converter;
 use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
 use iwdg::Iwdg;
+use motors::Motors;
 use oscillator::Missing;
 use wwdg::Wwdg;
 
@@ -44,13 +50,14 @@ pub const CORE_HZ: u64 = 480_000_000;
 /// Request of the power controller by which we say that its voltage detector breaks; the emulator's has no such wire, and uses 0 to 2.
 const SUPPLY_LOW: usize = 3;
 
+/// Time over which the edges of a PWM period are spread, ns.
+const PERIOD_SPREAD_NS: u64 = 45_000;
+
 /// What the two bridges and their enable line are at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bridges {
-    /// Compare values of the two bridges.
-    pub compare: [u16; 2],
-    /// Period of the timer.
-    pub period: u16,
+    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2.
+    pub compare: [u16; 4],
     /// The timer runs, its outputs are enabled.
     pub outputs: bool,
     /// The enable line is high.
@@ -58,6 +65,12 @@ pub struct Bridges {
 }
 
 impl Bridges {
+    /// Voltage of each bridge in counts of the timer.
+    pub fn voltages(&self) -> [i32; 2] {
+        let [one_a, one_b, two_a, two_b] = self.compare.map(i32::from);
+        [one_a - one_b, two_a - two_b]
+    }
+
     /// Whether current can flow at all.
     pub fn on(&self) -> bool {
         self.outputs && self.enable
@@ -77,8 +90,12 @@ pub struct Part {
     pub iwdg: Iwdg,
     /// Watchdog on the bus's.
     pub wwdg: Wwdg,
+    /// ADC1.
+    pub converter: Converter,
     /// TIM3 and TIM4 with an encoder each.
     pub encoders: [EncoderTimer; 2],
+    /// Pulses of TIM1's second trigger output so far.
+    triggers: u64,
     slots: Slots,
     missing: Missing,
     stop_released: bool,
@@ -96,6 +113,7 @@ struct Slots {
     pwr: usize,
     iwdg: usize,
     wwdg: usize,
+    adc1: usize,
     encoders: [usize; 2],
     gpio_c: usize,
     gpio_e: usize,
@@ -119,6 +137,7 @@ impl Part {
             pwr: slot("PWR")?,
             iwdg: slot("IWDG")?,
             wwdg: slot("WWDG")?,
+            adc1: slot("ADC1")?,
             encoders: [slot("TIM3")?, slot("TIM4")?],
             gpio_c: slot("GPIOC")?,
             gpio_e: slot("GPIOE")?,
@@ -134,7 +153,9 @@ impl Part {
             dma,
             iwdg: Iwdg::default(),
             wwdg: Wwdg::default(),
+            converter: Converter::default(),
             encoders,
+            triggers: 0,
             slots,
             missing: Missing::default(),
             stop_released: true,
@@ -235,6 +256,30 @@ impl Part {
         self.chip.rng = rng;
     }
 
+    /// The next instant at which the bridges' timer updates, ns: it counts to the top of its period, and back to 0. `None` while it stands.
+    pub fn next_update(&mut self, at: VirtualNanos) -> Option<u64> {
+        const COUNTS_PER_S: u64 = 240_000_000;
+        let mut peek = |register: u64| self.peek(at, 0x4001_0000 + register, Width::W32).unwrap_or(0);
+        let (control, count, top) = (peek(0x00), peek(0x24) & 0xFFFF, peek(0x2C));
+        let left = if control & 1 << 4 == 0 { 2 * top - count } else { count };
+        (control & 1 != 0).then(|| at.0 + (left * 1_000_000_000).div_ceil(COUNTS_PER_S) + 1)
+    }
+
+    /// What hangs at the bridges goes on by a PWM period, which begins now.
+    pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
+        let bridges = self.bridges(at);
+        let (reads, counts) = motors.period(at.0, &bridges);
+        let triggers = self.chip.advanced[0].trigger2_output().1;
+        if triggers != core::mem::replace(&mut self.triggers, triggers) {
+            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
+            self.converter.sample(reads, &mut context);
+        }
+        for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
+            let (_, mut context) = self.chip.bus_mut().drive(at, slot);
+            encoder.turn_within(counts, PERIOD_SPREAD_NS, &mut context);
+        }
+    }
+
     /// Moves the encoders to these counts, edge by edge, from `at` on.
     pub fn turn(&mut self, at: VirtualNanos, counts: [i64; 2]) {
         for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
@@ -255,8 +300,7 @@ impl Part {
         let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
         let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
         Bridges {
-            compare: [peek(0x4001_0034) as u16, peek(0x4001_0038) as u16],
-            period: peek(0x4001_002C) as u16,
+            compare: [0x34, 0x38, 0x3C, 0x40].map(|register| peek(0x4001_0000 + register) as u16),
             outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
             enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
         }
@@ -276,6 +320,7 @@ impl Mcu for Part {
         Device::reset(&mut self.dma);
         Device::reset(&mut self.iwdg);
         Device::reset(&mut self.wwdg);
+        Device::reset(&mut self.converter);
         for encoder in &mut self.encoders {
             Device::reset(encoder);
         }
@@ -300,6 +345,7 @@ impl Mcu for Part {
             s if s == self.slots.dma => &mut self.dma,
             s if s == self.slots.iwdg => &mut self.iwdg,
             s if s == self.slots.wwdg => &mut self.wwdg,
+            s if s == self.slots.adc1 => &mut self.converter,
             s if s == self.slots.encoders[0] => one,
             s if s == self.slots.encoders[1] => two,
             _ => return self.chip.split(slot),

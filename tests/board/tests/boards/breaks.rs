@@ -14,11 +14,10 @@ use board_bench::reviewed;
 use board_bench::wire::Line;
 use haptic_sim::scenes;
 
-/// TIM1_BDTR without its main output enable, and what it is to be: break 2, both filters (8 samples at an eighth), break 1, idle levels,
-/// lock 3, dead time 120.
+/// TIM1_BDTR without its main output enable, and what it is to be: break 2, both filters (8 samples at an eighth), break 1, idle levels, lock 3.
 const BDTR: u64 = 0x4001_0044;
 const MAIN_OUTPUT: u32 = 1 << 15;
-const LOCKED: u32 = 1 << 24 | 0x99 << 16 | 1 << 12 | 1 << 11 | 1 << 10 | 3 << 8 | 120;
+const LOCKED: u32 = 1 << 24 | 0x99 << 16 | 1 << 12 | 1 << 11 | 1 << 10 | 3 << 8;
 /// PWR_CR1 (voltage detector, level 6) and RCC_CR (clock security).
 const PWR_CR1: u64 = 0x5802_4800;
 const RCC_CR: u64 = 0x5802_4400;

@@ -96,6 +96,7 @@ fn a_person_brings_up_a_board_whose_signs_are_wrong() {
     truth.world.plant.pwm_steps = PWM_STEPS;
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
+    bench.tell_of_amplifiers(1);
     bench.let_go(Some(&truth));
     let bench = Rc::new(RefCell::new(bench));
     let mut board = Table { bench: bench.clone(), truth: truth.clone(), taken: Rc::default() };

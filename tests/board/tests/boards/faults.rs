@@ -87,8 +87,13 @@ impl Campaign {
         if expected.reset {
             // Its settings are the defaults again, and nobody held the device meanwhile.
             bench.hold_buttons(true);
-            for limit in ["safety.workspace_m 100", "safety.max_speed_m_per_s 2", "safety.max_hand_power_w 20"] {
-                assert!(bench.ask(1, &format!("set {limit}")).starts_with("ok"));
+            for setting in [
+                "motor.drive amplifier",
+                "safety.workspace_m 100",
+                "safety.max_speed_m_per_s 2",
+                "safety.max_hand_power_w 20",
+            ] {
+                assert!(bench.ask(1, &format!("set {setting}")).starts_with("ok"));
             }
             assert_eq!(bench.ask(1, "apply"), "ok applied");
             bench.hold_buttons(false);

@@ -7,7 +7,7 @@
 //! | [`keys`] | does it talk only to who holds the key? |
 //! | [`ceiling`] | are limits raised by who is at the board only? |
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
-//! | [`same_bits`], [`papers_comms`] | do two boards compute what host-sim computes? |
+//! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
@@ -19,6 +19,7 @@ mod budgets;
 mod cable;
 mod calibrate;
 mod ceiling;
+mod current_loop;
 mod deadman;
 mod faults;
 mod impostor;

@@ -20,6 +20,7 @@ fn it_starts_disarmed_and_answers() {
     assert!(answer.starts_with("ok board 1 disarmed fault 0 "), "{answer}");
     let refusal = bench.ask(1, "arm");
     assert!(refusal.starts_with("error check first: "), "{refusal}");
+    bench.tell_of_amplifiers(1);
     assert_eq!(bench.check(1), Ok(()));
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     bench.run_for_ms(10);
@@ -69,6 +70,7 @@ fn a_board_that_started_anew_still_counts() {
     const FOR_EVER: u32 = 0xE7FE_E7FE;
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
+    bench.tell_of_amplifiers(1);
     assert_eq!(bench.check(1), Ok(()));
     let supervisor = firmware.address("UART4");
     bench.input(1).poke.push((supervisor, FOR_EVER));
@@ -76,9 +78,11 @@ fn a_board_that_started_anew_still_counts() {
     bench.input(1).poke.push((supervisor, firmware.word(supervisor)));
     bench.run_for_ms(1300);
     assert_eq!(bench.stopped[0].resets, 1);
+    bench.align(&firmware);
     bench.meet(1);
     assert_eq!(bench.ask(1, "clear"), "ok disarmed");
     assert!(bench.ask(1, "arm").starts_with("error check first: "), "a check does not outlive a reset");
+    bench.tell_of_amplifiers(1);
     assert_eq!(bench.check(1), Ok(()));
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     bench.finish();

@@ -1,0 +1,415 @@
+//! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, and the interrupt at the end of
+//! that, 20,000 times a second, gives both bridges their voltages for the next one.
+//!
+//! **Deadline**: the update after the one that started the conversions, 50 µs; it needs some 3, of which the conversions are 1.6. A period
+//! that is missed keeps its voltage. The dead man is wound only while there are as many periods as a tick has ([`Stage::measured`]).
+//!
+//! **Rules**: priority 0, above the tick; code in ITCM, data in DTCM; whole numbers only, so that the processor saves no registers of
+//! the FPU; no lock, no wait, no panic. What tick and interrupt tell each other goes through [`firmware_parts::exchange::Latest`].
+//!
+//! **When**: the converter runs from the start of the board; the interrupt only while the tick drives ([`start`] to [`stop`]). With the
+//! bridges off the tick itself looks at what was converted last: that is each sensor's zero.
+//!
+//! Clock of the converter: the chip's 64 MHz oscillator, halved; three conversions of 17 clocks (8.5 to sample, 16 bits) last 1.6 µs.
+
+use core::f64::consts::TAU;
+use core::mem::MaybeUninit;
+
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
+use embassy_stm32::pac;
+use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
+use embassy_stm32::pac::timer::vals::Mms2;
+use firmware_parts::exchange::{Reader, Writer};
+use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
+use haptic_core::device::stage::{Flow, Measured};
+use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
+use haptic_core::names::KinematicsName;
+use haptic_core::peer::Actuators;
+use haptic_core::settings::{Refused, Settings};
+
+use super::{bridges, pace};
+
+/// What the pins PA3, PC0 and PB1 are to the converter: currents of motors 1 and 2, the supply over [`DIVIDER`].
+const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
+/// TIM1_TRGO2, the bridges' timer's update.
+const TRIGGER: u8 = 8;
+/// Bits of a conversion.
+const BITS: u32 = 16;
+/// Millivolts of the supply at the end of the converter's range: 3.3 V before an eleventh.
+const SUPPLY_MV: u32 = 3_300 * 11;
+/// PWM periods in a tick.
+pub(crate) const PERIODS: u32 = PWM_HZ / 1000;
+const _: () = assert!(pace::PERIOD_S == 0.001);
+
+/// What one motor is to be given.
+#[derive(Clone, Copy, Debug)]
+enum Wanted {
+    /// A current, and the back-EMF that is expected, counts.
+    Current(Duty, i32),
+    /// A voltage, counts.
+    Voltage(i32),
+}
+
+/// What the tick tells the interrupt.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Order {
+    gains: Gains,
+    sensors: [Sensor; AXES],
+    wanted: [Wanted; AXES],
+}
+
+/// Nothing.
+impl Default for Order {
+    fn default() -> Self {
+        let (gains, sensors) = (Gains::default(), [Sensor::default(); AXES]);
+        Self { gains, sensors, wanted: [Wanted::Voltage(0); AXES] }
+    }
+}
+
+/// What the interrupt tells the tick, since the start of the board; all of it wraps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    /// How often the interrupt has run.
+    runs: u32,
+    /// Of the periods before the last one: currents, codes; voltages, counts; what the supply's rank read.
+    codes: [i32; AXES],
+    voltages: [i32; AXES],
+    supply: u32,
+    /// The currents of the last of them.
+    last: [i32; AXES],
+}
+
+/// The interrupt's own.
+struct Loop {
+    orders: Reader<'static, Order>,
+    sums: Writer<'static, Sums>,
+    total: Sums,
+    controllers: [Controller; AXES],
+    /// Of this period, which the tick gets to see when it is over: currents, voltages and supply as in [`Sums`].
+    codes: [i32; AXES],
+    voltages: [i32; AXES],
+    supply: u32,
+    /// Voltages of the next period, counts.
+    next: [i32; AXES],
+}
+
+static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
+
+/// Starts the converter; the interrupt stays off.
+pub(crate) fn init() {
+    pac::RCC.d3ccipr().modify(|w| w.set_adcsel(pac::rcc::vals::Adcsel::PER));
+    pac::RCC.ahb1enr().modify(|w| w.set_adc12en(true));
+    let _ = pac::RCC.ahb1enr().read();
+    // Out of reset the pins are analogue, and so they stay.
+    let adc = pac::ADC1;
+    adc.cr().modify(|w| w.set_deeppwd(false));
+    adc.cr().modify(|w| w.set_advregen(true));
+    // 10 µs for its regulator.
+    cortex_m::asm::delay(4_800);
+    adc.cr().modify(|w| w.set_boost(Boost::LT50));
+    adc.cr().modify(|w| w.set_adcal(true));
+    soon(|| !adc.cr().read().adcal());
+    for channel in CHANNELS.map(usize::from) {
+        adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
+        adc.smpr(channel / 10).modify(|w| w.set_smp(channel % 10, SampleTime::CYCLES8_5));
+    }
+    adc.isr().write(|w| w.set_adrdy(true));
+    adc.cr().modify(|w| w.set_aden(true));
+    soon(|| adc.isr().read().adrdy());
+    adc.jsqr().write(|w| {
+        w.set_jl(AXES as u8);
+        w.set_jextsel(TRIGGER);
+        w.set_jexten(Exten::RISING_EDGE);
+        for (rank, channel) in CHANNELS.into_iter().enumerate() {
+            w.set_jsq(rank, channel);
+        }
+    });
+    adc.cr().modify(|w| w.set_jadstart(true));
+    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::UPDATE));
+}
+
+/// Waits for what takes a millisecond at the most; a converter that does not come never counts periods, and the dead man sees that.
+fn soon(done: impl Fn() -> bool) {
+    let _ = (0..100_000).any(|_| done());
+}
+
+/// Hands the interrupt its side; call once, before the tick runs.
+pub(crate) fn prepare(orders: Reader<'static, Order>, sums: Writer<'static, Sums>) {
+    let this = Loop {
+        orders,
+        sums,
+        total: Sums::default(),
+        controllers: [Controller::default(); AXES],
+        codes: [0; AXES],
+        voltages: [0; AXES],
+        supply: 0,
+        next: [0; AXES],
+    };
+    // SAFETY: the interrupt that uses LOOP is not enabled yet.
+    unsafe {
+        let place = &raw mut LOOP;
+        (*place).write(this)
+    };
+    interrupt::ADC.set_priority(Priority::P0);
+    // SAFETY: the handler is there, and what it uses is set up.
+    unsafe { interrupt::ADC.enable() };
+}
+
+/// The interrupt runs from the next period on, at rest.
+#[inline(always)]
+fn start() {
+    // SAFETY: `prepare` ran before the tick did, and the interrupt is off.
+    let this = unsafe {
+        let place = &raw mut LOOP;
+        (*place).assume_init_mut()
+    };
+    this.controllers = [Controller::default(); AXES];
+    (this.codes, this.voltages, this.supply, this.next) = ([0; AXES], [0; AXES], 0, [0; AXES]);
+    pac::ADC1.isr().write(|w| {
+        w.set_jeoc(true);
+        w.set_jeos(true);
+    });
+    pac::ADC1.ier().write(|w| w.set_jeosie(true));
+}
+
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".itcm.current")]
+extern "C" fn ADC() {
+    let adc = pac::ADC1;
+    adc.isr().write(|w| {
+        w.set_jeoc(true);
+        w.set_jeos(true);
+    });
+    // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
+    let this = unsafe {
+        let place = &raw mut LOOP;
+        (*place).assume_init_mut()
+    };
+    this.period(adc);
+}
+
+impl Loop {
+    #[inline(always)]
+    fn period(&mut self, adc: pac::adc::Adc) {
+        let total = &mut self.total;
+        total.runs = total.runs.wrapping_add(1);
+        total.supply = total.supply.wrapping_add(self.supply);
+        for joint in 0..AXES {
+            total.codes[joint] = total.codes[joint].wrapping_add(self.codes[joint]);
+            total.voltages[joint] = total.voltages[joint].wrapping_add(self.voltages[joint]);
+        }
+        total.last = self.codes;
+        self.sums.write(*total);
+
+        self.orders.fetch();
+        let order = self.orders.get();
+        let drives = bridges::driven();
+        self.supply = adc.jdr(AXES).read().jdata();
+        self.voltages = self.next;
+        for joint in 0..AXES {
+            let codes = order.sensors[joint].codes(adc.jdr(joint).read().jdata() as u16);
+            self.codes[joint] = codes;
+            let controller = &mut self.controllers[joint];
+            self.next[joint] = match order.wanted[joint] {
+                Wanted::Current(duty, forward) if drives => controller.step(&order.gains, duty, codes, forward),
+                wanted => {
+                    *controller = Controller::default();
+                    if let (Wanted::Voltage(counts), true) = (wanted, drives) { counts } else { 0 }
+                }
+            };
+            if drives {
+                bridges::voltage(joint, self.next[joint]);
+            }
+        }
+    }
+}
+
+/// The loop of one set of settings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Power {
+    design: CurrentLoop,
+    /// Its zero in the middle.
+    sensor: Sensor,
+    /// Speed of a joint that moves a count a tick, m/s or rad/s.
+    speed_per_count: f32,
+}
+
+impl Power {
+    /// From the table `motor`.
+    ///
+    /// # Errors
+    /// What [`CurrentLoop::build`] refuses.
+    pub(crate) fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let encoder = &settings.encoder;
+        let unit_per_count = match settings.kinematics.model {
+            KinematicsName::Direct => 1.0 / encoder.counts_per_m,
+            KinematicsName::Capstan | KinematicsName::FiveBar => TAU / encoder.counts_per_rev,
+        };
+        let unit_per_count = if encoder.reversed { -unit_per_count } else { unit_per_count };
+        Ok(Self {
+            design: CurrentLoop::build(settings, bridges::COUNTS)?,
+            sensor: Sensor::build(settings, BITS),
+            speed_per_count: (unit_per_count / pace::PERIOD_S) as f32,
+        })
+    }
+}
+
+/// The tick's side.
+pub(crate) struct Stage {
+    orders: Writer<'static, Order>,
+    sums: Reader<'static, Sums>,
+    before: Sums,
+    zeros: [Zero; AXES],
+    counts: [Counts; AXES],
+    supply_mv: u32,
+    /// The interrupt runs.
+    runs: bool,
+}
+
+impl Stage {
+    pub(crate) fn new(orders: Writer<'static, Order>, sums: Reader<'static, Sums>) -> Self {
+        Self {
+            orders,
+            sums,
+            before: Sums::default(),
+            zeros: [Zero::default(); AXES],
+            counts: [Counts(0); AXES],
+            supply_mv: 0,
+            runs: false,
+        }
+    }
+
+    /// What was measured since the last tick. None, of a loop that is to run: it does not.
+    #[inline(always)]
+    pub(crate) fn measured(&mut self, power: &Power) -> Option<Measured> {
+        if !self.runs {
+            return Some(self.at_rest(power));
+        }
+        self.sums.fetch();
+        let (now, before) = (*self.sums.get(), self.before);
+        self.before = now;
+        let periods = now.runs.wrapping_sub(before.runs);
+        if periods < PERIODS {
+            return None;
+        }
+        let mean = |now: i32, before: i32| now.wrapping_sub(before).checked_div(periods.cast_signed()).unwrap_or(0);
+        let mut motors = [Flow::default(); AXES];
+        for (joint, flow) in motors.iter_mut().enumerate() {
+            *flow = Flow {
+                mean: code(mean(now.codes[joint], before.codes[joint])),
+                last: code(now.last[joint]),
+                voltage: code(mean(now.voltages[joint], before.voltages[joint])),
+            };
+        }
+        let read = now.supply.wrapping_sub(before.supply).checked_div(periods).unwrap_or(0);
+        Some(self.said(motors, read))
+    }
+
+    /// With the bridges off: what the converter read last.
+    #[inline(always)]
+    fn at_rest(&mut self, power: &Power) -> Measured {
+        let mut motors = [Flow::default(); AXES];
+        for (joint, (flow, zero)) in motors.iter_mut().zip(&mut self.zeros).enumerate() {
+            let read = pac::ADC1.jdr(joint).read().jdata() as u16;
+            zero.see(read);
+            let codes = code(power.sensor.codes(read));
+            *flow = Flow { mean: codes, last: codes, voltage: 0 };
+        }
+        self.said(motors, pac::ADC1.jdr(AXES).read().jdata())
+    }
+
+    #[inline(always)]
+    fn said(&mut self, motors: [Flow; AXES], supply_read: u32) -> Measured {
+        // 65535 · 36300 < 2³²: to the nearest mV, of which a step of the converter is half.
+        self.supply_mv = (supply_read * SUPPLY_MV + (1 << (BITS - 1))) >> BITS;
+        Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: bridges::COUNTS }
+    }
+
+    /// What the bridges are to do, from the next period on; the interrupt runs, if it did not.
+    #[inline(always)]
+    pub(crate) fn act(&mut self, power: &Power, actuators: &Actuators<f32>, counts: [Counts; AXES]) {
+        let mut wanted = [Wanted::Voltage(0); AXES];
+        for (joint, wanted) in wanted.iter_mut().enumerate() {
+            let duty = actuators.duties[joint];
+            *wanted = if actuators.open {
+                Wanted::Voltage(bridges::counts(duty))
+            } else {
+                let moved = counts[joint].0.wrapping_sub(self.counts[joint].0).cast_signed();
+                Wanted::Current(duty, power.design.forward(f32::from(moved) * power.speed_per_count, self.supply_mv))
+            };
+        }
+        self.counts = counts;
+        let sensors = self.zeros.each_ref().map(|zero| {
+            let mut sensor = power.sensor;
+            sensor.zero = zero.is;
+            sensor
+        });
+        self.orders.write(Order { gains: power.design.gains(self.supply_mv), sensors, wanted });
+        if !self.runs {
+            self.runs = true;
+            self.sums.fetch();
+            self.before = *self.sums.get();
+            start();
+        }
+    }
+
+    /// The bridges are off: the interrupt need not run.
+    #[inline(always)]
+    pub(crate) fn rest(&mut self, counts: [Counts; AXES]) {
+        self.counts = counts;
+        if self.runs {
+            self.runs = false;
+            pac::ADC1.ier().write(|_| {});
+            self.zeros.iter_mut().for_each(Zero::wait);
+        }
+    }
+}
+
+/// The zero of one sensor: the mean of [`Zero::READS`] ticks with the bridges off, [`Zero::REST`] ticks after they went.
+#[derive(Clone, Copy, Debug)]
+struct Zero {
+    is: i32,
+    /// Ticks to go, and the sum so far.
+    left: u32,
+    sum: i32,
+}
+
+impl Default for Zero {
+    fn default() -> Self {
+        Self { is: Self::MIDDLE, left: Self::READS + Self::REST, sum: 0 }
+    }
+}
+
+impl Zero {
+    const MIDDLE: i32 = 1 << (BITS - 1);
+    const READS: u32 = 64;
+    const REST: u32 = 16;
+    /// Farthest from the middle that it may be, 3 % of the range: resistors and amplifier stay within 1. Beyond that the sensor is broken
+    /// and the middle is what counts, as it does for the peer, which says so (fault 18).
+    const MOST: i32 = Self::MIDDLE * 3 / 100;
+
+    /// What was before says nothing.
+    fn wait(&mut self) {
+        (self.left, self.sum) = (Self::READS + Self::REST, 0);
+    }
+
+    #[inline(always)]
+    fn see(&mut self, read: u16) {
+        if self.left <= Self::READS {
+            self.sum += i32::from(read);
+        }
+        self.left -= 1;
+        if self.left == 0 {
+            // To the nearest.
+            let mean = (self.sum + Self::READS as i32 / 2) / Self::READS as i32;
+            self.is = if (mean - Self::MIDDLE).abs() <= Self::MOST { mean } else { Self::MIDDLE };
+            (self.left, self.sum) = (Self::READS, 0);
+        }
+    }
+}
+
+/// What does not fit is at the end of the numbers.
+#[inline(always)]
+fn code(number: i32) -> i16 {
+    number.max(-i32::from(i16::MAX)).min(i16::MAX.into()) as i16
+}

@@ -1,0 +1,139 @@
+//! ADC1's injected group, as the image uses it: three ranks, started by TIM1's second trigger output, 16 bits, an interrupt at their end.
+//!
+//! What its inputs read comes from outside ([`Converter::sample`], at the trigger). The emulator's own converter knows no injected group and
+//! takes no trigger. With its interrupt off, what was sampled is there at once: nobody can see when.
+//!
+//! Left out: the other group, the queue of contexts, watchdogs, calibration (it is over at once), and its clock: 32 MHz are taken for granted.
+
+use rigless::device::{Device, DeviceContext, Level, RegisterFile};
+use rigless::emulator::InterruptLine;
+use rigless::soc::stm32h743::generated::adc3::Register;
+use rigless::time::{EventId, VirtualNanos};
+
+const LINE: InterruptLine = InterruptLine::new(18).expect("ADC1 and ADC2 have a line");
+/// Flags: ready, end of a conversion, end of the group, regulator ready.
+const ADRDY: u64 = 1;
+const JEOC: u64 = 1 << 5;
+const JEOS: u64 = 1 << 6;
+const LDORDY: u64 = 1 << 12;
+/// Controls: enable, start of the group, regulator, calibration.
+const ADEN: u64 = 1;
+const JADSTART: u64 = 1 << 3;
+const ADVREGEN: u64 = 1 << 28;
+const ADCAL: u64 = 1 << 31;
+/// External trigger 8 on its rising edge, three ranks.
+const TRIGGERED: u64 = 1 << 7 | 8 << 2 | 2;
+/// Three times 17 clocks of 32 MHz, ns.
+const LASTS_NS: u64 = 1594;
+
+/// The converter.
+#[derive(Debug)]
+pub struct Converter {
+    flags: u64,
+    enables: u64,
+    started: bool,
+    /// JSQR.
+    sequence: u64,
+    sampled: [u16; 3],
+    data: [u16; 3],
+    ended: Option<EventId>,
+    /// Groups that were asked for while one was under way.
+    pub missed: u64,
+    /// What channels 15, 10 and 5 read while nothing hangs on them: no current, 24 V.
+    pub idle: [u16; 3],
+}
+
+impl Default for Converter {
+    fn default() -> Self {
+        Self {
+            flags: 0,
+            enables: 0,
+            started: false,
+            sequence: 0,
+            sampled: [0; 3],
+            data: [0; 3],
+            ended: None,
+            missed: 0,
+            idle: [0x8000, 0x8000, 43_330],
+        }
+    }
+}
+
+impl Converter {
+    /// TIM1's trigger came while channels 15, 10 and 5 read this.
+    pub fn sample(&mut self, reads: [u16; 3], c: &mut DeviceContext<'_>) {
+        if !self.started || self.sequence & 0x1FF != TRIGGERED {
+            return;
+        }
+        if self.ended.is_some() {
+            self.missed += 1;
+            return;
+        }
+        self.sampled = self.ranks(reads);
+        if self.enables & JEOS != 0 {
+            self.ended = Some(c.schedule(VirtualNanos(c.now().0 + LASTS_NS)));
+        } else {
+            self.data = self.sampled;
+        }
+    }
+
+    /// The channel of each rank has the read of that input.
+    fn ranks(&self, reads: [u16; 3]) -> [u16; 3] {
+        [9, 15, 21].map(|at| match self.sequence >> at & 31 {
+            15 => reads[0],
+            10 => reads[1],
+            5 => reads[2],
+            _ => 0,
+        })
+    }
+}
+
+impl Device for Converter {
+    type Register = Register;
+
+    fn read(&mut self, r: Register, _: &mut RegisterFile, _: &mut DeviceContext<'_>) -> Option<u64> {
+        let [one, two, three] = self.data.map(u64::from);
+        match r {
+            Register::Isr => Some(self.flags),
+            Register::Jdr1 => Some(one),
+            Register::Jdr2 => Some(two),
+            Register::Jdr3 => Some(three),
+            _ => None,
+        }
+    }
+    fn write(&mut self, r: Register, value: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        match r {
+            Register::Isr => self.flags &= !value,
+            Register::Ier => self.enables = value,
+            Register::Jsqr => self.sequence = value,
+            Register::Cr => {
+                let now = f.get(Register::Cr) & !ADCAL;
+                let ready = if value & ADEN != 0 { ADRDY } else { 0 };
+                let regulated = if now & ADVREGEN != 0 { LDORDY } else { 0 };
+                self.flags = self.flags & !LDORDY | ready | regulated;
+                self.started = now & JADSTART != 0;
+                if self.started {
+                    self.data = self.ranks(self.idle);
+                }
+                f.set(Register::Cr, now);
+            }
+            _ => {}
+        }
+        if self.flags & self.enables & JEOS == 0 {
+            c.drive_line(LINE, Level::Low);
+        }
+    }
+    fn on_event(&mut self, event: EventId, _: &mut RegisterFile, c: &mut DeviceContext<'_>) {
+        if self.ended == Some(event) {
+            self.ended = None;
+            self.data = self.sampled;
+            self.flags |= JEOC | JEOS;
+            if self.enables & JEOS != 0 {
+                c.drive_line(LINE, Level::High);
+            }
+        }
+    }
+    fn reset(&mut self) {
+        *self = Self { idle: self.idle, ..Self::default() };
+    }
+}
