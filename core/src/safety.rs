@@ -119,6 +119,28 @@ impl Mode {
             (mode, _) => mode,
         }
     }
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Disarmed => "disarmed",
+            Self::Armed => "armed",
+            Self::Probing => "probing",
+            Self::Faulted(_) => "faulted",
+        }
+    }
+
+    /// The number of the fault in it; 0: none.
+    pub fn fault_number(self) -> u8 {
+        if let Self::Faulted(fault) = self { fault.number() } else { 0 }
+    }
+
+    /// The mode of that name with the fault of that number in it.
+    pub fn named(name: &str, fault: u8) -> Option<Self> {
+        let faulted = Fault::from_number(fault).map(Self::Faulted);
+        let modes = [Some(Self::Disarmed), Some(Self::Armed), Some(Self::Probing), faulted];
+        modes.into_iter().flatten().find(|mode| mode.name() == name && mode.fault_number() == fault)
+    }
 }
 
 /// Limits of force, slew and speed.

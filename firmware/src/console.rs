@@ -114,7 +114,7 @@ impl fmt::Display for No<'_> {
             Self::Key(key) => write!(f, "there is no key {key}"),
             Self::Refused(refused) => refused.fmt(f),
             Self::Above(above) => above.fmt(f),
-            Self::Mode(mode) => write!(f, "{}, fault {}", status::name(*mode), status::fault(*mode)),
+            Self::Mode(mode) => write!(f, "{}, fault {}", mode.name(), mode.fault_number()),
             Self::Clear(why) => write!(f, "clear first: {why}"),
             Self::Because(why) => f.write_str(why),
             Self::Full => Ok(()),
@@ -150,7 +150,7 @@ impl Console {
         match request {
             Request::Status => self.status(to)?,
             Request::Arm { alone } => {
-                let armed = status::name(self.arm(alone).await?);
+                let armed = self.arm(alone).await?.name();
                 write!(to, "ok {armed}{}", if alone { ", alone: the operator may go" } else { "" })?;
             }
             Request::Disarm => {
@@ -160,7 +160,7 @@ impl Console {
             Request::Clear => {
                 self.unacknowledged = false;
                 self.signals.emergency.set(false);
-                write!(to, "ok {}", status::name(self.order(Command::Clear, Mode::Disarmed).await?))?;
+                write!(to, "ok {}", self.order(Command::Clear, Mode::Disarmed).await?.name())?;
             }
             Request::Home => {
                 if self.signals.button.get() != Button::Held {
@@ -215,7 +215,7 @@ impl Console {
     fn status(&self, to: &mut Line) -> fmt::Result {
         let signals = self.signals;
         let mode = signals.mode.get();
-        write!(to, "ok board {} {} fault {} ", self.number as u8 + 1, status::name(mode), status::fault(mode))?;
+        write!(to, "ok board {} {} fault {} ", self.number as u8 + 1, mode.name(), mode.fault_number())?;
         for (name, word) in [
             ("ticks", &signals.ticks),
             ("overruns", &signals.overruns),

@@ -61,8 +61,7 @@ impl Record {
     pub fn fill<L: Law<f32>>(
         &mut self,
         tick: u32,
-        counts: [Counts; AXES],
-        stage: Option<Measured>,
+        (counts, stage): ([Counts; AXES], Option<Measured>),
         incoming: Option<Packet<f32>>,
         flags: u8,
         peer: &mut Peer<f32, L>,

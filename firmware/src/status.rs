@@ -1,9 +1,8 @@
-//! Mode, fault and the cause of a start, as a person is told them.
+//! Why a board started and how far its link is, as a person is told.
 //!
 //! [`Stop`] numbers why a board is not running: 1–31 are the peer's own faults ([`haptic_core::safety::Fault`]), 32 and up
 //! those of the board around it. Numbers are never reused.
 
-use haptic_core::safety::Mode;
 use haptic_protocol::link::Stage;
 
 haptic_core::numbered! {
@@ -26,21 +25,6 @@ impl Stop {
     pub fn latches(self) -> bool {
         !matches!(self, Self::PowerOn | Self::Request)
     }
-}
-
-/// A mode's name.
-pub fn name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Disarmed => "disarmed",
-        Mode::Armed => "armed",
-        Mode::Probing => "probing",
-        Mode::Faulted(_) => "faulted",
-    }
-}
-
-/// The number of the fault that a mode holds; 0: none.
-pub fn fault(mode: Mode) -> u8 {
-    if let Mode::Faulted(fault) = mode { fault.number() } else { 0 }
 }
 
 /// How far the link to the other peer is.

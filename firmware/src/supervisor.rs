@@ -8,7 +8,7 @@ use embassy_stm32::gpio::{Input, Level, Output};
 use embassy_stm32::{peripherals::IWDG1, wdg::IndependentWatchdog};
 use embassy_time::{Duration, Ticker};
 use firmware_parts::signals::{Button, Signals};
-use firmware_parts::{button::Watch, hold, status};
+use firmware_parts::{button::Watch, hold};
 use haptic_core::safety::Mode;
 
 /// Between two looks, ms; and so the ticks expected in between.
@@ -51,8 +51,8 @@ pub(crate) async fn run(
         }
         let new = signals.mode.get();
         if new != mode {
-            let (before, after) = (status::name(mode), status::name(new));
-            defmt::info!("tick {=u32}: {=str} -> {=str}, fault {=u8}", now, before, after, status::fault(new));
+            let (before, after) = (mode.name(), new.name());
+            defmt::info!("tick {=u32}: {=str} -> {=str}, fault {=u8}", now, before, after, new.fault_number());
             let lit = matches!(new, Mode::Armed | Mode::Probing);
             armed.set_level(if lit { Level::High } else { Level::Low });
             mode = new;

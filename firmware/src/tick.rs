@@ -199,7 +199,7 @@ impl Loop {
             let _ = self
                 .side
                 .records
-                .put(|record| record.fill(tick, counts, sensors.stage, incoming, flags, peer, &actuators));
+                .put(|record| record.fill(tick, (counts, sensors.stage), incoming, flags, peer, &actuators));
         }
         self.overrun = pace::due();
         if self.overrun {

@@ -19,7 +19,7 @@ fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
     let counts = [Counts(0x1234), Counts(0xABCD)];
     let mut record = Record::default();
-    record.fill(7, counts, None, None, ENABLED | SENT, &mut peer, &Actuators::default());
+    record.fill(7, (counts, None), None, ENABLED | SENT, &mut peer, &Actuators::default());
     let back = Record::from_bytes(&record.bytes());
     assert_eq!(back, record);
     assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, counts, Mode::Disarmed, ENABLED | SENT));
@@ -45,7 +45,7 @@ fn a_packet_that_came_in_comes_out_whole() {
     let told = |flags, incoming| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(8, Default::default(), None, incoming, flags, &mut peer, &Actuators::default());
+        record.fill(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
@@ -59,7 +59,7 @@ fn what_the_stage_measured_comes_out_whole() {
     for stage in [Some(stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(9, Default::default(), stage, None, ENABLED, &mut peer, &Actuators::default());
+        record.fill(9, (Default::default(), stage), None, ENABLED, &mut peer, &Actuators::default());
         assert_eq!(Record::from_bytes(&record.bytes()).stage(), stage);
     }
 }

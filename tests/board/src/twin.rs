@@ -151,7 +151,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let stage = board.stage();
             let actuators = peer.tick(&Sensors { overrun, stage, ..Sensors::of(Reading::Counts(counts)) });
             let mut record = Record::default();
-            record.fill(board.tick(), counts, stage, incoming, board.flags(), &mut peer, &actuators);
+            record.fill(board.tick(), (counts, stage), incoming, board.flags(), &mut peer, &actuators);
             record == *board
         },
         records.len() as u64,

@@ -19,6 +19,7 @@
 
 use std::path::Path;
 
+use haptic_core::safety::Mode;
 use haptic_core::settings::Settings;
 
 use super::calibrate::board::{self, Board, Joint, Tick, say, settings};
@@ -26,6 +27,7 @@ use super::calibrate::counts::{self, Distance};
 use super::calibrate::motor::{self, Against};
 use super::calibrate::winding::{self, Sheet};
 use super::calibrate::{Found, Person, Task, motion, settings_file};
+use super::status::Status;
 
 /// The limit of force of the steps in which the board is armed, N.
 pub const LOWEST_N: f64 = 0.5;
@@ -126,8 +128,8 @@ fn listed(found: &[Found]) -> String {
 }
 
 impl BringUp<'_> {
-    fn status(&mut self) -> Result<String, String> {
-        say(self.board, "status")
+    fn status(&mut self) -> Result<Status, String> {
+        Status::parse(&say(self.board, "status")?)
     }
 
     /// The answer to a line that must be refused, for this reason.
@@ -191,7 +193,7 @@ impl BringUp<'_> {
     fn light(&mut self) -> Result<String, String> {
         self.person.please(&Task::SeeLight)?;
         let status = self.status()?;
-        if !status.contains(" disarmed fault 0 ") {
+        if status.mode != Mode::Disarmed {
             return Err(format!("it should be disarmed and without a fault: {status}"));
         }
         say(self.board, "stream 1")?;
@@ -202,7 +204,7 @@ impl BringUp<'_> {
         if ticks.len() < 400 || gaps > 0 {
             return Err(format!("{} of 500 ticks came, with {gaps} gaps: the network loses them", ticks.len()));
         }
-        Ok(status)
+        Ok(status.to_string())
     }
 
     fn stop_is_seen(&mut self) -> Result<String, String> {
@@ -273,7 +275,7 @@ impl BringUp<'_> {
             let seen = this.watch(settings, |this| this.board.ticks(1.0))?;
             let crept = seen.iter().fold(0.0, |most: f64, [way, _]| most.max(way.abs()));
             let status = this.status()?;
-            if !status.contains(" armed fault 0 ") || crept > CREEP_M {
+            if status.mode != Mode::Armed || crept > CREEP_M {
                 return Err(format!("in a second it moved by {:.2} mm; {status}", 1e3 * crept));
             }
             Ok(format!("armed with {LOWEST_N} N, moved by {:.2} mm in a second", 1e3 * crept))
@@ -290,7 +292,7 @@ impl BringUp<'_> {
             let duty = seen.iter().fold(0.0, |most: f64, [_, duty]| most.max(duty.abs()));
             let newtons = duty * motion::newton_per_duty(settings, &Joint::of(settings, joint)?);
             let status = this.status()?;
-            if !status.contains(" armed fault 0 ") || work >= 0.0 || newtons > 1.1 * LOWEST_N {
+            if status.mode != Mode::Armed || work >= 0.0 || newtons > 1.1 * LOWEST_N {
                 let which = if work >= 0.0 { "nothing pushed back" } else { "it pushed back" };
                 return Err(format!("{which}, with {newtons:.2} N at the most; {status}"));
             }
@@ -302,7 +304,7 @@ impl BringUp<'_> {
         self.armed(|this, _| {
             this.meanwhile(&Task::PressStop)?;
             let status = this.status()?;
-            if !status.contains(" disarmed ") {
+            if status.mode != Mode::Disarmed {
                 return Err(format!("the motors are not off: {status}"));
             }
             this.refused("arm", "emergency stop")?;
@@ -328,7 +330,7 @@ impl BringUp<'_> {
                 status = this.status();
             }
             let status = status?;
-            if !status.contains(" disarmed fault 0 ") || !status.contains("the operator was silent") {
+            if status.mode != Mode::Disarmed || !status.let_go {
                 return Err(format!("the motors should be off because the operator was silent: {status}"));
             }
             Ok("off while the operator was silent, and said so".to_owned())

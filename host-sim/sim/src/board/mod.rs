@@ -4,3 +4,4 @@ pub mod bringup;
 pub mod calibrate;
 pub mod operator;
 pub mod recording;
+pub mod status;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use haptic_core::safety::{Fault, Mode};
 use haptic_sim::board::bringup::{Passed, Plan, bring_up};
 use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::Distance;
@@ -9,6 +10,7 @@ use haptic_sim::board::calibrate::motor::Against;
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::winding::Sheet;
 use haptic_sim::board::calibrate::{Person, Task};
+use haptic_sim::board::status::Status;
 use haptic_sim::scene::Scene;
 
 const DEVICE: &str = "device.mass_kg=0.17";
@@ -147,4 +149,26 @@ fn a_tick_that_begins_late_does_not_pass() {
     let (_, _, outcome) = run("late", DEVICE, |_| false, Late);
     let why = outcome.expect_err("late");
     assert!(why.starts_with("time: delay 100.0 µs, may be 50 µs: "), "{why}");
+}
+
+/// Every mode that a board can be in is read back from what it says; what is none is refused.
+#[test]
+fn a_status_is_read_as_a_mode() {
+    let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter().chain(Fault::ALL.map(Mode::Faulted));
+    for mode in modes {
+        let said = format!(
+            "board 2 {} fault {} ticks 7; motors off: the operator was silent",
+            mode.name(),
+            mode.fault_number()
+        );
+        let status = Status::parse(&said).expect("a status");
+        assert_eq!((status.mode, status.let_go, status.to_string()), (mode, true, said));
+    }
+    assert!(!Status::parse("board 1 armed fault 0 ticks 7; silent").expect("a status").let_go);
+    for said in
+        ["", "board 1 armed", "board 1 armed fault 3 ticks 7", "board 1 faulted fault 0", "board 1 faulted fault 200"]
+    {
+        let why = Status::parse(said).expect_err("no status");
+        assert!(why.contains("no mode") && why.contains(said), "{why}");
+    }
 }

@@ -206,12 +206,8 @@ impl Simulated {
                 },
             )),
             ["status"] => {
-                let (mode, fault) = match self.peer.mode() {
-                    Mode::Disarmed => ("disarmed", 0),
-                    Mode::Armed => ("armed", 0),
-                    Mode::Probing => ("probing", 0),
-                    Mode::Faulted(fault) => ("faulted", fault.number()),
-                };
+                let mode = self.peer.mode();
+                let (mode, fault) = (mode.name(), mode.fault_number());
                 let silent = if self.let_go { "; motors off: the operator was silent" } else { "" };
                 format!("ok board 1 {mode} fault {fault} ticks {}{silent}", self.tick)
             }
