@@ -637,7 +637,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 self.trip(Fault::Runaway);
                 return Actuators::default();
             }
-            if self.packet_due() && self.is_stuck(duties) {
+            if self.until_packet & 3 == 0 && self.is_stuck(duties) {
                 self.trip(Fault::EncoderStuck);
                 return Actuators::default();
             }
@@ -647,7 +647,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         Actuators { forces, duties, enable: true, open: false }
     }
 
-    /// Once a packet period, and not in the tick that is the longest: whether a joint's encoder does not count.
+    /// Every fourth tick, and not in the one that is the longest: whether a joint's encoder does not count.
     #[inline(never)]
     fn is_stuck(&mut self, duties: [Duty; AXES]) -> bool {
         let joints = self.joints.iter().zip(&mut self.still).zip(duties).take(self.axes);

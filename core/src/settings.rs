@@ -591,7 +591,7 @@ settings! {
         operator_lost_s: f64 = 1.0, number(0.1, 100.0), "s",
             "Silence of a board's operator after which its motors go off, unless it was armed alone.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
-            "Change of a motor's duty, as a fraction of full scale, under which its encoder must count.";
+            "Change of a motor's duty, as a fraction of full scale, under which its encoder must count; at most half of max_force_n.";
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",
             "Most power that a hand can feed the device; above it the peer faults.";
     }

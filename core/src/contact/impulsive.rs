@@ -76,7 +76,7 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
             return Err(settings.refuses("contact.rendering", allowed));
         }
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
-        let (guard, Joints { counts_per_unit, most_per_m }) = (Guard::<S>::build(settings), Joints::of(settings));
+        let (guard, Joints { counts_per_unit, most_per_m, .. }) = (Guard::<S>::build(settings), Joints::of(settings));
         let [object_inverse, device_inverse] = [1.0 / object.mass_kg, 1.0 / contact.device_mass_kg];
         let step = guard.max_step.min(guard.max_force);
         Ok(Self {

@@ -69,7 +69,7 @@ pub const INDEX_COUNTS: i32 = 4;
 /// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
-    let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
+    let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
     let max = (f64::from(i16::MAX) - ROUNDING_COUNTS) / counts_per_speed;
     settings.within("encoder.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
@@ -78,7 +78,7 @@ pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
 impl<S: Scalar> Encoder<S> {
     /// From `encoder`, `timing` and `kinematics`.
     pub fn build(settings: &Settings) -> Self {
-        let Joints { counts_per_unit, most_per_m } = Joints::of(settings);
+        let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
         let joint_speed = settings.encoder.max_speed_m_per_s * most_per_m;
         let revolution = match settings.kinematics.model {
             KinematicsName::Direct => f64::from(1 << 30),

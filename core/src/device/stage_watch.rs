@@ -19,8 +19,9 @@
 //!
 //! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
 //! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that misses half of its reference
-//! now, else the encoder's. Where only e is, it is the current's, unless the voltage is at its limit: then the encoder says where the voltage
-//! goes, into speed, and the supply is at its end, which is no fault. What is x times what is tolerated, all the time, is told after
+//! now, else the encoder's. Where only e is, it is the current's; a voltage that is at its limit against what is missing makes no e,
+//! for r says that the voltage goes into speed: the supply is at its end, which is no fault. What is x times what is tolerated, all the
+//! time, is told after
 //! the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14 ms, twice after 6 ms, five
 //! times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just before.
 //!
@@ -207,7 +208,8 @@ impl<S: Scalar> StageWatch<S> {
         // V per count of the sum of two means of voltages: half of the mean supply over all of its counts.
         let supply = S::from_i32(i32::from(one.supply_mv) + i32::from(two.supply_mv));
         let volts = supply.ratio(S::from_i32(4000 * i32::from(two.supply_counts)));
-        let limit = 9 * i32::from(two.supply_counts);
+        // Nine tenths of the most, which is 0.95 of the supply.
+        let limit = (7 * i32::from(two.supply_counts)) >> 3;
         let (mut conducts, mut fault) = (false, None);
         let flows = one.motors.iter().zip(&two.motors);
         let asked = asked_one.iter().zip(&asked_two).map(|(one, two)| [one.0, two.0]);
@@ -223,7 +225,11 @@ impl<S: Scalar> StageWatch<S> {
                 last: two.last,
                 asked,
                 volts: S::from_i32(voltage) * volts,
-                pushes: if 5 * voltage.abs() >= limit { voltage } else { 0 },
+                pushes: [one, two]
+                    .map(|flow| i32::from(flow.voltage))
+                    .into_iter()
+                    .filter(|volts| volts.abs() >= limit)
+                    .sum(),
                 emf: S::from_i32(moved) * self.emf,
             };
             fault = fault.or(self.motor(motor, &pair, compared));
@@ -258,7 +264,10 @@ impl<S: Scalar> StageWatch<S> {
             let error = pair.codes - one - two;
             let slew = (changes * self.lags) >> 4;
             let borne = self.strays + ((one.abs() + two.abs()) >> 3) + slew;
-            motor.error = self.leaky.after(motor.error, S::from_i32(error));
+            // At its limit against what is missing: the supply has no more, if the voltage goes into speed, which r says.
+            let whole = driven == Driven::Whole;
+            let missed = if whole && pair.pushes.signum() == -error.signum() { 0 } else { error };
+            motor.error = self.leaky.after(motor.error, S::from_i32(missed));
             motor.error_borne = self.peak(motor.error_borne, S::from_i32(borne));
             let residual = pair.volts - ohmic - inductive - pair.emf;
             let borne_v = self.tolerance
@@ -266,11 +275,8 @@ impl<S: Scalar> StageWatch<S> {
                 + inductive.abs() * self.half;
             motor.residual = self.leaky.after(motor.residual, residual);
             motor.residual_borne = self.peak(motor.residual_borne, borne_v);
-            let whole = driven == Driven::Whole;
             let astray = whole && motor.residual.abs() > motor.residual_borne;
-            // At its limit against what is missing, and into speed: the supply has no more.
-            let at_its_end = whole && pair.pushes.signum() == -error.signum();
-            let late = motor.error.abs() > motor.error_borne && !at_its_end;
+            let late = motor.error.abs() > motor.error_borne;
             if astray || late {
                 return Some(if pair.ends[1] {
                     Fault::CurrentSensor
@@ -302,6 +308,6 @@ struct Pair<S> {
     /// Mean voltage, and the back-EMF that the encoder shows, V.
     volts: S,
     emf: S,
-    /// The voltage, if it is at its limit.
+    /// The voltages that are at their limit.
     pushes: i32,
 }

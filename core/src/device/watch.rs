@@ -3,20 +3,21 @@
 //! **Stuck.** A device at rest under a constant force cannot be told from an encoder that is stuck, and does no harm. But
 //! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
 //! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
-//! have ranged over more than `safety.stuck_duty`. What follows: with a stuck encoder the force changes by no more than
-//! that before the motors go off. Looked at once a packet period, in the tick before the packet is due: motion that comes
-//! back by then is not seen, force that changes more slowly is.
+//! have ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if that
+//! is more: what is gentle is doubted sooner. What follows: with a stuck encoder the motors go off four to eight ticks after the force has changed by that. Looked at
+//! every fourth tick, counted back from the one before a packet is due: motion that comes back by then is not seen, force that changes
+//! more slowly is; and a force has four ticks to move something.
 //!
 //! **Runaway.** With an encoder that counts the wrong way, what the controller brakes gets faster. The hand then seems to
 //! feed the device a power P = −F·v that no hand has: more than `safety.max_hand_power_w` is not believed. Every tick.
 //!
 //! Both only where positions come from encoders: the exact readings of a simulator are not to be doubted.
 //!
-//! What cannot be seen: a stuck encoder while nothing changes the force, or where `safety.max_force_n` keeps the duties within
-//! `safety.stuck_duty` of each other; one that counts too few or too many; one that counts the wrong way before any force
-//! acts. And a device pressed against a stop harder than `safety.stuck_duty`, or struck with more power than
+//! What cannot be seen: a stuck encoder while nothing changes the force; one that counts too few or too many; one that counts the wrong way before any force
+//! acts. And a device pressed against a stop harder than that, or held by friction of as much, or struck with more power than
 //! `safety.max_hand_power_w`, looks broken without being so.
 
+use crate::device::kinematics::Joints;
 use crate::{device::motor::Duty, num::Scalar, settings::Settings};
 
 /// What is not believed.
@@ -30,6 +31,9 @@ pub struct Watch<S> {
 /// Counts that an encoder may go to and fro by without having moved.
 const DITHER: u32 = 2;
 
+/// Force on the hand, N, that friction or a firm grip may hold without a count.
+pub const HELD_N: f64 = 1.0;
+
 /// One joint since its encoder last counted further than it dithers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Still {
@@ -39,24 +43,29 @@ pub struct Still {
 }
 
 impl<S: Scalar> Watch<S> {
-    /// From `safety.stuck_duty` and `safety.max_hand_power_w`.
+    /// From `safety.stuck_duty`, `safety.max_force_n` and `safety.max_hand_power_w`.
     pub fn build(settings: &Settings) -> Self {
-        let safety = &settings.safety;
+        let (safety, motor) = (&settings.safety, &settings.motor);
+        // What the largest force on the hand asks of a joint, in a usual pose.
+        let full = motor.newton_or_newton_metre_per_a * motor.full_scale_a * Joints::of(settings).usual_per_m;
+        let duty = safety.stuck_duty.min((0.5 * safety.max_force_n).max(HELD_N) / full);
         Self {
-            stuck_codes: (safety.stuck_duty * f64::from(Duty::FULL_SCALE)) as i32,
+            stuck_codes: (duty * f64::from(Duty::FULL_SCALE)) as i32,
             least_power: S::from_f64(-safety.max_hand_power_w),
         }
     }
 
-    /// A joint's counts and duty, once a packet period: its force has changed too much for an encoder that does not count.
+    /// A joint's counts and duty, every fourth tick: its force has changed too much for an encoder that does not count.
     #[inline]
     pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {
-        *still = if counts.abs_diff(still.counts) <= DITHER {
-            Still { counts: still.counts, low: still.low.min(duty), high: still.high.max(duty) }
-        } else {
-            Still { counts, low: duty, high: duty }
-        };
-        i32::from(still.high) - i32::from(still.low) > self.stuck_codes
+        if counts.abs_diff(still.counts) > DITHER {
+            *still = Still { counts, low: duty, high: duty };
+            return false;
+        }
+        // Without the duty of this tick, which has moved nothing yet.
+        let stuck = i32::from(still.high) - i32::from(still.low) > self.stuck_codes;
+        (still.low, still.high) = (still.low.min(duty), still.high.max(duty));
+        stuck
     }
 
     /// The power (W) that the device gives the hand, every tick: whether the hand seems to feed it more than a hand can.

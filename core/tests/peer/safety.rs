@@ -253,7 +253,7 @@ fn an_encoder_that_is_stuck() {
     };
     let (mut bench, largest) = stuck_at(&|_| 7);
     assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::EncoderStuck));
-    // 10 N, and what the object adds in one packet period.
+    // 10 N, and what the object adds in eight ticks.
     assert!((9.0..12.0).contains(&largest), "{largest} N");
     let last = bench.read(Reading::Counts([Counts(7), Counts(0)]));
     bench.assert_stopped(last, Fault::EncoderStuck);
@@ -267,6 +267,32 @@ fn an_encoder_that_is_stuck() {
     let (bench, largest) = stuck_at(&|tick| 7 + 3 * (tick / 32));
     assert_eq!(bench.peer.mode(), Mode::Armed);
     assert!(largest > 15.0, "{largest} N");
+}
+
+/// At a hand's limits, 3 N and 60 N/s, it is half of the force: four to eight ticks after it has changed by 1.5 N.
+#[test]
+fn an_encoder_that_is_stuck_under_a_gentle_force() {
+    let mut settings = Settings::default();
+    settings.axis.velocity = VelocityName::Difference;
+    settings.coordination.comm = "power";
+    (settings.safety.max_force_n, settings.safety.max_slew_n_per_s) = (3.0, 60.0);
+    let mut bench = Bench::armed(&settings);
+    let (mut ticks, first) = (0, 0.0_f32);
+    let mut changed = None;
+    while bench.peer.mode() == Mode::Armed && ticks < 200 {
+        if bench.peer.packet_due() {
+            bench.peer.hear(Packet { motion: Motion::at(0.5), ..Packet::default() });
+            bench.peer.exchange();
+        }
+        ticks += 1;
+        let force = bench.read(Reading::Counts([Counts(7); 2])).forces[0];
+        if (force - first).abs() > 1.5 && changed.is_none() {
+            changed = Some(ticks);
+        }
+    }
+    assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::EncoderStuck));
+    let later = ticks - changed.unwrap();
+    assert!((4..=8).contains(&later), "{later}");
 }
 
 /// A device whose encoder begins to count the wrong way, pressed against the object by 4 N: an exact model of both.

@@ -113,6 +113,8 @@ pub(crate) struct Joints {
     pub(crate) counts_per_unit: f64,
     /// The most that a joint moves (m or rad) when the hand moves by one metre, for plausibility limits.
     pub(crate) most_per_m: f64,
+    /// The same in a usual pose.
+    pub(crate) usual_per_m: f64,
 }
 
 impl Joints {
@@ -121,11 +123,11 @@ impl Joints {
         let kinematics = &settings.kinematics;
         let slide = settings.encoder.counts_per_m;
         let turning = settings.encoder.counts_per_rev / core::f64::consts::TAU;
-        let (counts_per_unit, most_per_m) = match kinematics.model {
-            KinematicsName::Direct => (slide, 1.0),
-            KinematicsName::Capstan => (turning, kinematics.capstan_ratio / kinematics.paddle_radius_m),
-            KinematicsName::FiveBar => (turning, 1.0 / (five_bar::MIN_ELBOW_SINE * kinematics.proximal_m)),
+        let (counts_per_unit, usual_per_m, least_sine) = match kinematics.model {
+            KinematicsName::Direct => (slide, 1.0, 1.0),
+            KinematicsName::Capstan => (turning, kinematics.capstan_ratio / kinematics.paddle_radius_m, 1.0),
+            KinematicsName::FiveBar => (turning, 1.0 / kinematics.proximal_m, five_bar::MIN_ELBOW_SINE),
         };
-        Self { counts_per_unit, most_per_m }
+        Self { counts_per_unit, most_per_m: usual_per_m / least_sine, usual_per_m }
     }
 }
