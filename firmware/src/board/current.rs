@@ -292,14 +292,12 @@ impl Stage {
         if periods < PERIODS {
             return None;
         }
-        let mean = |now: i32, before: i32| now.wrapping_sub(before).checked_div(periods.cast_signed()).unwrap_or(0);
+        let since = |now: i32, before: i32| now.wrapping_sub(before);
         let mut motors = [Flow::default(); AXES];
         for (joint, flow) in motors.iter_mut().enumerate() {
-            *flow = Flow {
-                mean: code(mean(now.codes[joint], before.codes[joint])),
-                last: code(now.last[joint]),
-                voltage: code(mean(now.voltages[joint], before.voltages[joint])),
-            };
+            let currents = since(now.codes[joint], before.codes[joint]);
+            let voltages = since(now.voltages[joint], before.voltages[joint]);
+            *flow = Flow::of(currents, voltages, now.last[joint], periods.cast_signed());
         }
         let read = now.supply.wrapping_sub(before.supply).checked_div(periods).unwrap_or(0);
         Some(self.said(motors, read))

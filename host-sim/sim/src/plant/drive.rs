@@ -217,7 +217,7 @@ impl Drive {
     }
 
     fn take(&mut self, order: Order, enable: bool) {
-        if !enable && self.fault != PlantFault::IgnoredEnable {
+        if !enable && !self.ignores_enable() {
             return self.off();
         }
         (self.next, self.on) = (order, true);
@@ -251,6 +251,11 @@ impl Drive {
         }
         let read = self.closed.as_mut().map_or(0, |closed| closed.converter.read(sampled_a));
         (read, self.force_per_a * mean_a)
+    }
+
+    /// Whether the bridge gives what its inputs say even while it is not enabled.
+    pub fn ignores_enable(&self) -> bool {
+        self.fault == PlantFault::IgnoredEnable
     }
 
     /// The bridge's supply, V.

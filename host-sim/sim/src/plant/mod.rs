@@ -223,6 +223,11 @@ impl Plant {
         flows.map(|(read, _)| read)
     }
 
+    /// Whether its first bridge gives what its inputs say even while it is not enabled.
+    pub fn ignores_enable(&self) -> bool {
+        self.windings.as_ref().is_some_and(|windings| windings.drives[0].ignores_enable())
+    }
+
     /// Supply of the bridges, V; none without windings.
     pub fn supply_v(&self) -> Option<f64> {
         self.windings.as_ref().map(|windings| windings.drives[0].supply_v())

@@ -71,7 +71,8 @@ impl Motors {
             self.held = self.plant.begin(time_s);
         }
         let supply = self.plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0;
-        let voltages = bridges.voltages().map(|voltage| bridges.on().then_some(voltage));
+        let on = bridges.on() || bridges.outputs && self.plant.ignores_enable();
+        let voltages = bridges.voltages().map(|voltage| on.then_some(voltage));
         let [one, two] = self.plant.period(self.held.as_ref(), voltages);
         ([one, two, supply.round().clamp(0.0, 65535.0) as u16], self.turn())
     }

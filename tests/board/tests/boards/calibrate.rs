@@ -77,8 +77,8 @@ impl Person for Table {
     }
 }
 
-#[test]
-fn a_person_brings_up_a_board_whose_signs_are_wrong() {
+/// A device whose numbers a board is not told, as somebody at a table has it; `set` says what it is beside that.
+fn table(set: &[&str]) -> Table {
     let mut truth = Scene::default();
     for text in [
         "plant.encoder=true",
@@ -88,41 +88,48 @@ fn a_person_brings_up_a_board_whose_signs_are_wrong() {
         "device.damping_n_s_per_m=0.8",
         "plant.coulomb_n=0.2",
         "encoder.counts_per_m=170000",
-        "encoder.reversed=true",
         "motor.newton_or_newton_metre_per_a=6.5",
-    ] {
+    ]
+    .iter()
+    .chain(set)
+    {
         truth.apply_override(text).expect("a good override");
     }
     truth.world.plant.pwm_steps = PWM_STEPS;
+    truth.world.plant.current_bits = 16;
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
-    bench.tell_of_amplifiers(1);
+    if !truth.world.plant.winding {
+        bench.tell_of_amplifiers(1);
+    }
     bench.let_go(Some(&truth));
-    let bench = Rc::new(RefCell::new(bench));
-    let mut board = Table { bench: bench.clone(), truth: truth.clone(), taken: Rc::default() };
-    let mut person = board.clone();
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("brought-up.toml");
-    let _ = std::fs::remove_file(&file);
-    // As it came, the encoder against the motor: arming is refused, and so is a check.
-    assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
-    board.ask("check 1").expect("an answer");
-    board.ticks(0.1).expect("it runs");
-    let probed = board.ask("probed").expect("an answer");
-    assert!(probed.contains("; disagree: "), "{probed}");
-    assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
+    Table { bench: Rc::new(RefCell::new(bench)), truth, taken: Rc::default() }
+}
 
-    let plan = Plan {
-        joint: 1,
-        distance: Distance::Metres(0.05),
-        sheet: Sheet::default(),
-        against: Against::Mass(0.2),
-        file: &file,
-    };
-    let passed = bring_up(&mut board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
+/// The motors of a board with a current loop.
+const LOOP: [&str; 4] =
+    ["plant.winding=true", "plant.drive=current", "motor.resistance_ohm=3", "motor.inductance_h=0.0007"];
+
+/// What a check of joint 1 says, and what `arm` does after it.
+fn checked(board: &mut Table) -> (String, String) {
+    let begun = board.ask("check 1").expect("an answer");
+    assert!(begun.starts_with("ok probing"), "{begun}");
+    board.ticks(0.2).expect("it runs");
+    let [probed, armed] = ["probed", "arm"].map(|line| board.ask(line).expect("an answer"));
+    (probed, armed)
+}
+
+/// Every step, and what was found against the truth.
+fn brings_up(name: &str, board: &mut Table) -> Scene {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
+    let _ = std::fs::remove_file(&file);
+    let (distance, against) = (Distance::Metres(0.05), Against::Mass(0.2));
+    let plan = Plan { joint: 1, distance, sheet: Sheet::default(), against, file: &file };
+    let mut person = board.clone();
+    let passed = bring_up(board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
     assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 11);
 
     let found = Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
-    assert_eq!((found.peer.encoder.reversed, found.peer.motor.reversed), (true, false));
     for (what, found, truth, relative) in [
         ("counts", found.peer.encoder.counts_per_m, 170_000.0, 1e-3),
         ("motor", found.peer.motor.newton_or_newton_metre_per_a, 6.5, 0.02),
@@ -135,4 +142,42 @@ fn a_person_brings_up_a_board_whose_signs_are_wrong() {
     // The limit is what it was, and the device has been checked since it is known: it arms.
     assert_eq!(board.ask("get safety.max_force_n").expect("an answer"), "ok safety.max_force_n = 3");
     assert_eq!(board.ask("arm").expect("an answer"), "ok armed");
+    found
+}
+
+#[test]
+fn a_person_brings_up_a_board_whose_signs_are_wrong() {
+    let mut board = table(&["encoder.reversed=true"]);
+    // As it came, the encoder against the motor: arming is refused, and so is a check.
+    assert!(board.ask("arm").expect("an answer").starts_with("error check first: "));
+    let (probed, armed) = checked(&mut board);
+    assert!(probed.contains("; disagree: ") && armed.starts_with("error check first: "), "{probed} {armed}");
+    let found = brings_up("amplifier", &mut board);
+    assert_eq!((found.peer.encoder.reversed, found.peer.motor.reversed), (true, false));
+}
+
+#[test]
+fn a_person_brings_up_a_board_with_a_current_loop() {
+    let found = brings_up("loop", &mut table(&[&LOOP[..], &["motor.reversed=true"]].concat()));
+    assert_eq!((found.peer.encoder.reversed, found.peer.motor.reversed), (false, true));
+    let motor = &found.peer.motor;
+    assert!((motor.resistance_ohm / 3.0 - 1.0).abs() < 0.02, "{} Ω", motor.resistance_ohm);
+    assert!((motor.inductance_h / 0.0007 - 1.0).abs() < 0.05, "{} H", motor.inductance_h);
+}
+
+/// A bridge that ignores its enable, a current sensor of the wrong sign, an encoder of the wrong scale: none of them is armed.
+#[test]
+fn what_a_current_loop_may_not_be_closed_around_is_not_armed() {
+    for (wrong, end) in [
+        ("plant.fault=ignored-enable", " enable "),
+        ("plant.fault=reversed-sense", " sensor "),
+        ("plant.fault=open-motor", " open "),
+        // The settings say 200 counts a millimetre.
+        ("encoder.counts_per_m=400000", "; scale: "),
+    ] {
+        let mut board = table(&[&LOOP[..], &["plant.fault_at_s=0", wrong]].concat());
+        let (probed, armed) = checked(&mut board);
+        assert!(probed.contains(end), "{wrong}: {probed}");
+        assert!(armed.starts_with("error check first: "), "{wrong}: {armed}");
+    }
 }
