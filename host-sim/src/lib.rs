@@ -5,6 +5,7 @@
 mod cli;
 pub mod live;
 mod play;
+pub mod recording;
 pub mod shared;
 pub mod studies;
 pub mod trials;

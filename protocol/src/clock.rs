@@ -43,6 +43,7 @@ pub struct Clock {
     points: usize,
     offset: Option<Point>,
     drift: f64,
+    newest: Option<[u64; 4]>,
 }
 
 impl Clock {
@@ -58,6 +59,7 @@ impl Clock {
         // Halves first: the sum of two offsets may not fit.
         let offset_us = (forth / 2).saturating_add(back / 2).saturating_add((forth % 2 + back % 2) / 2);
         self.smooth(round_trip as f32);
+        self.newest = Some([t1, t2, t3, t4]);
         let point = Point { at_us: t4, offset_us };
         if let Some((_, fastest)) = self.fastest
             && t4.saturating_sub(self.block_began_us) >= BLOCK_US
@@ -122,6 +124,11 @@ impl Clock {
             .fold((0.0, 0.0), |(xx, xy), (x, y)| (xx + (x - mean_x) * (x - mean_x), xy + (x - mean_x) * (y - mean_y)));
         let slope = xy / xx;
         (slope * 1e6 <= MOST_PPM && slope * 1e6 >= -MOST_PPM).then_some((slope, mean_y - slope * mean_x))
+    }
+
+    /// The four times of the newest sample that was believed, t1 to t4, µs: for who keeps them all.
+    pub fn newest(&self) -> Option<[u64; 4]> {
+        self.newest
     }
 
     /// Smoothed round trip, µs.

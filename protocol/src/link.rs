@@ -170,6 +170,9 @@ pub struct Link {
     answer: Option<Challenge>,
     /// A probe to answer: its time, and when it came.
     probed: Option<(u64, u64)>,
+    /// How long what is taken next has waited, µs; and when what was opened last was sealed, µs of the other end's clock.
+    waited_us: u64,
+    sealed_us: u64,
     ack_due: bool,
     /// When the newest probe was sent that was answered in this session.
     answered_us: Option<u64>,
@@ -218,6 +221,8 @@ impl Link {
             far: Challenge::default(),
             answer: None,
             probed: None,
+            waited_us: 0,
+            sealed_us: 0,
             ack_due: false,
             answered_us: None,
             heard_us: 0,
@@ -372,6 +377,17 @@ impl Link {
     /// How long ago this end gave out the token, µs; `None` if that was not in this session.
     pub fn token_age_us(&self, now: u64, token: u64) -> Option<u64> {
         self.session.as_ref().and_then(|session| session.age_us(now, token))
+    }
+
+    /// The next datagram that is taken has waited here for so long since it came, µs, and is not as young as its taking says. Only
+    /// the times of probes and replies heed it: how old a message may be counts from when it is taken.
+    pub fn waited(&mut self, us: u64) {
+        self.waited_us = us;
+    }
+
+    /// When the datagram that was opened last was sealed, µs of the other end's clock.
+    pub fn sealed_us(&self) -> u64 {
+        self.sealed_us
     }
 
     /// The other peer's clock, the round trip and its jitter.

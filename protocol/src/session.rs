@@ -62,6 +62,8 @@ pub(crate) struct Opened<'a> {
     pub message: &'a [u8],
     /// How old it is at the most, µs; `None`: it echoes nothing that was said from here in this session.
     pub age_us: Option<u64>,
+    /// When it was sealed, µs of the other end's clock.
+    pub sealed_us: u64,
 }
 
 impl fmt::Debug for Session {
@@ -182,7 +184,7 @@ impl Session {
         if newest.is_none_or(|newest| header.sequence > newest) {
             self.stamp_us = sealed_us;
         }
-        Ok(Opened { message, age_us: self.age_us(now, echo_us) })
+        Ok(Opened { message, age_us: self.age_us(now, echo_us), sealed_us })
     }
 
     /// Sealed datagrams taken so far; 2³² − 1 stands for more.

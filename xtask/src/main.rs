@@ -12,6 +12,7 @@ mod page;
 mod probe;
 mod qemu;
 mod readme;
+mod recordings;
 mod release;
 mod rooms;
 mod run;
@@ -35,7 +36,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 17] = [
+const CHORES: [Chore; 18] = [
     Chore {
         name: "setup",
         options: "",
@@ -61,7 +62,7 @@ Prints the toolchain that builds for the microcontroller.",
         more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, types, lints and format of the page
 of host-sim play (page; needs npm and Chromium, which apt-get installs), core and protocol built for the
 microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
-chip included), the golden traces in release as well, no panic in the tick, the pages against what their commands print
+chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces in release as well, no panic in the tick, the pages against what their commands print
 (readme), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
 interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on
 virtual boards (board-test), whose emulator takes minutes to build.",
@@ -170,6 +171,14 @@ there. Two files with one key are refused: who holds the peers' could arm the bo
 the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first. Installs
 qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
         run: |_| test::second_opinion(&setup::setup()?),
+    },
+    Chore {
+        name: "recordings",
+        options: "",
+        does: "Has Python's `mcap` read what host-sim records, and compares names, units and values",
+        more: "A run in memory and two live peers. The versions of tests/recordings/requirements.txt are installed into a virtual
+environment below target/ when they have changed; it needs Python 3 with venv and, then, the registry.",
+        run: |_| recordings::recordings(),
     },
     Chore {
         name: "rooms",

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, no_panic, page, qemu};
+use crate::{board, count, no_panic, page, qemu, recordings};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -25,6 +25,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     })?;
     step("documentation", || run(cargo(&["doc", "--locked", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")))?;
     step("tests, debug", || run(&mut cargo(&["test", "--locked"])))?;
+    step("recordings", recordings::recordings)?;
     step("parts of the image", || {
         // What of it needs no chip.
         run(&mut cargo(&["test", "--locked", "--package", "firmware", "--test", "parts"]))

@@ -62,11 +62,13 @@ pub struct Node {
     ticks: u32,
     /// Control periods since it was armed.
     pub armed_ticks: u64,
-    /// Control periods until the other one is told how this one is doing.
+    /// From telling the other one how this one is doing to the next time, s.
+    telemetry_s: f64,
+    /// Control periods until then.
     until_telemetry: u32,
 }
 
-/// Time from telemetry to telemetry, s.
+/// Time from telemetry to telemetry, s, unless [`Node::telling_every`] says another.
 pub const TELEMETRY_S: f64 = 0.5;
 
 /// Notices of a line that are kept.
@@ -83,6 +85,8 @@ pub struct Line {
     pub heard: Option<Telemetry>,
     /// What the link has reported, in order, with the time of each in µs: the newest [`MOST_NOTICES`].
     pub notices: VecDeque<(u64, Notice)>,
+    /// How many there were.
+    pub noticed: u64,
     /// Lives of the other one that there were.
     pub lives: u64,
 }
@@ -95,7 +99,7 @@ impl Line {
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
         let link = open(settings, key, ends, entropy).map_err(|error| error.to_string())?;
         let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
-        Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), lives: 0 })
+        Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0 })
     }
 
     /// Takes a datagram at a tick, opened in place; gives the flow, if it was that. `part` lets go of the other peer.
@@ -131,6 +135,7 @@ impl Line {
             if self.notices.len() == MOST_NOTICES {
                 self.notices.pop_front();
             }
+            self.noticed += 1;
             self.notices.push_back((now_us, notice));
         }
     }
@@ -152,7 +157,24 @@ impl Node {
     ) -> Result<Self, String> {
         let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
-        Ok(Self { peer, plant, halted: false, line, period_s, ticks: 0, armed_ticks: 0, until_telemetry: 0 })
+        let telemetry_s = TELEMETRY_S;
+        Ok(Self {
+            peer,
+            plant,
+            halted: false,
+            line,
+            period_s,
+            ticks: 0,
+            armed_ticks: 0,
+            telemetry_s,
+            until_telemetry: 0,
+        })
+    }
+
+    /// The same, which tells the other one so often how it is doing, s.
+    #[must_use]
+    pub fn telling_every(self, telemetry_s: f64) -> Self {
+        Self { telemetry_s, ..self }
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
@@ -187,7 +209,7 @@ impl Node {
             let telemetry = self.telemetry(now_us);
             // Without a session it is made up for as soon as there is one.
             if self.line.link.say(now_us, telemetry, &mut send) {
-                self.until_telemetry = (TELEMETRY_S / self.period_s) as u32;
+                self.until_telemetry = (self.telemetry_s / self.period_s) as u32;
             }
         } else {
             self.until_telemetry -= 1;

@@ -30,18 +30,31 @@ use crate::scene::Scene;
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
+/// Sees rows.
+pub type EachRow<'a> = &'a dyn Fn(&[f64]);
+
 /// A number type in which scenes are run.
 pub trait Run: Number {
     /// [`run`] in this type. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]
-    fn run(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>>;
+    fn run(
+        scene: &Scene,
+        options: Options,
+        progress: Progress<'_>,
+        each: Option<EachRow<'_>>,
+    ) -> Result<Outcome, Refused<'static>>;
 }
 
 macro_rules! runs {
     ($($Number:ty),+) => {
         $(impl Run for $Number {
-            fn run(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
-                run_in::<Self>(scene, options, progress)
+            fn run(
+                scene: &Scene,
+                options: Options,
+                progress: Progress<'_>,
+                each: Option<EachRow<'_>>,
+            ) -> Result<Outcome, Refused<'static>> {
+                run_in::<Self>(scene, options, progress, each)
             }
         })+
     };
@@ -50,10 +63,25 @@ runs!(f32, f64, Fixed, DoubleDouble);
 
 /// Runs the scene with peers that compute in `S`.
 pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, progress)
+    S::run(scene, options, progress, None)
 }
 
-fn run_in<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
+/// The same; `each` sees every tick as a row of [`Account::columns`], whatever is kept in the table.
+pub fn run_seen<S: Run>(
+    scene: &Scene,
+    options: Options,
+    progress: Progress<'_>,
+    each: EachRow<'_>,
+) -> Result<Outcome, Refused<'static>> {
+    S::run(scene, options, progress, Some(each))
+}
+
+fn run_in<S: Number>(
+    scene: &Scene,
+    options: Options,
+    progress: Progress<'_>,
+    each: Option<EachRow<'_>>,
+) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
     let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
     let mut account = Account::new(scene, ticks, options);
@@ -62,6 +90,9 @@ fn run_in<S: Number>(scene: &Scene, options: Options, progress: Progress<'_>) ->
         pair.step_watched(&mut |seen| account.ticked(seen.number - 1, Ticked::of(seen.peer)));
         hash = pair.hash(hash);
         account.period();
+        if let Some(each) = each {
+            each(&account.row());
+        }
         if tick % 10_000 == 0 {
             progress(tick);
         }

@@ -5,14 +5,15 @@ use haptic_analysis::{Verdict, judge};
 use haptic_core::names::Choice;
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
+use haptic_core::settings::Refused;
 use serde_json::json;
 
-use super::flags::{Out, Time};
+use super::flags::{Out, RecordTo, Time};
 use super::{Failure, SceneArgs, Ui};
 use crate::studies::{doubt, figures};
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::Columns;
-use haptic_sim::run::{Options, Outcome, run};
+use haptic_sim::run::{Account, EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
@@ -38,6 +39,8 @@ pub(super) struct Cooperate {
     #[arg(long, value_enum, default_value_t)]
     scalar: ScalarName,
     #[command(flatten)]
+    record: RecordTo,
+    #[command(flatten)]
     out: Out,
 }
 
@@ -51,11 +54,21 @@ impl Cooperate {
             false => Options { duration_s: self.time.seconds, record_every: 0 },
         };
         let steps = (self.time.seconds / period_s / 1e4) as usize;
+        let made = ui.made().settings(scene.settings());
+        let recorder = self.record.simulated(&made, Account::columns())?;
+        let each = |row: &[f64]| {
+            if let Some(recorder) = &recorder {
+                recorder.put_all(0, (1e9 * row[0]).round() as u64, row);
+            }
+        };
         let ((outcome, scalar), wall_s) = ui.work(steps, "cooperate", |step| match self.scalar {
-            ScalarName::F32 => run::<f32>(&scene, options, &|_| step()).map(|outcome| (outcome, f32::NAME)),
-            ScalarName::F64 => run::<f64>(&scene, options, &|_| step()).map(|outcome| (outcome, f64::NAME)),
-            ScalarName::I32f32 => run::<Fixed>(&scene, options, &|_| step()).map(|outcome| (outcome, Fixed::NAME)),
+            ScalarName::F32 => go::<f32>(&scene, options, step, recorder.is_some().then_some(&each)),
+            ScalarName::F64 => go::<f64>(&scene, options, step, recorder.is_some().then_some(&each)),
+            ScalarName::I32f32 => go::<Fixed>(&scene, options, step, recorder.is_some().then_some(&each)),
         })?;
+        if let Some(recorder) = recorder {
+            ui.status(recorder.finish().told());
+        }
 
         let verdict = haptic_analysis::verdict(&scene)?;
         let outcome = outcome.doubted(doubt(&scene, &verdict));
@@ -76,7 +89,7 @@ impl Cooperate {
             warnings.push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));
         }
         let facts = columns(&self.scene.name(), &scene, &outcome, &verdict, wall_s)?;
-        let made = ui.made().settings(scene.settings()).with("number_type", scalar).with("seconds", self.time.seconds);
+        let made = made.with("number_type", scalar).with("seconds", self.time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(&outcome));
         let made = made.with("recorded_every_ticks", options.record_every);
         let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };
@@ -94,6 +107,20 @@ impl Cooperate {
         ui.wrote(&files);
         Ok(())
     }
+}
+
+/// A run in this number type, and what that is called.
+fn go<S: Run>(
+    scene: &Scene,
+    options: Options,
+    step: &(dyn Fn() + Sync),
+    each: Option<EachRow<'_>>,
+) -> Result<(Outcome, &'static str), Refused<'static>> {
+    let outcome = match each {
+        Some(each) => run_seen::<S>(scene, options, &|_| step(), each),
+        None => run::<S>(scene, options, &|_| step()),
+    };
+    outcome.map(|outcome| (outcome, S::NAME))
 }
 
 /// Of both peers' states over every tick.

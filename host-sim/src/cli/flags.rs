@@ -7,10 +7,16 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
 use haptic_core::names::Choice;
 use haptic_protocol::key::{Key, Role};
+use haptic_sim::report::Made;
 use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
 
 pub(super) use super::ui::Out;
 use super::ui::{Failure, Ui};
+use crate::live::tell::Manner;
+use crate::live::watch::Wanted;
+use crate::recording::mcap::Channel;
+use crate::recording::origin::Origin;
+use crate::recording::recorder::Recorder;
 use crate::shared::world::{self, World};
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
@@ -154,6 +160,48 @@ pub(super) struct LiveTime {
     /// How long, s.
     #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = live_seconds)]
     pub(super) seconds: f64,
+}
+
+/// What is recorded of a live command, and what it says while it runs.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Watching {
+    #[command(flatten)]
+    record: RecordTo,
+    /// Say nothing while it runs; without it, a line each second and what happens in between.
+    #[arg(long)]
+    quiet: bool,
+    /// Say each second, each event and in the end the report as a JSON object, one a line, on standard output.
+    #[arg(long, conflicts_with = "quiet")]
+    pub(super) json_lines: bool,
+}
+
+impl Watching {
+    /// As the live commands take it.
+    pub(super) fn wanted(&self, made: Made) -> Wanted {
+        let manner = match (self.json_lines, self.quiet) {
+            (true, _) => Manner::Json,
+            (_, true) => Manner::Quiet,
+            _ => Manner::Words,
+        };
+        Wanted { record: self.record.record.clone().map(|file| (file, made)), manner }
+    }
+}
+
+/// A recording.
+#[derive(Clone, Debug, Args)]
+pub(super) struct RecordTo {
+    /// Record every tick in this file (MCAP) while it runs; it must not be there yet. `host-sim convert` makes Parquet or CSV of it.
+    #[arg(long, value_name = "FILE")]
+    pub(super) record: Option<PathBuf>,
+}
+
+impl RecordTo {
+    /// Begins a recording of both peers in simulated time, if one is wanted.
+    pub(super) fn simulated(&self, made: &Made, columns: Vec<String>) -> Result<Option<Recorder>, String> {
+        let channel = || Channel::new("/both/ticks", "Tick", columns.into_iter().map(|name| (name, "")));
+        let create = |file: &PathBuf| Recorder::create(file, &Origin::simulated(made, "both peers"), vec![channel()]);
+        self.record.as_ref().map(create).transpose()
+    }
 }
 
 /// How long a live command calls before it gives up.

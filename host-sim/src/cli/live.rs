@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use clap::Args;
 
-use super::flags::{End, Patience};
+use super::flags::{End, Patience, Watching};
 use super::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::{Span, Stop};
 use crate::live::{hub, peer};
@@ -24,6 +24,8 @@ pub(super) struct Peer {
     end: End,
     #[command(flatten)]
     patience: Patience,
+    #[command(flatten)]
+    watching: Watching,
 }
 
 impl Peer {
@@ -32,8 +34,10 @@ impl Peer {
         let key = self.end.key.read()?;
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
-        let report = peer::run(&scene, key, self.number, ends, span, &Stop::on_signals()?)?;
-        ui.report(&format!("peer {}", self.number), &report)
+        let made = ui.made().settings(scene.settings()).with("peer", self.number);
+        let wanted = self.watching.wanted(made);
+        let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
+        ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)
     }
 }
 
@@ -49,6 +53,8 @@ pub(super) struct Hub {
     end: End,
     #[command(flatten)]
     patience: Patience,
+    #[command(flatten)]
+    watching: Watching,
 }
 
 impl Hub {
@@ -57,7 +63,9 @@ impl Hub {
         let key = self.end.key.read()?;
         let (users, listen, span) = (self.users, self.end.listen, span(&self.end, &self.patience));
         ui.status(format_args!("hub for {users} peers listens on {listen}"));
-        ui.report("hub", &hub::run(&scene, &key, users.into(), listen, span, &Stop::on_signals()?)?)
+        let wanted = self.watching.wanted(ui.made().settings(scene.settings()).with("users", users));
+        let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
+        ui.live_report(self.watching.json_lines, "hub", &report)
     }
 }
 

@@ -18,6 +18,7 @@ mod live;
 mod network;
 mod paper;
 mod play;
+mod recordings;
 mod shared;
 mod stability;
 mod sweep;
@@ -92,6 +93,10 @@ commands! {
         Peer(live::Peer),
         /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
         Hub(live::Hub),
+        /// Make a table of a recording: Parquet or CSV; also of one that was cut.
+        Convert(recordings::Convert),
+        /// True discrepancy of a live run: the recordings of both ends on a common clock, with the error that the clock leaves.
+        Merge(recordings::Merge),
         /// Keys of sealed lines: make one, or turn it into a board's.
         #[command(subcommand)]
         Key(key::Key),

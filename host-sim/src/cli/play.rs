@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 
-use super::flags::{choice, seconds};
+use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
 use crate::play::{End, Kind, Model, Page, Shown, measure};
@@ -43,6 +43,8 @@ pub(super) struct Play {
     /// End after so long, s; without it at Ctrl-C.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
+    #[command(flatten)]
+    record: RecordTo,
     /// Print how many ticks are late without windows, with two, and with ten and three that misbehave, and nothing else.
     #[arg(long)]
     measure: bool,
@@ -54,7 +56,7 @@ impl Play {
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
-        let shown = self.shown()?;
+        let (shown, made) = (self.shown()?, ui.made().settings(scene.settings()));
         let people = match &shown {
             Shown::Here(_) => vec![1, 2],
             Shown::Far(end) => {
@@ -67,7 +69,8 @@ impl Play {
             ui.status(format_args!("person {person}:  {}", page.address(person)));
         }
         ui.status(format_args!("to watch:  {}\nCtrl-C ends it", page.address(0)));
-        let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), &stop)?;
+        let record = self.record.record.as_deref().map(|file| (file, &made));
+        let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), record, &stop)?;
         ui.report("play", &json!(kept))
     }
 

@@ -67,6 +67,16 @@ impl Ui {
         self.text(title, document)
     }
 
+    /// The report of what said a JSON object a line while it ran: as the last of them, where that was asked for.
+    pub(super) fn live_report(&self, lines: bool, title: &str, document: &impl Serialize) -> Result<(), Failure> {
+        if lines {
+            let kind = serde_json::json!({ "kind": "report" });
+            print(format_args!("{}\n", and(kind, document)?));
+            return Ok(());
+        }
+        self.report(title, document)
+    }
+
     /// The same with what made it.
     pub(super) fn report_of(&self, made: &Made, title: &str, document: &impl Serialize) -> Result<(), Failure> {
         self.document_of(made, document)?;

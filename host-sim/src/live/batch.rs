@@ -5,17 +5,23 @@
 
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
+use std::time::Duration;
 
 /// Most datagrams of one system call: few enough that the first of them is not held up by the last.
 pub(crate) const MOST: usize = if cfg!(target_os = "linux") { 32 } else { 1 };
 /// Room for a datagram, bytes; of a longer one the rest is lost.
 const ROOM: usize = 2048;
+/// Nothing waits longer in a socket that is looked at.
+#[cfg(target_os = "linux")]
+const MOST_WAITED: Duration = Duration::from_secs(1);
 
 /// What came with one system call.
 pub struct Came {
     room: Box<[[u8; ROOM]; MOST]>,
     /// Where each came from, and its length.
     from: Vec<(SocketAddr, usize)>,
+    /// How long each had waited in the socket.
+    waited: Vec<Duration>,
     #[cfg(target_os = "linux")]
     headers: nix::sys::socket::MultiHeaders<nix::sys::socket::SockaddrStorage>,
 }
@@ -25,8 +31,12 @@ impl Default for Came {
         Self {
             room: Box::new([[0; ROOM]; MOST]),
             from: Vec::with_capacity(MOST),
+            waited: Vec::with_capacity(MOST),
             #[cfg(target_os = "linux")]
-            headers: nix::sys::socket::MultiHeaders::preallocate(MOST, None),
+            headers: nix::sys::socket::MultiHeaders::preallocate(
+                MOST,
+                Some(nix::cmsg_space!(nix::sys::time::TimeSpec)),
+            ),
         }
     }
 }
@@ -35,10 +45,11 @@ impl Came {
     /// Takes what has come, up to a batch of it; with nothing there, waits as the socket was told to.
     #[cfg(target_os = "linux")]
     pub(super) fn take(&mut self, socket: &UdpSocket) -> io::Result<()> {
-        use nix::sys::socket::{MsgFlags, SockaddrStorage, recvmmsg};
+        use nix::sys::socket::{ControlMessageOwned, MsgFlags, SockaddrStorage, recvmmsg};
+        use std::time::{SystemTime, UNIX_EPOCH};
         use std::{io::IoSliceMut, os::fd::AsRawFd};
 
-        self.from.clear();
+        self.clear();
         let address = |at: SockaddrStorage| {
             let v4 = at.as_sockaddr_in().map(|at| SocketAddr::V4((*at).into()));
             v4.or_else(|| at.as_sockaddr_in6().map(|at| SocketAddr::V6((*at).into())))
@@ -49,21 +60,38 @@ impl Came {
         let came = recvmmsg(socket.as_raw_fd(), &mut self.headers, room.iter_mut(), flags, None)?;
         // Both families of UDP give an address with each.
         let nowhere = SocketAddr::from(([0, 0, 0, 0], 0));
-        self.from.extend(came.map(|came| (came.address.and_then(address).unwrap_or(nowhere), came.bytes.min(ROOM))));
+        // Both clocks are the system's; one that was set meanwhile gives nothing that is believed.
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        for came in came {
+            self.from.push((came.address.and_then(address).unwrap_or(nowhere), came.bytes.min(ROOM)));
+            let at = came.cmsgs().ok().and_then(|mut told| {
+                told.find_map(|told| if let ControlMessageOwned::ScmTimestampns(at) = told { Some(at) } else { None })
+            });
+            let waited = at.and_then(|at| now.checked_sub(at.into())).filter(|waited| *waited < MOST_WAITED);
+            self.waited.push(waited.unwrap_or_default());
+        }
         Ok(())
     }
 
     /// Takes what has come first; with nothing there, waits as the socket was told to.
     #[cfg(not(target_os = "linux"))]
     pub(super) fn take(&mut self, socket: &UdpSocket) -> io::Result<()> {
-        self.from.clear();
+        self.clear();
         let (length, from) = socket.recv_from(&mut self.room[0])?;
         self.from.push((from, length));
+        self.waited.push(Duration::ZERO);
         Ok(())
     }
 
     pub(super) fn clear(&mut self) {
         self.from.clear();
+        self.waited.clear();
+    }
+
+    /// How long each had waited in the socket when it was taken, oldest first; 0 where the system does not tell
+    /// ([`super::endpoint::Endpoint`] asks for it).
+    pub(crate) fn waited(&self) -> &[Duration] {
+        &self.waited
     }
 
     /// What came, oldest first, and where from.

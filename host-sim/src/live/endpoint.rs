@@ -18,7 +18,7 @@ use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::batch::{Came, Going};
+use super::batch::{Came, Going, MOST};
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
 const LOOK: Duration = Duration::from_millis(2);
@@ -186,6 +186,9 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
     /// Tells the others that this is the end.
     fn goodbye(&mut self, _now_ns: u64, _out: &mut Out<'_, SocketAddr, [u8]>) {}
 
+    /// What it hears next has waited in the socket for so long, where the system tells.
+    fn waited(&mut self, _waited: Duration) {}
+
     /// What it said about what it has heard is handed to the system.
     fn sent(&mut self, _now_ns: u64) {}
 }
@@ -221,6 +224,9 @@ impl Endpoint {
         // A system that gives less is a fuller line.
         #[cfg(unix)]
         let _ = rustix::net::sockopt::set_socket_recv_buffer_size(&socket, HOLDS);
+        // Without it datagrams have waited for no time.
+        #[cfg(target_os = "linux")]
+        let _ = nix::sys::socket::setsockopt(&socket, nix::sys::socket::sockopt::ReceiveTimestampns, &true);
         let address = socket.local_addr().map_err(failed)?;
         Ok(Self { socket, address, answers, start: Instant::now(), unsent: AtomicU64::new(0) })
     }
@@ -245,6 +251,11 @@ impl Endpoint {
             return Err(format!("{to} is where this end listens itself: give it the address of the other"));
         }
         Ok(())
+    }
+
+    /// When its clock began.
+    pub(crate) fn start(&self) -> Instant {
+        self.start
     }
 
     /// Time since it was opened, ns.
@@ -300,7 +311,9 @@ impl Endpoint {
     /// The same, heard by an actor whose answers to each batch are sent at once.
     fn hear(&self, came: &mut Came, going: &mut Going, until: Instant, actor: &mut impl Live) -> Result<(), String> {
         while Instant::now() < until && self.take(came)? {
-            for (from, datagram) in came.each() {
+            let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
+            for ((from, datagram), waited) in came.each().zip(waited) {
+                actor.waited(waited);
                 actor.hear(self.now_ns(), from, datagram, &mut |to, bytes| self.say(going, to, bytes));
             }
             self.flush(going);

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use super::peer::{Other, told};
+use super::watch::{HubWatch, Seen, Wanted};
 use crate::shared::cooperative::hub::{End, Hub, line_wrong, number_on};
 use crate::shared::cooperative::junction::{Energy, Port};
 
@@ -67,6 +68,8 @@ pub(crate) struct Report {
     pub(crate) object_mm: f64,
     /// Largest distance between two copies as the peers last told, mm; they tell every half second, not at one instant.
     pub(crate) apart_mm: f64,
+    #[serde(flatten)]
+    pub(crate) seen: Seen,
     /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
     pub(crate) datagrams_refused: u64,
     /// Who sent the last of them that tells something, and why it was refused.
@@ -81,6 +84,7 @@ struct Meeting {
     patience_s: f64,
     /// Packet periods until it is over.
     packets: u64,
+    watch: HubWatch,
 }
 
 impl Actor<SocketAddr> for Meeting {
@@ -88,6 +92,7 @@ impl Actor<SocketAddr> for Meeting {
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
         self.hub.receive(now_ns / 1_000, from, datagram, out);
+        self.watch.heard(now_ns, &self.hub);
     }
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -98,11 +103,16 @@ impl Actor<SocketAddr> for Meeting {
         self.hub.tick(now_ns / 1_000, out);
         if waited && self.hub.packets.is_some() {
             match self.absent() {
-                absent if absent.is_empty() => eprintln!("all {} are there: arm the boards", self.hub.lines().count()),
-                absent => eprintln!("begins without line {}: arm the boards", absent.join(", ")),
+                absent if absent.is_empty() => {
+                    self.watch.teller.words(format!("all {} are there: arm the boards", self.hub.lines().count()));
+                }
+                absent => self.watch.teller.words(format!("begins without line {}: arm the boards", absent.join(", "))),
             }
         }
-        self.hub.news(now_ns / 1_000).iter().for_each(|news| eprintln!("{news}"));
+        for news in self.hub.news(now_ns / 1_000) {
+            self.watch.teller.words(news.to_string());
+        }
+        self.watch.ticked(now_ns, &self.hub);
     }
 }
 
@@ -119,6 +129,10 @@ impl Meeting {
 }
 
 impl Live for Meeting {
+    fn waited(&mut self, waited: Duration) {
+        self.hub.waited(waited.as_micros() as u64);
+    }
+
     fn end(&self) -> Option<Result<(), String>> {
         self.hub.packets.filter(|packets| *packets >= self.packets).map(|_| Ok(()))
     }
@@ -149,14 +163,17 @@ pub(crate) fn run(
     users: usize,
     listen: SocketAddr,
     Span { duration_s, patience_s }: Span,
+    wanted: &Wanted,
     stop: &Stop,
 ) -> Result<Report, String> {
     let timing = &scene.peer.timing;
     let packets = (duration_s / timing.packet_period_s()).round() as u64;
-    let mut meeting = Meeting { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets };
+    let endpoint = Endpoint::polled(listen)?;
+    let watch = HubWatch::new(wanted, scene, users, endpoint.start(), packets)?;
+    let mut meeting = Meeting { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets, watch };
     let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
-    let punctuality = Endpoint::polled(listen)?.run(ticker, patience_s, stop, &mut meeting)?;
-    let hub = meeting.hub;
+    let punctuality = endpoint.run(ticker, patience_s, stop, &mut meeting)?;
+    let Meeting { hub, watch, .. } = meeting;
     let energy = hub.junction.energy();
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
     let copies = || lines.iter().filter_map(|line| line.copy_mm);
@@ -165,6 +182,7 @@ pub(crate) fn run(
         energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
         object_mm: 1e3 * hub.junction.motion.position,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
+        seen: watch.end(),
         datagrams_refused: hub.refused,
         refused: hub.stranger(),
         lines,

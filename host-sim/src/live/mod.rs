@@ -1,5 +1,6 @@
 //! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`].
 
+mod apart;
 pub mod batch;
 pub mod endpoint;
 pub(crate) mod hub;
@@ -10,4 +11,6 @@ pub(crate) mod quantiles;
 pub mod relay;
 pub(crate) mod serve;
 pub(crate) mod squash;
+pub(crate) mod tell;
 pub(crate) mod visit;
+pub(crate) mod watch;

@@ -56,6 +56,10 @@ impl<F: FnMut(&mut [Session]) -> bool> Live for Waiting<'_, F> {
     fn end(&self) -> Option<Result<(), String>> {
         self.over.then_some(Ok(()))
     }
+
+    fn waited(&mut self, waited: Duration) {
+        self.sessions.iter_mut().for_each(|session| session.waited(waited.as_micros() as u64));
+    }
 }
 
 /// Waits on an endpoint until something is `done`, for so long at the most.
@@ -136,9 +140,26 @@ impl Operator {
         answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board))
     }
 
-    /// Has every `every`-th tick sent for so long, and gives what came. A board that was away, or has started anew, has forgotten
-    /// it: it is told again as soon as it is back. If it then refuses, that ends it: what came is given with the refusal.
+    /// When its clock began.
+    pub(crate) fn start(&self) -> Instant {
+        self.endpoint.start()
+    }
+
+    /// Has every `every`-th tick sent for so long, and gives what came, with why the board refused to go on if it did.
     pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
+        let mut samples = Vec::new();
+        let refusal = self.record_each(every, time, |_, session| samples.extend(session.take_samples()))?;
+        Ok((samples, refusal))
+    }
+
+    /// Has every `every`-th tick sent for so long; `each` takes what came, ns after the clock began. A board that was away, or has started anew, has forgotten
+    /// it: it is told again as soon as it is back. If it then refuses, that ends it.
+    pub(crate) fn record_each(
+        &mut self,
+        every: u32,
+        time: Duration,
+        mut each: impl FnMut(u64, &mut Session),
+    ) -> Result<Option<String>, String> {
         let line = format!("stream {every}");
         let answer = self.ask(&line)?;
         let refusal_of = |number: u8, answer: &str| format!("board {number}: {line}: {answer}");
@@ -146,8 +167,9 @@ impl Operator {
             return Err(refusal_of(self.number, &answer));
         }
         let (start, mut told, mut answered, mut refusal) = (Instant::now(), true, true, None);
-        let (number, stop) = (self.number, self.stop.clone());
+        let (number, stop, begun) = (self.number, self.stop.clone(), self.endpoint.start());
         self.wait(time + PATIENCE, |session| {
+            each(begun.elapsed().as_nanos() as u64, session);
             if !session.is_there() {
                 told = false;
             } else if !told {
@@ -161,7 +183,7 @@ impl Operator {
             // An answer that is still on its way would be taken for the next line's.
             refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !told)
         })?;
-        Ok((self.session.take_samples(), refusal))
+        Ok(refusal)
     }
 
     /// Listens for so long, and gives the samples that came since the last time.

@@ -11,6 +11,7 @@ use haptic_sim::{key_file::entropy, measure::LastHalf, node::Node, scene::Scene}
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use super::watch::{Seen, TELLING_S, Wanted, Watch};
 use crate::shared::refused::{is_telling, wrong};
 
 /// What one peer saw.
@@ -21,6 +22,8 @@ pub(crate) struct Report {
     pub(crate) ticks: u64,
     /// Mean |x_o − x_d| over the last half, mm.
     pub(crate) decoded_discrepancy_mm: f64,
+    #[serde(flatten)]
+    pub(crate) seen: Seen,
     /// Mean F_T over the last half, N.
     pub(crate) coordination_force_n: f64,
     /// Why it stopped, if it did.
@@ -91,6 +94,9 @@ struct Peer {
     differs: Option<(&'static str, u64)>,
     /// For so long now, µs.
     now_us: u64,
+    watch: Watch,
+    /// Tick of the newest telemetry.
+    told: Option<u32>,
 }
 
 impl Peer {
@@ -104,10 +110,18 @@ impl Actor<SocketAddr> for Peer {
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
         // What is refused is counted by the link, too.
-        if let Err(why) = self.node.receive(now_ns / 1_000, datagram)
-            && is_telling(&why)
-        {
-            self.refusal = Some((from, why));
+        match self.node.receive(now_ns / 1_000, datagram) {
+            Ok(flow) => {
+                let line = &self.node.line;
+                self.watch.heard(now_ns, line, flow.is_some());
+                let told = line.heard.as_ref().map(|said| said.tick);
+                if let Some(said) = line.heard.as_ref().filter(|_| told != self.told) {
+                    self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
+                }
+                self.told = told;
+            }
+            Err(why) if is_telling(&why) => self.refusal = Some((from, why)),
+            Err(_) => {}
         }
     }
 
@@ -122,10 +136,15 @@ impl Actor<SocketAddr> for Peer {
             let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
             self.halves.see(tick, [discrepancy_m, f64::from(seen.coordination_force)]);
         }
+        self.watch.ticked(now_ns, node);
     }
 }
 
 impl Live for Peer {
+    fn waited(&mut self, waited: Duration) {
+        self.node.line.link.waited(waited.as_micros() as u64);
+    }
+
     fn end(&self) -> Option<Result<(), String>> {
         let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
         let told = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
@@ -163,12 +182,17 @@ pub(crate) fn run(
     number: u8,
     [listen, connect]: [SocketAddr; 2],
     Span { duration_s, patience_s }: Span,
+    wanted: &Wanted,
     stop: &Stop,
 ) -> Result<Report, String> {
-    let node = Node::new(scene, number, key, entropy()?)?;
+    let node = Node::new(scene, number, key, entropy()?)?.telling_every(TELLING_S);
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
+    let endpoint = Endpoint::polled(listen)?;
+    endpoint.reaches(connect)?;
     let mut peer = Peer {
+        watch: Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?,
+        told: None,
         node,
         connect,
         patience_s,
@@ -178,11 +202,9 @@ pub(crate) fn run(
         differs: None,
         now_us: 0,
     };
-    let endpoint = Endpoint::polled(listen)?;
-    endpoint.reaches(connect)?;
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let Peer { node, halves, .. } = peer;
+    let Peer { node, halves, watch, .. } = peer;
     let [discrepancy_m, coordination_force_n] = halves.means();
     let (line, link) = (&node.line, &node.line.link);
     let counts = link.counts();
@@ -190,6 +212,7 @@ pub(crate) fn run(
         peer: number,
         ticks: node.armed_ticks,
         decoded_discrepancy_mm: 1e3 * discrepancy_m,
+        seen: watch.end(endpoint.now_ns() as f64 * 1e-9),
         coordination_force_n,
         fault: match node.peer.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),

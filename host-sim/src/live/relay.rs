@@ -93,6 +93,6 @@ pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> 
     first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;
     let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
     let mut relay = Relay { second, came: Came::default(), peers, lines, strangers: 0, over_ns, end: None };
-    first.run(Ticker::new(PERIOD), f64::MAX, stop, &mut relay)?;
+    first.run(Ticker::realtime(PERIOD), f64::MAX, stop, &mut relay)?;
     Ok(Report { ways: relay.lines.map(|line| line.counts()), strangers: relay.strangers })
 }

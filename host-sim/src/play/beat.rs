@@ -6,14 +6,16 @@
 //! disarm them every minute.
 
 use std::collections::VecDeque;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
 use super::desk::{Desk, Papers, Status};
 use super::environment::{Environment, Opening, Sample};
-use super::session::PERIOD_S;
+use super::session::{COLUMNS, PERIOD_S};
 use crate::live::endpoint::{Punctuality, Stop, Ticker};
+use crate::recording::mcap::Channel;
+use crate::recording::recorder::Recorder;
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);
@@ -34,10 +36,16 @@ pub(crate) struct Kept {
 }
 
 /// Keeps the beat until it is stopped, or so many seconds are over.
-pub(super) fn run(desk: &Desk, open: Opening, seconds: f64, stop: &Stop) -> Result<Kept, String> {
+pub(super) fn run(
+    desk: &Desk,
+    open: Opening,
+    seconds: f64,
+    recorder: Option<&Recorder>,
+    stop: &Stop,
+) -> Result<Kept, String> {
     let mut shown = open()?;
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
-    let (mut slept, mut waiting) = (0, VecDeque::new());
+    let (mut slept, mut waiting, begun) = (0, VecDeque::new(), Instant::now());
     while !stop.is_asked() && !ticker.is_over() {
         let late = ticker.wait();
         if late > SLEPT {
@@ -47,10 +55,28 @@ pub(super) fn run(desk: &Desk, open: Opening, seconds: f64, stop: &Stop) -> Resu
         if let Some(mut papers) = desk.try_lock() {
             exchange(&mut *shown, &mut papers, &mut waiting, &ticker.kept)?;
         }
-        waiting.push_back(shown.step()?);
+        let sample = shown.step()?;
+        if let Some(recorder) = recorder {
+            recorder.put(0, begun.elapsed().as_nanos() as u64, &recorded(begun.elapsed().as_secs_f64(), &sample));
+        }
+        waiting.push_back(sample);
     }
     let Punctuality { ticks, missed: late, worst_us, realtime_priority, .. } = ticker.kept;
     Ok(Kept { ticks, late, worst_us, slept, realtime_priority })
+}
+
+/// What a recording holds: the time, and every sample.
+pub(super) fn channel(topic: &str) -> Channel {
+    let named = |(name, unit, meaning): (&str, &str, &str)| {
+        let name = if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
+        (name, meaning.to_owned())
+    };
+    let time = ("time_s".to_owned(), "since the beat began".to_owned());
+    Channel::new(topic, "Tick", std::iter::once(time).chain(COLUMNS.map(named)))
+}
+
+fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + COLUMNS.len()] {
+    std::array::from_fn(|at| at.checked_sub(1).map_or(time_s, |at| sample[at].into()))
 }
 
 /// Takes what lies on the desk, and lays down what it is waited for.

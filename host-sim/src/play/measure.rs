@@ -69,7 +69,7 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
         })
         .collect();
     let bad: Vec<_> = (0..misbehaving).map(|which| misbehave(&page.address(0), which)).collect::<Result<_, _>>()?;
-    let kept = page.run(seconds, stop)?;
+    let kept = page.run(seconds, None, stop)?;
     over.store(true, Ordering::Relaxed);
     let mut times = Times::new();
     for thread in asking {

@@ -1,9 +1,11 @@
 //! The page as a command has it: served, then run.
 
 use std::net::{Ipv4Addr, TcpListener};
+use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use haptic_sim::report::Made;
 use haptic_sim::scene::Scene;
 
 use super::beat::{self, Kept};
@@ -16,6 +18,8 @@ use super::orders;
 use super::partner::Model;
 use super::web::{Site, hello};
 use crate::live::endpoint::Stop;
+use crate::recording::origin::Origin;
+use crate::recording::recorder::Recorder;
 
 /// What a page shows.
 pub(crate) enum Shown {
@@ -30,6 +34,8 @@ pub(crate) struct Page {
     desk: Arc<Desk>,
     site: Site,
     opening: Opening,
+    /// Topic of a recording, and whose it is.
+    recorded: (&'static str, &'static str),
 }
 
 impl Page {
@@ -49,11 +55,15 @@ impl Page {
         let site = Site::new(&listener, hello(&scene, other))?;
         let asks = judge::start(&desk, scene.clone(), fixed)?;
         site.serve(listener, &desk, asks)?;
+        let recorded = match &shown {
+            Shown::Here(_) => ("/both/ticks", "both peers"),
+            Shown::Far(_) => ("/page/ticks", "a page of one peer"),
+        };
         let opening: Opening = match shown {
             Shown::Here(kind) => Box::new(move || kind.open(&scene)),
             Shown::Far(end) => Box::new(move || Ok(Box::new(Far::new(scene, end)?))),
         };
-        Ok(Self { desk, site, opening })
+        Ok(Self { desk, site, opening, recorded })
     }
 
     /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
@@ -62,14 +72,22 @@ impl Page {
     }
 
     /// Keeps the beat until it is stopped, or so many seconds are over: on a thread of its own, for what a thread starts inherits
-    /// its real-time priority.
-    pub(crate) fn run(self, seconds: f64, stop: &Stop) -> Result<Kept, String> {
-        let Self { desk, opening, .. } = self;
-        let beat = || beat::run(&desk, opening, seconds, stop);
+    /// its real-time priority. Every tick goes into the recording, if there is one.
+    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Made)>, stop: &Stop) -> Result<Kept, String> {
+        let Self { desk, opening, recorded, .. } = self;
+        let begin = |(file, made): (&Path, &Made)| {
+            let (topic, who) = recorded;
+            Recorder::create(file, &Origin::here(made, who, Instant::now()), vec![beat::channel(topic)])
+        };
+        let recorder = record.map(begin).transpose()?;
+        let beat = || beat::run(&desk, opening, seconds, recorder.as_ref(), stop);
         let kept = std::thread::scope(|scope| {
             let beat = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, beat);
             beat.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
         });
+        if let Some(recorder) = recorder {
+            eprintln!("{}", recorder.finish().told());
+        }
         // Windows ask 60 times a second: each sees that it is over, and closes.
         desk.lock().over = true;
         std::thread::sleep(Duration::from_millis(100));

@@ -234,13 +234,24 @@ fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
     ] {
         let [one, two] = addresses();
         let peer = |at: usize, listen: &str, connect: &str| {
-            host_sim(&["peer", "--number", numbers[at], "--listen", listen, "--connect", connect, "--patience-s", "2"])
-                .arg("--key-file")
-                .arg(keys[at].join("key"))
-                .stdout(Stdio::null())
-                .stderr(Stdio::piped())
-                .spawn()
-                .expect("host-sim runs")
+            host_sim(&[
+                "peer",
+                "--number",
+                numbers[at],
+                "--listen",
+                listen,
+                "--connect",
+                connect,
+                "--patience-s",
+                "2",
+                "--quiet",
+            ])
+            .arg("--key-file")
+            .arg(keys[at].join("key"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("host-sim runs")
         };
         for (peer, other) in [(peer(0, &one, &two), &two), (peer(1, &two, &one), &one)] {
             let output = peer.wait_with_output().expect("it ends");

@@ -23,6 +23,7 @@ mod play;
 mod precision;
 mod program;
 mod record;
+mod recordings;
 mod restarts;
 mod signals;
 mod squash;

@@ -25,6 +25,7 @@ impl Link {
         if taken.is_err() {
             self.past.refused = self.past.refused.saturating_add(1);
         }
+        self.waited_us = 0;
         self.settle();
         taken
     }
@@ -70,10 +71,12 @@ impl Link {
         let session = self.session.as_mut().ok_or(Error::NoSession)?;
         let opened = session.open(now, &header, head, sealed)?;
         let message = Message::parse(opened.message);
+        self.sealed_us = opened.sealed_us;
+        let came = now.saturating_sub(self.waited_us);
         let Some(age_us) = opened.age_us.filter(|age_us| *age_us < life_us) else {
             // It may be of any time, so it is not there: but for what asks for a time of now, and for what only ends something.
             match message? {
-                Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now)),
+                Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, came)),
                 Message::Goodbye(Goodbye {}) => self.end(),
                 _ => {}
             }
@@ -135,11 +138,12 @@ impl Link {
             }
             Message::Ack(ack) => self.sender.acknowledge(&ack),
             Message::Goodbye(_) => self.end(),
-            Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now)),
+            Message::Probe(Probe { sent_us }) => self.probed = Some((sent_us, now.saturating_sub(self.waited_us))),
             Message::Reply(reply) => {
                 self.answered_us = self.answered_us.max(Some(reply.probe_sent_us));
                 // A reply with impossible times says nothing; the sender's clock may have been set.
-                let _ = self.clock.sample(reply.probe_sent_us, reply.probe_received_us, reply.sent_us, now);
+                let came = now.saturating_sub(self.waited_us);
+                let _ = self.clock.sample(reply.probe_sent_us, reply.probe_received_us, reply.sent_us, came);
             }
             _ => return Some(message),
         }

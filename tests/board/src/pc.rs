@@ -2,10 +2,16 @@
 //!
 //! The least that carries it: Ethernet II, ARP, IPv4 without options, UDP without checksum.
 
+use std::path::Path;
+
 use firmware_parts::record::{CODE, Record};
 use haptic_protocol::key::{Key, Role};
 use haptic_protocol::wire::MAX_DATAGRAM;
 use haptic_sim::board::operator::{PORT, Session};
+use haptic_sim::report::Made;
+use host_sim::recording::origin::Origin;
+use host_sim::recording::recorder::Recorder;
+use host_sim::recording::ticks::{BoardTicks, board_channels};
 
 /// The PC's address.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
@@ -54,6 +60,8 @@ pub struct Pc {
     pub records: [Vec<Record>; 2],
     /// Says nothing to anybody.
     pub away: bool,
+    /// What is recorded of each board, as `host-sim board operator --record` does.
+    recordings: [Option<(BoardTicks, Recorder)>; 2],
 }
 
 impl Default for Pc {
@@ -107,7 +115,24 @@ impl Pc {
             answers: Default::default(),
             records: Default::default(),
             away: false,
+            recordings: Default::default(),
         }
+    }
+
+    /// Records a board (1 or 2) in this file, on the PC's clock.
+    ///
+    /// # Panics
+    /// The file is there already, or cannot be written.
+    pub fn record(&mut self, number: u8, file: &Path) {
+        let made = Made::now(env!("CARGO_PKG_VERSION"), "bench");
+        let origin = Origin { clock: "bench".to_owned(), ..Origin::simulated(&made, format!("operator of board {number}")) };
+        let recorder = Recorder::create(file, &origin, board_channels(number)).expect("a file that is not there yet");
+        self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3), recorder));
+    }
+
+    /// Closes what is recorded.
+    pub fn end_recordings(&mut self) {
+        self.recordings = Default::default();
     }
 
     /// Says `line` to a board (1 or 2).
@@ -171,7 +196,11 @@ impl Pc {
         let session = &mut self.sessions[at];
         session.receive(now_ns / 1000, &mut payload.to_vec());
         self.answers[at].extend(std::iter::from_fn(|| session.answer()));
-        for sample in session.take_samples().iter().filter(|sample| sample.code == CODE) {
+        let samples = session.take_stamped();
+        if let Some((ticks, recorder)) = &mut self.recordings[at] {
+            ticks.take(session.link(), &samples, |channel, row| recorder.put_all(channel, now_ns, row));
+        }
+        for (_, sample) in samples.iter().filter(|(_, sample)| sample.code == CODE) {
             self.records[at].push(Record::from_bytes(sample.payload().try_into().expect("a record")));
         }
     }

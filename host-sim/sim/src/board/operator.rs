@@ -26,7 +26,7 @@ pub struct Session {
     link: Link,
     lines: Lines,
     answers: VecDeque<String>,
-    samples: Vec<Sample>,
+    samples: Vec<(u64, Sample)>,
 }
 
 impl Session {
@@ -50,7 +50,7 @@ impl Session {
             }
         }
         if let Ok(Some(Message::Sample(sample))) = taken {
-            self.samples.push(sample);
+            self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
             self.answers.push_back(heard.line.as_str().to_owned());
@@ -85,7 +85,22 @@ impl Session {
 
     /// What the board's ticks saw since the last time; lost if it was lost.
     pub fn take_samples(&mut self) -> Vec<Sample> {
+        self.take_stamped().into_iter().map(|(_, sample)| sample).collect()
+    }
+
+    /// The same, each with the time of the board's clock at which it was sealed, µs.
+    pub fn take_stamped(&mut self) -> Vec<(u64, Sample)> {
         std::mem::take(&mut self.samples)
+    }
+
+    /// The link to the board: its clock, its session.
+    pub fn link(&self) -> &Link {
+        &self.link
+    }
+
+    /// What is received next has waited for so long since it came, µs.
+    pub fn waited(&mut self, us: u64) {
+        self.link.waited(us);
     }
 
     /// Whether the board has answered under the key.

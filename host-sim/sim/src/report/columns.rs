@@ -208,6 +208,12 @@ impl Column {
         &self.name
     }
 
+    /// The same with what it means.
+    #[must_use]
+    pub fn meaning_is(self, meaning: &str) -> Self {
+        Self { meaning: meaning.to_owned(), ..self }
+    }
+
     /// What it means, in words; may be empty.
     pub fn meaning(&self) -> &str {
         &self.meaning

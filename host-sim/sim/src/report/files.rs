@@ -129,7 +129,7 @@ impl Files {
 
     /// This table as `NAME.parquet`.
     pub fn parquet(&mut self, columns: &Columns) -> Result<(), ReportError> {
-        let bytes = parquet(columns, &self.made).map_err(self.failed("parquet", "Parquet"))?;
+        let bytes = parquet(columns, &self.made.toml()).map_err(self.failed("parquet", "Parquet"))?;
         self.add(self.name.clone(), "parquet", bytes);
         Ok(())
     }
@@ -200,6 +200,12 @@ pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
     write_file(path, "CSV", &bytes)
 }
 
+/// Writes one table as Parquet, in place of what is there, with what made it.
+pub fn write_parquet(columns: &Columns, path: &Path, made: &str) -> Result<(), ReportError> {
+    let bytes = parquet(columns, made).map_err(ReportError::write(path, "Parquet"))?;
+    write_file(path, "Parquet", &bytes)
+}
+
 fn distinct(columns: &Columns) -> Result<Vec<&Column>, String> {
     let mut names = BTreeSet::new();
     match columns.data().find(|column| !names.insert(column.name())) {
@@ -243,7 +249,7 @@ fn number(cell: &Cell) -> Option<f64> {
 }
 
 /// A table as Parquet, with what made it and what its columns mean.
-fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ParquetError> {
+fn parquet(columns: &Columns, made: &str) -> Result<Vec<u8>, ParquetError> {
     let data = distinct(columns).map_err(ParquetError::General)?;
     let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
     let field = |column: &&Column| {
@@ -259,7 +265,7 @@ fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ParquetError> {
     let meanings = data.iter().filter(|column| !column.meaning().is_empty());
     let meanings =
         meanings.map(|column| KeyValue::new(format!("meaning.{}", column.name()), column.meaning().to_owned()));
-    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.toml())).chain(meanings).collect();
+    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.to_owned())).chain(meanings).collect();
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
     let properties = properties.set_key_value_metadata(Some(metadata)).build();
     let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;

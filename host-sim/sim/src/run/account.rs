@@ -87,8 +87,6 @@ impl Account {
     /// Of a run of so many ticks.
     pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
         let period_s = scene.peer.timing.control_period_s;
-        let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
-        let names = [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()];
         Self {
             period_s,
             mass_kg: scene.peer.object.mass_kg,
@@ -102,8 +100,14 @@ impl Account {
             stopped: None,
             true_m: 0.0,
             largest_true_m: 0.0,
-            table: Columns::named(names.concat()),
+            table: Columns::named(Self::columns()),
         }
+    }
+
+    /// Names of the columns of a row.
+    pub fn columns() -> Vec<String> {
+        let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
+        [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()].concat()
     }
 
     /// A tick of peer `at`, 0 or 1.
@@ -131,26 +135,33 @@ impl Account {
             let contact = 0.5 * (first.contact_force.abs() + second.contact_force.abs());
             self.halves.see(self.tick, [self.true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
         }
-        if self.record_every > 0 && self.tick.is_multiple_of(self.record_every) {
-            let peers = self.latest.iter().zip(&self.ports).flat_map(|(ticked, port)| {
-                let (seen, energy) = (ticked.observed, port.with_network(ticked.received_j, ticked.sent_j));
-                [
-                    seen.device.position,
-                    seen.object.position,
-                    seen.desired.position,
-                    seen.object.velocity,
-                    seen.contact_force,
-                    seen.coordination_force,
-                    energy.received_j,
-                    energy.sent_j,
-                    energy.to_object_j,
-                    energy.from_object_j,
-                ]
-            });
-            let row: Vec<f64> = core::iter::once(time_s).chain(peers).chain([self.true_m, decoded_m]).collect();
-            self.table.push_row(&row);
-        }
         self.tick += 1;
+        if self.record_every > 0 && (self.tick - 1).is_multiple_of(self.record_every) {
+            self.table.push_row(&self.row());
+        }
+    }
+
+    /// The control period that is over, as a row of [`Self::columns`].
+    pub fn row(&self) -> Vec<f64> {
+        let time_s = self.tick.saturating_sub(1) as f64 * self.period_s;
+        let peers = self.latest.iter().zip(&self.ports).flat_map(|(ticked, port)| {
+            let (seen, energy) = (ticked.observed, port.with_network(ticked.received_j, ticked.sent_j));
+            [
+                seen.device.position,
+                seen.object.position,
+                seen.desired.position,
+                seen.object.velocity,
+                seen.contact_force,
+                seen.coordination_force,
+                energy.received_j,
+                energy.sent_j,
+                energy.to_object_j,
+                energy.from_object_j,
+            ]
+        });
+        let second = self.latest[1].observed;
+        let decoded_m = (second.object.position - second.desired.position).abs();
+        core::iter::once(time_s).chain(peers).chain([self.true_m, decoded_m]).collect()
     }
 
     /// What it gave: no impacts and no hash, which are not seen here.

@@ -9,6 +9,9 @@ use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
+use crate::recording::origin::Origin;
+use crate::recording::recorder::Recorder;
+use crate::recording::ticks::{BoardTicks, board_channels};
 use crate::{live::endpoint::Stop, live::operator::Operator};
 use haptic_sim::board::{
     calibrate::board::{get, say},
@@ -35,7 +38,8 @@ pub(in crate::cli) struct Operate {
     key: KeyFile,
     #[command(flatten)]
     scene: SceneArgs,
-    /// After the lines, write what the ticks did to this CSV file.
+    /// After the lines, record what the ticks do in this file: CSV in the end where its name ends in .csv; else MCAP, while it
+    /// goes on, in a file that must not be there yet.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     #[command(flatten)]
@@ -107,6 +111,9 @@ impl Operate {
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
     fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
         let period_s = get(operator, "timing.control_period_s")?.parse().unwrap_or(0.001);
+        if file.extension().is_none_or(|ending| ending != "csv") {
+            return self.record_as_it_goes(ui, operator, file, period_s);
+        }
         let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
         let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s);
@@ -125,6 +132,29 @@ impl Operate {
         ui.status(format_args!("{} ticks written to {}{gap}", table.len(), file.display()));
         if let Some(refusal) = refusal {
             return Err(refusal.into());
+        }
+        stopped?;
+        Ok(())
+    }
+
+    /// Has the ticks sent, and records each as it comes, with what tells the board's clock.
+    fn record_as_it_goes(&self, ui: &Ui, operator: &mut Operator, file: &Path, period_s: f64) -> Result<(), Failure> {
+        let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
+        let made = ui.made().with("board", number).with("every", self.every);
+        let origin = Origin::here(&made, format!("operator of board {number}"), operator.start());
+        let recorder = Recorder::create(file, &origin, board_channels(number))?;
+        let mut ticks = BoardTicks::new(period_s);
+        let refusal = operator.record_each(self.every, time, |now_ns, session| {
+            let samples = session.take_stamped();
+            ticks.take(session.link(), &samples, |channel, row| recorder.put(channel, now_ns, row));
+        });
+        ui.status(recorder.finish().told());
+        let stopped = say(operator, "stream off");
+        if let Some(refusal) = refusal? {
+            return Err(refusal.into());
+        }
+        if ticks.ticks == 0 {
+            return Err(format!("board {number}: no tick came in {} s", self.time.seconds).into());
         }
         stopped?;
         Ok(())

@@ -154,6 +154,11 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         })
     }
 
+    /// The datagram that is taken next has waited for so long since it came, µs ([`Link::waited`]).
+    pub(crate) fn waited(&mut self, us: u64) {
+        self.ends.iter_mut().for_each(|end| end.line.link.waited(us));
+    }
+
     /// The lines, each with its port.
     pub fn lines(&self) -> impl Iterator<Item = (&End<A>, &Port)> {
         self.ends.iter().zip(&self.junction.ports)

@@ -147,7 +147,8 @@ fn one_client_cannot_stop_a_hub() {
     assert!(said("line 3: ") >= 1 && said("told other parameters: table [object] differs") >= 1, "{error}");
     assert!(said("begins without line 3 (peer number 1: ") == 1, "{error}");
     assert!(hub["lines"][2]["refused"].as_str().is_some_and(|why| why.contains("[object]")), "{hub}");
-    assert!(number(&hub, "datagrams_refused") > 100.0 && error.lines().count() < 12, "{error}{hub}");
+    // Two thousand datagrams of junk are no two thousand lines, beside a line a second and what happens to the three lines.
+    assert!(number(&hub, "datagrams_refused") > 100.0 && error.lines().count() < 32, "{error}{hub}");
 }
 
 /// Another key, another number, the wrong family of addresses, and itself: said at both ends, each in one line.
@@ -161,7 +162,7 @@ fn who_is_wrong_is_said_at_both_ends() {
         .expect("host-sim runs");
     let call = |number: &str, key: &str, to: &str| {
         let peer = host_sim(&["peer", "--scene", "hub", "--number", number, "--listen", "127.0.0.1:0"])
-            .args(["--connect", to, "--key-file", key, "--patience-s", "2"])
+            .args(["--connect", to, "--key-file", key, "--patience-s", "2", "--quiet"])
             .spawn();
         let (status, error) = ended(peer.expect("host-sim runs"));
         assert!(status == Some(2) && error.trim_end().lines().count() == 1, "{error}");

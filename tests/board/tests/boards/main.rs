@@ -27,6 +27,7 @@ mod keys;
 mod one_board;
 mod papers_comms;
 mod partner;
+mod recordings;
 mod same_bits;
 mod static_stack;
 mod stop;

@@ -1,0 +1,126 @@
+//! `host-sim convert` and `host-sim merge`: what to do with recordings.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptic_sim::report::files::{write_csv, write_parquet};
+use haptic_sim::report::{Columns, ReportError};
+use serde_json::json;
+
+use super::{Failure, Ui};
+use crate::live::watch::GOOD_CLOCK_S;
+use crate::recording::file::{Recording, read};
+use crate::recording::merge::{both, merge};
+
+/// A table, in the format that the ending of the file's name says; the other endings are refused before anything is read.
+#[derive(Clone, Copy)]
+enum Format {
+    Csv,
+    Parquet,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, String> {
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("csv") => Ok(Self::Csv),
+            Some("parquet") => Ok(Self::Parquet),
+            _ => Err(format!("{} is not allowed: its name must end in .csv or .parquet", path.display())),
+        }
+    }
+
+    fn write(self, table: &Columns, path: &Path, made: &str) -> Result<(), ReportError> {
+        match self {
+            Self::Csv => write_csv(table, path),
+            Self::Parquet => write_parquet(table, path, made),
+        }
+    }
+}
+
+/// Reads a recording, and says what is missing in it.
+fn load(ui: &Ui, path: &Path) -> Result<Recording, Failure> {
+    let recording = read(path)?;
+    if let Some(cut) = recording.cut {
+        ui.warn(format_args!("{}: {}", path.display(), cut.told()));
+    }
+    if let Some(lost) = recording.lost.filter(|lost| *lost > 0) {
+        ui.warn(format_args!(
+            "{}: {lost} rows came quicker than they could be written, and are missing",
+            path.display()
+        ));
+    }
+    Ok(recording)
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Convert {
+    /// A recording (MCAP); one that was cut gives all that is whole.
+    #[arg(value_name = "IN")]
+    from: PathBuf,
+    /// The table of its ticks, as .csv or .parquet; its other channels are put beside it, as NAME-exchanges and the like.
+    #[arg(value_name = "OUT")]
+    to: PathBuf,
+}
+
+impl Convert {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let format = Format::of(&self.to)?;
+        let recording = load(ui, &self.from)?;
+        let made = &recording.origin.made;
+        let mut files = Vec::new();
+        for (at, rows) in recording.channels.iter().enumerate() {
+            let leaf = rows.topic.rsplit('/').next().unwrap_or_default();
+            let mut path = self.to.clone();
+            if at > 0 {
+                let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
+                let ending = self.to.extension().unwrap_or_default().to_string_lossy();
+                path.set_file_name(format!("{stem}-{leaf}.{ending}"));
+            }
+            format.write(&rows.table(), &path, made)?;
+            files.push(json!({ "channel": rows.topic, "rows": rows.len(), "file": path }));
+        }
+        if let Format::Csv = format {
+            // Parquet has it inside.
+            let path = self.to.with_extension("toml");
+            std::fs::write(&path, made).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+        }
+        let cut = recording
+            .cut
+            .map(|cut| json!({ "whole_bytes": cut.whole, "bytes_after": cut.rest, "rows_saved": cut.saved }));
+        ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "channels": files }))
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Merge {
+    /// The recording of one end, or of both.
+    #[arg(value_name = "A")]
+    one: PathBuf,
+    /// The recording of the other end; and a table of every instant (.csv or .parquet).
+    #[arg(value_name = "B|OUT", num_args = 0..=2)]
+    rest: Vec<PathBuf>,
+}
+
+impl Merge {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let is_table = |path: &&PathBuf| Format::of(path).is_ok();
+        let out = self.rest.last().filter(is_table);
+        let recordings = &self.rest[..self.rest.len() - usize::from(out.is_some())];
+        let one = load(ui, &self.one)?;
+        let merged = match recordings {
+            [] => both(&one)?,
+            [two] => merge(&one, &load(ui, two)?)?,
+            [_, table, ..] => return Err(Format::of(table).err().unwrap_or_default().into()),
+        };
+        if let Some(path) = out {
+            Format::of(path)?.write(&merged.table, path, &one.origin.made)?;
+            ui.status(format_args!("wrote {}", path.display()));
+        }
+        if merged.clock_error_us > 1e6 * GOOD_CLOCK_S {
+            ui.warn(format_args!(
+                "the common clock may be wrong by {:.2} ms, more than the 0.1 ms of a local network",
+                1e-3 * merged.clock_error_us
+            ));
+        }
+        ui.report("", &merged)
+    }
+}

@@ -1,0 +1,200 @@
+//! A recorder: rows go into a queue, a thread of its own writes them.
+//!
+//! **The beat never waits**: [`Recorder::put`] copies a row into a queue of 8192 places, and one that finds it full is counted
+//! and gone; its number is left out in the file, so that the gap is seen. **Complete**: at least every quarter of a second what has come is a
+//! chunk of its own that the system has: an end by signal, by SIGKILL or by a full disk costs no more than that. It is not forced onto
+//! the disk: a machine that loses its power loses what its system had not written.
+//!
+//! **A disk that is full** ends the recording, not the run: what is not whole is cut off, and the file says what is missing.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::mcap::{Channel, Writer};
+use super::origin::Origin;
+
+/// Rows that may wait: seconds of two peers at 1 kHz.
+const QUEUE: usize = 8192;
+/// Longest that a row waits for its chunk.
+const EVERY: Duration = Duration::from_millis(250);
+/// Largest chunk, bytes.
+const LARGEST: usize = 1 << 17;
+/// How often the thread looks for rows: nobody wakes it, for that would take the beat's time.
+const LOOK: Duration = Duration::from_millis(10);
+/// Most columns of a channel.
+pub const MOST_COLUMNS: usize = 64;
+
+/// One row on its way.
+struct Row {
+    channel: u16,
+    sequence: u32,
+    time_ns: u64,
+    count: usize,
+    values: [f64; MOST_COLUMNS],
+}
+
+/// What became of a recording.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ended {
+    /// The file.
+    pub file: PathBuf,
+    /// Rows in it.
+    pub rows: u64,
+    /// Rows that are not, because they came quicker than they could be written, or after an error.
+    pub lost: u64,
+    /// Why it ended early.
+    pub failed: Option<String>,
+}
+
+impl Ended {
+    /// What there is to say of it, in a line.
+    pub fn told(&self) -> String {
+        let failed = self.failed.as_ref().map_or(String::new(), |why| format!("; {why}"));
+        let lost = if self.lost > 0 { format!(", {} rows are missing", self.lost) } else { String::new() };
+        format!("recorded {} rows in {}{lost}{failed}", self.rows, self.file.display())
+    }
+}
+
+/// Writes rows to a file until it is dropped.
+#[derive(Debug)]
+pub struct Recorder {
+    queue: Option<SyncSender<Row>>,
+    sequences: Vec<AtomicU32>,
+    start_unix_ns: u64,
+    lost: Arc<AtomicU64>,
+    thread: Option<JoinHandle<Ended>>,
+}
+
+impl Recorder {
+    /// Begins a recording of these channels in a file that is not there yet.
+    pub fn create(path: &Path, origin: &Origin, channels: Vec<Channel>) -> Result<Self, String> {
+        if let Some(wide) = channels.iter().find(|channel| channel.fields.len() > MOST_COLUMNS) {
+            let count = wide.fields.len();
+            return Err(format!("{} has {count} columns: a recording has at most {MOST_COLUMNS}", wide.topic));
+        }
+        let failed = |cause: io::Error| match cause.kind() {
+            io::ErrorKind::AlreadyExists => {
+                format!("{} exists: a recording is never written over another file", path.display())
+            }
+            _ => format!("cannot write {}: {cause}", path.display()),
+        };
+        let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(failed)?;
+        let sequences = channels.iter().map(|_| AtomicU32::new(0)).collect();
+        let mut writer = Writer::begin(file, &format!("host-sim {}", origin.version), channels).map_err(failed)?;
+        writer
+            .metadata("recording", origin.facts().iter().map(|(name, text)| (*name, text.as_str())))
+            .map_err(failed)?;
+        let (queue, rows) = sync_channel(QUEUE);
+        let lost = Arc::new(AtomicU64::new(0));
+        let own = (path.to_owned(), lost.clone());
+        let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || write(writer, &rows, own));
+        let thread = Some(thread.map_err(failed)?);
+        Ok(Self { queue: Some(queue), sequences, start_unix_ns: origin.start_unix_ns, lost, thread })
+    }
+
+    fn row(&self, channel: u16, time_ns: u64, values: &[f64]) -> Row {
+        let sequence = self.sequences[usize::from(channel)].fetch_add(1, Ordering::Relaxed);
+        let (mut kept, count) = ([0.0; MOST_COLUMNS], values.len().min(MOST_COLUMNS));
+        kept[..count].copy_from_slice(&values[..count]);
+        Row { channel, sequence, time_ns: self.start_unix_ns + time_ns, count, values: kept }
+    }
+
+    /// Records a row of a channel, `time_ns` after the start. Never waits.
+    pub fn put(&self, channel: u16, time_ns: u64, values: &[f64]) {
+        let Some(queue) = &self.queue else { return };
+        if let Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) =
+            queue.try_send(self.row(channel, time_ns, values))
+        {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// The same for whom no clock drives: waits for room.
+    pub fn put_all(&self, channel: u16, time_ns: u64, values: &[f64]) {
+        if let Some(queue) = &self.queue
+            && queue.send(self.row(channel, time_ns, values)).is_err()
+        {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Writes what has come and closes the file.
+    pub fn finish(mut self) -> Ended {
+        self.close().unwrap_or_default()
+    }
+
+    fn close(&mut self) -> Option<Ended> {
+        self.queue = None;
+        self.thread.take().and_then(|thread| thread.join().ok())
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// Writes rows until nobody gives any more, or the file takes no more.
+fn write(mut writer: Writer<File>, rows: &Receiver<Row>, (file, lost): (PathBuf, Arc<AtomicU64>)) -> Ended {
+    let (mut written, mut waiting, mut flushed, mut failed) = (0, 0, Instant::now(), None::<String>);
+    loop {
+        let open = match rows.try_recv() {
+            Ok(row) => {
+                writer.row(row.channel, row.sequence, row.time_ns, &row.values[..row.count]);
+                waiting += 1;
+                true
+            }
+            Err(TryRecvError::Empty) => {
+                std::thread::sleep(LOOK);
+                true
+            }
+            Err(TryRecvError::Disconnected) => false,
+        };
+        if open && writer.waiting() < LARGEST && flushed.elapsed() < EVERY {
+            continue;
+        }
+        flushed = Instant::now();
+        match flush(&mut writer) {
+            Ok(()) => written += std::mem::take(&mut waiting),
+            Err(cause) => {
+                lost.fetch_add(std::mem::take(&mut waiting), Ordering::Relaxed);
+                failed = Some(format!("{} takes no more ({cause}): the recording has ended", file.display()));
+                eprintln!("warning: {}", failed.as_deref().unwrap_or_default());
+                // Whoever waits for room is told by its being gone; what is on its way is lost.
+                break;
+            }
+        }
+        if !open {
+            break;
+        }
+    }
+    let missing = lost.load(Ordering::Relaxed);
+    let (rows_text, lost_text) = (written.to_string(), missing.to_string());
+    let ended = [("rows", rows_text.as_str()), ("lost", &lost_text), ("failed", failed.as_deref().unwrap_or(""))];
+    let closed = writer.metadata("end", ended.into_iter()).and_then(|()| writer.end());
+    if let Err(cause) = closed
+        && failed.is_none()
+    {
+        failed = Some(format!("its summary could not be written ({cause}): `host-sim convert` reads it as a cut file"));
+    }
+    Ended { file, rows: written, lost: missing, failed }
+}
+
+/// One chunk more; of one that the file does not take whole, nothing stays.
+fn flush(writer: &mut Writer<File>) -> io::Result<()> {
+    let whole = writer.written();
+    let flushed = writer.flush();
+    if flushed.is_err() {
+        // What cannot be cut off is left to `convert`.
+        let file = writer.out();
+        let _ = file.set_len(whole).and_then(|()| io::Seek::seek(file, io::SeekFrom::Start(whole)));
+    }
+    flushed
+}

@@ -1,0 +1,165 @@
+//! What is recorded of one peer: its ticks, its questions to the other end's clock, and what a second came to.
+
+use haptic_core::num::Scalar;
+use haptic_core::peer::Observed;
+use haptic_core::safety::Mode;
+
+use haptic_protocol::{link::Link, wire::Sample};
+
+use super::common_clock::{Exchange, Relation, Watched};
+use super::mcap::Channel;
+
+/// Columns of a tick; those that a board tells as well are called as in its recordings.
+pub const TICK: [(&str, &str); 15] = [
+    ("time_s", "since the recording's clock began"),
+    ("tick", "control periods since then"),
+    ("mode", "0 disarmed, 1 armed, 2 faulted"),
+    ("fault", "number of the fault, 0 none"),
+    ("device_m", "position of the device"),
+    ("device_m_per_s", "its velocity"),
+    ("object_m", "position of this peer's copy of the object"),
+    ("object_m_per_s", "its velocity"),
+    ("decoded_m", "where the peer believes the other copy to be, x_d"),
+    ("decoded_m_per_s", "its velocity"),
+    ("contact_n", "contact force F_LC on the copy"),
+    ("coordination_n", "coordination force F_T on the copy"),
+    ("energy_received_j", "energy that came in from the network, since arming"),
+    ("energy_sent_j", "energy that went out to the network, since arming"),
+    ("live", "1 while what is heard is fresh, or the line lives; 0 while it stands"),
+];
+
+/// Columns of an exchange: times of a probe and its answer.
+pub const EXCHANGE: [(&str, &str); 5] = [
+    ("sent_s", "t1: the probe left here"),
+    ("there_s", "t2: it came there, by the other clock"),
+    ("answered_s", "t3: its answer left there, by the other clock"),
+    ("back_s", "t4: the answer came here"),
+    ("session", "number of the sealed session, which only its two ends have"),
+];
+
+/// Columns of a second.
+pub const SECOND: [(&str, &str); 11] = [
+    ("time_s", "since the recording's clock began"),
+    ("clock_offset_s", "the other end's clock less this one"),
+    ("clock_error_s", "by how much that may be wrong: half of the smallest round trip, and twice the standard error"),
+    ("clock_drift_ppm", "how much faster the other clock runs"),
+    ("clock_drift_error_ppm", "by how much that may be wrong"),
+    ("smallest_round_trip_s", "of the last minute"),
+    (
+        "true_discrepancy_m",
+        "root of the mean square distance of the two copies at one instant, as far as telemetry came",
+    ),
+    ("largest_true_discrepancy_m", "its largest"),
+    ("true_discrepancy_error_m", "the largest that the clock's error makes of it: speed of the copy times that"),
+    ("live_share", "share of the second in which the line lived"),
+    ("missing", "datagrams of the other end that never came, since the start"),
+];
+
+/// The three channels of a peer, in this order: ticks, exchanges, seconds.
+pub fn channels(of: &str) -> Vec<Channel> {
+    vec![
+        Channel::new(format!("/{of}/ticks"), "Tick", TICK),
+        Channel::new(format!("/{of}/exchanges"), "Exchange", EXCHANGE),
+        Channel::new(format!("/{of}/seconds"), "Second", SECOND),
+    ]
+}
+
+/// Which of [`channels`].
+pub const TICKS: u16 = 0;
+/// Which of [`channels`].
+pub const EXCHANGES: u16 = 1;
+/// Which of [`channels`].
+pub const SECONDS: u16 = 2;
+
+/// The channels of a board as its operator records them: [`TICKS`] as the board tells them, with when each was sealed, and
+/// [`EXCHANGES`].
+pub fn board_channels(number: u8) -> Vec<Channel> {
+    let sealed = ("sealed_s", "when the record was sealed, by the board's clock");
+    let ticks = haptic_sim::board::recording::COLUMNS.map(|name| (name, ""));
+    vec![
+        Channel::new(format!("/board_{number}/ticks"), "Tick", ticks.into_iter().chain([sealed])),
+        Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE),
+    ]
+}
+
+/// A board while it is recorded: what has come over its operator's link becomes rows.
+#[derive(Debug)]
+pub struct BoardTicks {
+    period_s: f64,
+    clock: Watched,
+    /// Ticks that came.
+    pub ticks: u64,
+}
+
+impl BoardTicks {
+    /// A board with this control period, s.
+    pub fn new(period_s: f64) -> Self {
+        Self { period_s, clock: Watched::default(), ticks: 0 }
+    }
+
+    /// Takes samples that came over a link, each with when it was sealed, µs of the board's clock; `put` gets rows of
+    /// [`board_channels`].
+    pub fn take(&mut self, link: &Link, samples: &[(u64, Sample)], mut put: impl FnMut(u16, &[f64])) {
+        for (sealed_us, sample) in samples {
+            if let Some(row) = haptic_sim::board::recording::row(sample.payload(), self.period_s) {
+                self.ticks += 1;
+                put(TICKS, &[&row[..], &[1e-6 * *sealed_us as f64]].concat());
+            }
+        }
+        if let Some(one) = self.clock.see(link.clock().newest()) {
+            put(EXCHANGES, &exchange(&one, link.session_number()));
+        }
+    }
+}
+
+/// A row of [`TICK`].
+pub fn tick<S: Scalar>(
+    time_ns: u64,
+    tick: u64,
+    mode: Mode,
+    seen: &Observed<S>,
+    [received, sent]: [S; 2],
+    live: bool,
+) -> [f64; TICK.len()] {
+    let (mode, fault) = match mode {
+        Mode::Armed => (1.0, 0.0),
+        Mode::Faulted(fault) => (2.0, f64::from(fault.number())),
+        Mode::Disarmed | Mode::Probing => (0.0, 0.0),
+    };
+    [
+        time_ns as f64 * 1e-9,
+        tick as f64,
+        mode,
+        fault,
+        seen.device.position.to_f64(),
+        seen.device.velocity.to_f64(),
+        seen.object.position.to_f64(),
+        seen.object.velocity.to_f64(),
+        seen.desired.position.to_f64(),
+        seen.desired.velocity.to_f64(),
+        seen.contact_force.to_f64(),
+        seen.coordination_force.to_f64(),
+        received.to_f64(),
+        sent.to_f64(),
+        f64::from(u8::from(live)),
+    ]
+}
+
+/// A row of [`EXCHANGE`].
+pub fn exchange(exchange: &Exchange, session: Option<u32>) -> [f64; EXCHANGE.len()] {
+    let [t1, t2, t3, t4] = exchange.times_s;
+    [t1, t2, t3, t4, session.map_or(f64::NAN, f64::from)]
+}
+
+/// The first columns of [`SECOND`]; no numbers while nothing is known.
+pub fn relation(time_s: f64, relation: Option<&Relation>) -> [f64; 6] {
+    let Some(relation) = relation else { return [time_s, f64::NAN, f64::NAN, f64::NAN, f64::NAN, f64::NAN] };
+    [
+        time_s,
+        relation.offset_s(time_s),
+        relation.error_s(time_s),
+        1e6 * relation.drift,
+        1e6 * relation.drift_error(),
+        relation.round_trip_s,
+    ]
+}

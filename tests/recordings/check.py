@@ -1,0 +1,51 @@
+"""Reads recordings of host-sim with the registry's own `mcap`, and compares them with what `host-sim convert` made of them.
+
+check.py RECORDING TABLE [MEANINGS]: MEANINGS says that every column must have one. Fails with what differs.
+"""
+
+import csv
+import math
+import sys
+import tomllib
+
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+UNITS = ("_s", "_m", "_n", "_j", "_m_per_s", "_ppm")
+NO_UNIT = {"tick", "mode", "fault", "live", "session", "live_share", "missing"}
+
+
+def check(recording: str, table: str, meanings: bool) -> None:
+    with open(recording, "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        facts = {record.name: record.metadata for record in reader.iter_metadata()}
+        rows: dict[str, list] = {}
+        for schema, channel, message, row in reader.iter_decoded_messages():
+            assert schema.encoding == channel.message_encoding == "protobuf", (schema.encoding, channel.message_encoding)
+            rows.setdefault(channel.topic, []).append((message, row))
+    assert summary.statistics.message_count == sum(map(len, rows.values())) == int(facts["end"]["rows"])
+    assert summary.statistics.chunk_count == len(summary.chunk_indexes) > 0 and facts["end"]["lost"] == "0"
+    assert "made" in tomllib.loads(facts["recording"]["scene"]) and facts["recording"]["version"]
+    for channel in summary.channels.values():
+        names = [field.name for field in rows[channel.topic][0][1].DESCRIPTOR.fields] if channel.topic in rows else []
+        for name in names:
+            assert name.endswith(UNITS) or name in NO_UNIT, f"{channel.topic}: {name} has no unit"
+            assert not meanings or channel.metadata.get(name), f"{channel.topic}: {name} has no meaning"
+    first = min(summary.channels.values(), key=lambda channel: channel.id).topic
+    with open(table, newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert len(lines) == len(rows[first]) > 500, (len(lines), len(rows[first]))
+    last_ns = 0
+    for line, (message, row) in zip(lines, rows[first]):
+        assert int(float(line.pop("row"))) == message.sequence
+        assert message.log_time >= last_ns
+        last_ns = message.log_time
+        assert list(line) == [field.name for field in row.DESCRIPTOR.fields]
+        for name, text in line.items():
+            told, read = float(text), getattr(row, name)
+            assert told == read or math.isnan(told) and math.isnan(read), (name, told, read)
+    print(f"{recording}: {len(rows)} channels, {len(lines)} rows of {first} are those of {table}")
+
+
+check(sys.argv[1], sys.argv[2], len(sys.argv) > 3)

@@ -1,0 +1,61 @@
+//! `cargo xtask recordings`: what host-sim records is read by a library that is not its own, Python's `mcap` from the registry, in the
+//! versions of tests/recordings/requirements.txt, in a virtual environment below target/.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::run::{self, Failure, cargo, command, run};
+
+/// Records a run in memory and two live peers, converts both, and has tests/recordings/check.py compare them.
+pub(crate) fn recordings() -> Result<(), Failure> {
+    let folder = run::root().join("target/recordings");
+    let python = environment(&folder)?;
+    run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
+    let file = |name: &str| folder.join(name);
+    for name in ["key", "memory.mcap", "peer-1.mcap", "peer-2.mcap"] {
+        let _ = std::fs::remove_file(file(name));
+    }
+    let host_sim =
+        |words: &[&str]| cargo(&[&["run", "--locked", "--quiet", "--package", "host-sim", "--"], words].concat());
+    let scene = ["--scene", "any-network", "--set=user.1.push_n=1", "--set=user.2.push_n=1", "--seconds=2", "--json"];
+    run(host_sim(&["cooperate"]).args(scene).arg("--record").arg(file("memory.mcap")))?;
+    run(host_sim(&["key", "generate", "--json"]).arg(file("key")))?;
+    let peer = |number: &str, listen: &str, connect: &str| -> Command {
+        let mut peer = host_sim(&["peer", "--quiet", "--number", number, "--listen", listen, "--connect", connect]);
+        peer.args(scene).arg("--key-file").arg(file("key")).arg("--record").arg(file(&format!("peer-{number}.mcap")));
+        peer
+    };
+    let [one, two] = ["127.0.0.1:47101", "127.0.0.1:47102"];
+    let mut second = peer("2", two, one);
+    let mut second = second.spawn().map_err(|cause| Failure::new(format!("host-sim does not start: {cause}")))?;
+    let first = run(&mut peer("1", one, two));
+    let ended = second.wait().map_err(|cause| Failure::new(format!("host-sim does not end: {cause}")))?;
+    first?;
+    if !ended.success() {
+        return Err(Failure::new("the second of two live peers failed"));
+    }
+    for (name, meanings) in [("memory", false), ("peer-1", true), ("peer-2", true)] {
+        let [recording, table] = ["mcap", "csv"].map(|ending| file(&format!("{name}.{ending}")));
+        run(host_sim(&["convert", "--json"]).arg(&recording).arg(&table))?;
+        let mut check = command(&python.to_string_lossy(), &["tests/recordings/check.py"]);
+        run(check.arg(recording).arg(table).args(meanings.then_some("meanings")))?;
+    }
+    Ok(())
+}
+
+/// Python with what the requirements name; made anew when they have changed.
+fn environment(folder: &std::path::Path) -> Result<PathBuf, Failure> {
+    let (wanted, there) = (run::root().join("tests/recordings/requirements.txt"), folder.join("requirements.txt"));
+    let python = folder.join("python/bin/python");
+    let text = run::read(&wanted)?;
+    if std::fs::read_to_string(&there).is_ok_and(|there| there == text) {
+        return Ok(python);
+    }
+    let place = folder.join("python");
+    run(&mut command("python3", &["-m", "venv", "--clear", &place.to_string_lossy()]))?;
+    let mut pip =
+        command(&python.to_string_lossy(), &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    run(pip.arg("--requirement").arg(&wanted))?;
+    std::fs::write(&there, text).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", there.display())))?;
+    Ok(python)
+}
