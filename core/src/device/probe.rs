@@ -19,7 +19,7 @@
 //! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
 //! count.
 //!
-//! **With a current loop** the check begins with a [`Trial`], before the loop is closed, and ends with what voltage and current say
+//! **With a current loop** the check begins with a trial ([`winding`]), before the loop is closed, and ends with what voltage and current say
 //! of the winding and of the encoder's scale ([`Electric`]). A probe ends as soon as a motor's current is [`RUNAWAY`] times what was asked
 //! for, and more: a loop around a sensor of the wrong sign drives it there within a tick or two.
 //!

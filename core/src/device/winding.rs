@@ -4,14 +4,14 @@
 //! encoder's step, which a tick knows all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
 //! records (host-sim's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
 //!
-//! **Before the loop is closed**, [`Trial`]: with the enable low and a voltage at the bridge's inputs, neither current nor motion
+//! **Before the loop is closed**, a trial: with the enable low and a voltage at the bridge's inputs, neither current nor motion
 //! may come; with it high, current must come, and along the voltage. Otherwise a loop around the current would run away, or
 //! push with all its voltage.
 //!
 //! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
 //! is even in time about its middle where the speed is odd, so an error in one (dead time looks like resistance) is none in the other.
-//! k holds the encoder's scale and the motor's constant together: a scale that is wrong by [`SCALE_PERCENT`] and a constant that is wrong the other
-//! way are not told.
+//! k holds the encoder's scale and the motor's constant together: a scale that is wrong, with a constant that is wrong the other way, is
+//! not told; nor is less than [`SCALE_PERCENT`].
 //!
 //! Units: currents in codes, 1/32767 of `motor.full_scale_a`; voltages in counts of the timer.
 //!

@@ -1,7 +1,7 @@
 //! A motor's constant by the voltage that it makes by moving: what is volts per metre per second is newtons per ampere, without a gauge.
 //!
 //! p·u − R·Δi/((1 − a)·N) = R·s + k·v + b·sgn(i) + o, tick by tick, while the joint moves under slow cosines of current; as of a winding's
-//! ([`super::winding`]), v what the encoder says, p what pulses do to samples ([`pulses`]), b the
+//! ([`super::winding`]), v what the encoder says, p what pulses do to samples (`pulses`), b the
 //! bridge's dead time. In Δi, p and a are the settings' R and L, for what they add goes with v where the joint is nothing but a mass. Every quarter of a second is fitted by itself; the interval is Student's of what they give.
 //!
 //! k is in the encoder's metres where a gauge's is in newtons: a scale that is wrong by a factor is wrong in one of them only, and a mass, whose

@@ -1,22 +1,23 @@
-//! Resistance and inductance of a motor's winding and the zero of its current's sensor: from small voltages to and fro, the joint at rest.
+//! Resistance and inductance of a motor's winding and the zero of its current's sensor, by small voltages to and fro.
 //!
-//! A [probe](haptic_core::device::winding) of alternating voltage without a loop, at two amplitudes. From one sample of the current to the next
-//! i′ = a·i + g·(u − e), with a = exp(−R·T/L) over a PWM period T; summed over the N periods of a tick, exactly,
+//! A [probe](haptic_core::device::winding) of alternating voltage without a loop, at two amplitudes. From one sample of the current to the
+//! next i′ = a·i + g·(u − e), with a = exp(−R·T/L) over a PWM period T; summed over the N periods of a tick, exactly,
 //!
 //! ```text
 //! u = r·s + h·Δi + κ·q + o,
 //! ```
 //!
-//! u the mean voltage, s the mean of the samples before each period, Δi what the current changed by; r = (1 − a)/g, h = 1/(g·N). A rotor
-//! that is free moves a little under this: its voltage goes with the charge q that has passed, κ = k²/m. Dead time in a bridge takes the same
-//! from both amplitudes, so the difference of the two is fitted.
+//! u the mean voltage, s the mean of the samples before each period, Δi what the current changed by; r = (1 − a)/g, h = 1/(g·N). A rotor that
+//! is free moves a little under this: its voltage goes with the charge q that has passed, κ = k²/m, and what of it follows the current within
+//! the tick is taken out of h (`early`). Dead time in a bridge takes the same from both amplitudes, so the difference of the two is fitted.
 //!
-//! Two pulses a period, a quarter of it from its ends, give g = (a^¼ + a^¾)/2 · ln(1/a)/R ([`pulses`]): hence R and L.
+//! Two pulses a period, a quarter of it from its ends, give g = (a^¼ + a^¾)/2 · ln(1/a)/R (`pulses`): hence R and L.
 //!
-//! Each of [`STRETCHES`] parts is fitted by itself, and the interval is Student's of what they give.
+//! Each of ten parts is fitted by itself; the interval is Student's of what they give, and a tenth of what the rotor's motion added.
 //!
-//! Limits: a winding whose time constant is far below a PWM period shows no inductance, and is refused. Friction that holds the rotor in part of
-//! each pulse is not in κ, and dead time that stops the current on its way through zero not in the difference: both are a few percent of L. Intervals hold noise, not what the supply's own measurement is off by.
+//! Limits: a winding whose time constant is far below a PWM period shows no inductance, and is refused. Friction that holds the rotor in
+//! part of each pulse is not in κ, and dead time that stops the current on its way through zero not in the difference: half a microsecond
+//! of it is 15 % of L at the most. What the supply's measurement is off by is in no interval.
 
 use haptic_core::device::current::periods_per_tick;
 use haptic_core::device::probe::End;
