@@ -19,6 +19,7 @@ mod network;
 mod paper;
 mod play;
 mod recordings;
+mod reproduce;
 mod shared;
 mod stability;
 mod sweep;
@@ -72,6 +73,8 @@ commands! {
     Command {
         /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
         Paper(paper::Paper),
+        /// Every table and figure of both papers, with a verdict on each claim: matched, not matched and why, not testable.
+        Reproduce(reproduce::Reproduce),
         /// Hold it yourself: one object, two people in two browser windows or one and a partner, in real time on a page of this machine.
         Play(play::Play),
         /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.

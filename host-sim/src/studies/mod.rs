@@ -10,6 +10,7 @@ pub mod force;
 pub(crate) mod paper;
 pub(crate) mod precision;
 pub mod record;
+pub(crate) mod reproduce;
 pub mod sweep;
 
 use haptic_analysis::Verdict;

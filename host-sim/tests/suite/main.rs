@@ -24,6 +24,7 @@ mod precision;
 mod program;
 mod record;
 mod recordings;
+mod reproduce;
 mod restarts;
 mod signals;
 mod squash;

@@ -52,6 +52,13 @@ pub fn wall(mass_kg: f64, damping_n_s_per_m: f64, computing_ticks: f64) -> Rende
     }
 }
 
+/// The device of this mass (kg) in front of an undamped object of that mass, sampled at 1 kHz.
+pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, AnalysisError> {
+    let found = identify(mass_kg)?;
+    let object = Some(Body { mass_kg: object_mass_kg, damping_n_s_per_m: 0.0 });
+    Ok(Rendering { object, period_s: 1e-3, ..wall(mass_kg, found.damping_n_s_per_m, found.computing_ticks) })
+}
+
 /// Finds damping and computing delay for a mass (kg).
 pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
     let largest = |rendering: &Rendering| -> Result<f64, AnalysisError> {

@@ -143,6 +143,11 @@ impl Files {
         Ok(())
     }
 
+    /// A text for people as `NAME.ENDING`.
+    pub fn text(&mut self, ending: &'static str, text: String) {
+        self.add(self.name.clone(), ending, text.into_bytes());
+    }
+
     /// What a figure carries inside: the command, and what [`Made`] says but for the time.
     fn about(&self) -> String {
         let program =

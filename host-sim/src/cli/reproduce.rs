@@ -1,0 +1,77 @@
+//! `host-sim reproduce`: every table and figure of both papers, with a verdict on each claim.
+
+use clap::Args;
+use haptic_analysis::rendering::{identify, maps, picture as rendering};
+use haptic_analysis::{figure4, picture};
+use haptic_core::num::Scalar;
+use serde_json::json;
+
+use super::{Failure, Ui, flags::Out};
+use crate::studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use crate::studies::reproduce::{Computed, architectures, columns, cooperation, counts, page};
+use crate::studies::{architectures as choice, figures};
+
+/// Device and object of the architectures paper's maps, which names neither: those of `stability rendering`.
+const DEVICE_KG: f64 = 0.1;
+const OBJECT_KG: f64 = 0.3;
+
+#[derive(Debug, Args)]
+pub(super) struct Reproduce {
+    #[command(flatten)]
+    out: Out,
+}
+
+impl Reproduce {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let device = identify::device(DEVICE_KG, OBJECT_KG)?;
+        let sweeps = maps::sweeps(&device);
+        let points = figure4::COMMS.len() * figure4::DELAYS.len() * figure4::POINTS;
+        let rows = choice::Architecture::ALL.len() * choice::DELAYS_MS.len();
+        let steps = points + rows + sweeps.len() * maps::POINTS;
+        let (found, wall_s) = ui.work(steps, "both papers", |step| {
+            let (experiments, gains) = (experiments()?, gains()?);
+            let curves = figure4::curves(step)?;
+            let rows = choice::rows(&step)?;
+            let curve = |(base, sweep)| maps::curve(&base, sweep, None, step);
+            let maps = sweeps.into_iter().map(curve).collect::<Result<Vec<_>, _>>()?;
+            let mut claims = cooperation(&Computed { experiments: &experiments, curves: &curves })?;
+            claims.extend(architectures(&rows)?);
+            Ok::<_, Failure>((experiments, gains, curves, rows, maps, claims))
+        })?;
+        let (experiments, gains, curves, rows, maps, claims) = found;
+        let made = ui.made().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
+        let table = columns(&claims);
+        let tables = [
+            ("reproduce-experiments", experiment_columns(&experiments)),
+            ("reproduce-gains", gain_columns(&gains)),
+            ("reproduce-figure-4", figure4::table(&curves)),
+            ("reproduce-architectures", choice::columns(&rows)),
+            ("reproduce-rendering", maps::table(&maps)),
+        ];
+        let mut drawn = vec![("figure-4", picture::figure4(&curves))];
+        drawn.extend(figures::paper(&experiments));
+        drawn.push(("rendering", rendering::figure(&device, &maps)));
+        drawn.push(("architectures", choice::picture::figure(&rows)));
+        let titles: Vec<(&str, String)> = drawn.iter().map(|(name, figure)| (*name, figure.title.clone())).collect();
+        let mut files = ui.files(&self.out, "reproduce", "reproduce", &made, |files| {
+            files.csv(&table)?;
+            files.text("md", page(&claims, &titles, &tables[0].1));
+            drawn.iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
+        })?;
+        for (name, table) in &tables {
+            files.extend(ui.files(&self.out, "reproduce", name, &made, |files| files.csv(table))?);
+        }
+        let [matched, not_matched, not_testable] = counts(&claims);
+        ui.document_of(
+            &made,
+            &json!({
+                "claims": table, "matched": matched, "not_matched": not_matched, "not_testable": not_testable,
+                "experiments": tables[0].1, "gains": tables[1].1, "wall_s": wall_s, "files": files,
+            }),
+        )?;
+        writeln!(ui, "{}", page(&claims, &[], &tables[0].1));
+        writeln!(ui, "{matched} matched, {not_matched} not matched, {not_testable} not testable, in {wall_s:.1} s");
+        ui.wrote(&files);
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! `host-sim reproduce` as a user runs it.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{host_sim, report};
+
+/// Every claim has a verdict, every one that is not matched says why, and those that the theory page knows come out as it says.
+#[test]
+fn every_claim_has_a_verdict_and_a_reason() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduce");
+    let _ = fs::remove_dir_all(&folder);
+    let out = folder.display().to_string();
+    let done = report(host_sim(&["reproduce", "--json", "--out", &out]).spawn().expect("host-sim runs"));
+    let claims = done["claims"].as_array().expect("claims");
+    let text = |at: usize, field: &str| claims[at][field].as_str().unwrap_or_default().to_owned();
+    let mut counts = [0, 0, 0];
+    for (at, claim) in claims.iter().enumerate() {
+        let [verdict, found, why] = ["verdict", "found", "why"].map(|field| text(at, field));
+        let which = ["matched", "not matched", "not testable"].iter().position(|name| *name == verdict);
+        counts[which.expect("a verdict")] += 1;
+        assert!(!found.is_empty() && (verdict == "matched" || !why.is_empty()), "{claim}");
+        assert!(!found.contains("NaN"), "{claim}");
+    }
+    assert_eq!(counts.map(Some), ["matched", "not_matched", "not_testable"].map(|field| done[field].as_u64()));
+    let claim = |words: &str| {
+        let at = (0..claims.len()).find(|at| text(*at, "claim").contains(words));
+        let at = at.unwrap_or_else(|| panic!("no claim {words:?}"));
+        (text(at, "verdict"), text(at, "found"), text(at, "why"), claims[at]["off_percent"].as_f64())
+    };
+    // THEORY §3: 357, 1597 and 10850 N/m beside 310, 1590 and 10620; a pocket from 4401 to 6061 N/m.
+    for (comm, off, verdict) in
+        [("power", 15.2, "not matched"), ("wave", 0.4, "matched"), ("passive-wave", 2.2, "matched")]
+    {
+        let (said, _, _, got) = claim(&format!("The largest gain of {comm} communications"));
+        assert!(said == verdict && (got.expect("a part") - off).abs() < 0.3, "{comm}: {said}, {got:?} %");
+    }
+    let (verdict, found, why, _) = claim("With passive-wave communications every gain");
+    assert!(verdict == "not matched" && found.contains("440") && found.contains("606"), "{verdict}: {found}");
+    assert!(why.contains("depends on what the paper leaves open"), "{why}");
+    // THEORY §4.
+    for (comm, off) in [("power", -7.1), ("wave", -0.9), ("passive-wave", -4.4)] {
+        let (said, _, _, got) = claim(&format!("discrepancy of {comm} communications is"));
+        assert!(said == "matched" && (got.expect("a part") - off).abs() < 1.0, "{comm}: {said}, {got:?} %");
+    }
+    assert_eq!(claim("1000 N/m need at least 200 Hz").0, "not testable");
+    assert!(claim("30 ms are enough").1.contains("N/m"));
+    let page = fs::read_to_string(folder.join("reproduce.md")).expect("a page");
+    let pictures: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert!(pictures.len() == 8 && pictures.iter().all(|picture| folder.join(picture).exists()), "{pictures:?}");
+}
