@@ -428,10 +428,8 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         };
         self.device = pose.axes;
         let [free, ..] = pose.axes;
-        if let Some(measured) = &sensors.stage
-            && let Some(fault) = self.judge(measured)
-        {
-            self.trip(fault);
+        if let Some(measured) = &sensors.stage {
+            self.judge(measured);
         }
         if self.mode != Mode::Armed {
             self.envelope.rest(&mut self.load);
@@ -497,9 +495,9 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         moved
     }
 
-    /// What the power stage says is wrong.
-    #[inline]
-    fn judge(&mut self, measured: &Measured) -> Option<Fault> {
+    /// Whether the power stage says that something is wrong. Not where it is called: what has no stage would pay for its registers.
+    #[inline(never)]
+    fn judge(&mut self, measured: &Measured) {
         let [first, ..] = &self.joints;
         let driven = match self.mode {
             Mode::Armed if first.encoder.primed => Driven::Whole,
@@ -509,7 +507,9 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         };
         let joints = &self.joints;
         let counts = || joints.each_ref().map(|joint| joint.encoder.total);
-        self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts)
+        if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
+            self.trip(fault);
+        }
     }
 
     /// One tick of a probe; disarmed when it is over.

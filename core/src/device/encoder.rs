@@ -100,13 +100,13 @@ impl<S: Scalar> Encoder<S> {
     #[inline]
     pub fn step(&self, state: &mut EncoderState, counts: Counts) -> Option<S> {
         if !state.primed {
-            *state = EncoderState { last: counts, primed: true, ..*state };
+            (state.last, state.primed) = (counts, true);
         }
         let raw = i32::from(counts.0.wrapping_sub(state.last.0).cast_signed());
         let step_counts = if self.reversed { -raw } else { raw };
         match state.total.checked_add(step_counts) {
             Some(total) if step_counts.abs() <= self.max_step_counts => {
-                *state = EncoderState { total, last: counts, ..*state };
+                (state.total, state.last) = (total, counts);
                 Some(S::from_i32(total).ratio(self.counts_per_unit))
             }
             _ => None,
