@@ -12,7 +12,7 @@ use core::fmt::{self, Write};
 use embassy_time::{Duration, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
-use firmware_parts::operator::{self, Misread, Request, Time};
+use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
@@ -200,13 +200,24 @@ impl Console {
                 telemetry.capture(ticks);
                 write!(to, "ok the next {ticks} ticks")?;
             }
-            Request::Time(which) => {
+            Request::Time(whose, which) => {
+                let times = match whose {
+                    Whose::Tick => &pace::TIMES,
+                    Whose::CurrentLoop => &pace::LOOP_TIMES,
+                };
                 let (what, times) = match which {
-                    Time::Delay => ("from due to begun", &pace::TIMES.delay),
-                    Time::Duration => ("from begun to ended", &pace::TIMES.duration),
-                    Time::Spacing => ("off a period", &pace::TIMES.spacing),
+                    Time::Delay => ("from due to begun", &times.delay),
+                    Time::Duration => ("from begun to ended", &times.duration),
+                    Time::Spacing => ("off a period", &times.spacing),
                 };
                 write!(to, "ok {what}, cycles of {} MHz: {times}", CORE_HZ / 1_000_000)?;
+            }
+            Request::Load => {
+                write!(to, "ok of the processor, in the last second:")?;
+                for (what, load) in [(" current loop", &pace::LOOP_LOAD), (", tick", &pace::LOAD)] {
+                    let share = load.share(CORE_HZ);
+                    write!(to, "{what} {}.{:02} %", share / 100, share % 100)?;
+                }
             }
         }
         Ok(())

@@ -45,8 +45,19 @@ pub enum Request<'a> {
     Stream(u32),
     /// So many ticks in a row, every one.
     Capture(u32),
-    /// How long ticks took on the chip.
-    Time(Time),
+    /// How long ticks took on the chip, or runs of the current loop.
+    Time(Whose, Time),
+    /// How much of the processor both took.
+    Load,
+}
+
+/// Of which interrupt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whose {
+    /// 1000 times a second.
+    Tick,
+    /// 20,000 times a second, while motors are on.
+    CurrentLoop,
 }
 
 /// Which of a tick's times ([`crate::times`]).
@@ -112,15 +123,23 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         "stream" => words.next().and_then(|n| if n == "off" { Some(0) } else { n.parse().ok() }).map(Request::Stream),
         "capture" => number(&mut words).map(Request::Capture),
         "time" => match words.next() {
-            Some("delay") => Some(Request::Time(Time::Delay)),
-            Some("duration") => Some(Request::Time(Time::Duration)),
-            Some("spacing") => Some(Request::Time(Time::Spacing)),
-            _ => None,
+            Some("load") => Some(Request::Load),
+            Some("loop") => words.next().and_then(time).map(|time| Request::Time(Whose::CurrentLoop, time)),
+            word => word.and_then(time).map(|time| Request::Time(Whose::Tick, time)),
         },
         _ => return Err(Misread::Word),
     };
     // Nothing may be missing, and nothing be left.
     request.filter(|_| words.next().is_none()).ok_or(Misread::Arguments)
+}
+
+fn time(word: &str) -> Option<Time> {
+    match word {
+        "delay" => Some(Time::Delay),
+        "duration" => Some(Time::Duration),
+        "spacing" => Some(Time::Spacing),
+        _ => None,
+    }
 }
 
 /// Whether a line is taken however long ago it was said: what stops, and harms nobody if it comes late.

@@ -1,4 +1,4 @@
-//! Times of the tick on the chip: how late it began, how long it took, how far two were apart, as histograms.
+//! Times of tick and current loop on the chip: how late it began, how long it took, how far two were apart, as histograms.
 //!
 //! The tick leaves four words behind ([`Took`]) and the interrupt below it counts them here, so that counting costs the tick nothing. One
 //! writer, any readers, no lock: a reader may see a tick in one word and not yet in another. In cycles of the core's clock, since the
@@ -84,6 +84,42 @@ impl fmt::Display for Histogram {
     }
 }
 
+/// Cycles that an interrupt had.
+#[derive(Debug)]
+pub struct Load {
+    sum: Word<u32>,
+    second: Word<u32>,
+}
+
+impl Load {
+    /// None yet.
+    pub const fn new() -> Self {
+        Self { sum: Word::zero(), second: Word::zero() }
+    }
+
+    /// So many more.
+    pub fn see(&self, cycles: u32) {
+        self.sum.set(self.sum.get().wrapping_add(cycles));
+    }
+
+    /// A second is over.
+    pub fn second(&self) {
+        self.second.set(self.sum.get());
+        self.sum.set(0);
+    }
+
+    /// Hundredths of a percent of a processor with so many cycles a second, in the last second that is over.
+    pub fn share(&self, cycles_per_s: u32) -> u32 {
+        (u64::from(self.second.get()) * 10_000 / u64::from(cycles_per_s.max(1))) as u32
+    }
+}
+
+impl Default for Load {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// The three times of a tick.
 #[derive(Debug)]
 pub struct Times {
@@ -106,13 +142,19 @@ impl Times {
 
     /// Takes in a tick; one that was missed makes no spacing. `period` in cycles.
     pub fn see(&self, took: &Took, period: u32) {
+        // The first tick is number 1, and nothing is known of the one before it.
+        let follows = took.tick > 1 && took.tick.wrapping_sub(self.last.get()) == 1;
+        self.last.set(took.tick);
+        self.see_run(took, follows, period);
+    }
+
+    /// Takes in what runs more often than ticks do, in a tick; `follows`: it ran a period ago, and that was seen.
+    pub fn see_run(&self, took: &Took, follows: bool, period: u32) {
         self.delay.see(took.delay, took);
         self.duration.see(took.ended.wrapping_sub(took.began), took);
-        // The first tick is number 1, and nothing is known of the one before it.
-        if took.tick > 1 && took.tick.wrapping_sub(self.last.get()) == 1 {
+        if follows {
             self.spacing.see(took.began.wrapping_sub(self.began.get()).abs_diff(period), took);
         }
-        self.last.set(took.tick);
         self.began.set(took.began);
     }
 }

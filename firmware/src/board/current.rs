@@ -14,7 +14,9 @@
 
 use core::f64::consts::TAU;
 use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU32, Ordering};
 
+use cortex_m::peripheral::DWT;
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
@@ -27,7 +29,7 @@ use haptic_core::names::KinematicsName;
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Refused, Settings};
 
-use super::{bridges, pace};
+use super::bridges;
 
 /// What the pins PA3, PC0 and PB1 are to the converter: currents of motors 1 and 2, the supply over [`DIVIDER`].
 const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
@@ -37,9 +39,9 @@ const TRIGGER: u8 = 8;
 const BITS: u32 = 16;
 /// Millivolts of the supply at the end of the converter's range: 3.3 V before an eleventh.
 const SUPPLY_MV: u32 = 3_300 * 11;
-/// PWM periods in a tick.
+/// PWM periods in a tick, and how long that is, s.
 pub(crate) const PERIODS: u32 = PWM_HZ / 1000;
-const _: () = assert!(pace::PERIOD_S == 0.001);
+const TICK_S: f64 = 0.001;
 
 /// What one motor is to be given.
 #[derive(Clone, Copy, Debug)]
@@ -91,9 +93,40 @@ struct Loop {
     supply: u32,
     /// Voltages of the next period, counts.
     next: [i32; AXES],
+    /// [`FIRST`] until it has run.
+    first: u32,
 }
 
 static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
+
+/// Runs that are remembered: more than a tick has.
+pub(crate) const RING: u32 = 32;
+/// Of each: when it began and ended, and how late in its period it began, in the timer's counts, with [`FIRST`] above.
+static TOOK: [[AtomicU32; 3]; RING as usize] = [const { [const { AtomicU32::new(0) }; 3] }; RING as usize];
+const FIRST: u32 = 1 << 16;
+/// How often the interrupt has run.
+static RUNS: AtomicU32 = AtomicU32::new(0);
+
+/// One run of the interrupt, in cycles.
+pub(crate) struct Run {
+    pub(crate) began: u32,
+    pub(crate) ended: u32,
+    /// Counts of the timer since the update; one later than half a period looks as much too early.
+    pub(crate) late: u32,
+    /// It did not run in the period before.
+    pub(crate) first: bool,
+}
+
+/// How often the interrupt has run, since the start of the board.
+pub(crate) fn runs() -> u32 {
+    RUNS.load(Ordering::Acquire)
+}
+
+/// A run by its number, if it is one of the last [`RING`].
+pub(crate) fn run(number: u32) -> Run {
+    let [began, ended, late] = TOOK[(number % RING) as usize].each_ref().map(|word| word.load(Ordering::Relaxed));
+    Run { began, ended, late: late & (FIRST - 1), first: late & FIRST != 0 }
+}
 
 /// Starts the converter; the interrupt stays off.
 pub(crate) fn init() {
@@ -144,6 +177,7 @@ pub(crate) fn prepare(orders: Reader<'static, Order>, sums: Writer<'static, Sums
         voltages: [0; AXES],
         supply: 0,
         next: [0; AXES],
+        first: FIRST,
     };
     // SAFETY: the interrupt that uses LOOP is not enabled yet.
     unsafe {
@@ -164,6 +198,7 @@ fn start() {
         (*place).assume_init_mut()
     };
     this.controllers = [Controller::default(); AXES];
+    this.first = FIRST;
     (this.codes, this.voltages, this.supply, this.next) = ([0; AXES], [0; AXES], 0, [0; AXES]);
     pac::ADC1.isr().write(|w| {
         w.set_jeoc(true);
@@ -175,6 +210,7 @@ fn start() {
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".itcm.current")]
 extern "C" fn ADC() {
+    let (began, late) = (DWT::cycle_count(), u32::from(pac::TIM1.cnt().read().cnt()));
     let adc = pac::ADC1;
     adc.isr().write(|w| {
         w.set_jeoc(true);
@@ -186,6 +222,12 @@ extern "C" fn ADC() {
         (*place).assume_init_mut()
     };
     this.period(adc);
+    let run = this.total.runs;
+    let late = late | core::mem::take(&mut this.first);
+    for (place, word) in TOOK[(run % RING) as usize].iter().zip([began, DWT::cycle_count(), late]) {
+        place.store(word, Ordering::Relaxed);
+    }
+    RUNS.store(run, Ordering::Release);
 }
 
 impl Loop {
@@ -249,7 +291,7 @@ impl Power {
         Ok(Self {
             design: CurrentLoop::build(settings, bridges::COUNTS)?,
             sensor: Sensor::build(settings, BITS),
-            speed_per_count: (unit_per_count / pace::PERIOD_S) as f32,
+            speed_per_count: (unit_per_count / TICK_S) as f32,
         })
     }
 }

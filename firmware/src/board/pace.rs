@@ -14,9 +14,11 @@ use embassy_stm32::{Peri, pac, peripherals::TIM6, timer::low_level::Timer};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 
 use firmware_parts::record::SENT;
-use firmware_parts::times::{Times, Took};
+use firmware_parts::times::{Load, Times, Took};
+use haptic_core::device::current::PWM_HZ;
 
 use super::clocks::{CORE_HZ, TIMERS_HZ};
+use super::current::{self, Run};
 use super::deadman;
 
 /// The control period that the timer makes, s.
@@ -33,8 +35,14 @@ const UPDATED: u32 = 1;
 const LOOKS: u32 = 10_000;
 const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_HZ);
 
-/// Times of the tick since the start.
+/// Times of the tick since the start, and of the current loop.
 pub(crate) static TIMES: Times = Times::new();
+pub(crate) static LOOP_TIMES: Times = Times::new();
+/// What both have of the processor.
+pub(crate) static LOAD: Load = Load::new();
+pub(crate) static LOOP_LOAD: Load = Load::new();
+/// The last run of the current loop that was counted.
+static COUNTED: AtomicU32 = AtomicU32::new(0);
 /// What the last tick left about itself: its number, when it began and ended, how late it was in its timer's counts with its flags above.
 static TOOK: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
 
@@ -120,11 +128,37 @@ extern "C" fn UART8() {
     // A tick that came between is counted when it rings itself.
     if TOOK[0].load(Ordering::Relaxed) == tick {
         let delay = (rest & 0xFFFF) * (CORE_HZ / (TIMERS_HZ / PRESCALER));
-        TIMES.see(&Took { tick, flags: (rest >> 16) as u8, delay, began, ended }, CORE_HZ / 1000);
+        let took = Took { tick, flags: (rest >> 16) as u8, delay, began, ended };
+        TIMES.see(&took, CORE_HZ / 1000);
+        LOAD.see(ended.wrapping_sub(began));
+        count_runs(&took);
+        if tick.is_multiple_of(1000) {
+            LOAD.second();
+            LOOP_LOAD.second();
+        }
     }
     let sent = SENT_IN.load(Ordering::Relaxed);
     if sent != TOLD.load(Ordering::Relaxed) {
         TOLD.store(sent, Ordering::Relaxed);
         BELL.signal(());
     }
+}
+
+/// Counts the runs of the current loop since the last time, in this tick. What the ring has lost is not counted.
+fn count_runs(tick: &Took) {
+    let last = current::runs();
+    let mut run = COUNTED.load(Ordering::Relaxed);
+    let mut follows = last.wrapping_sub(run) < current::RING;
+    if !follows {
+        run = last.wrapping_sub(current::PERIODS);
+    }
+    while run != last {
+        run = run.wrapping_add(1);
+        let Run { began, ended, late, first } = current::run(run);
+        let took = Took { delay: late * (CORE_HZ / TIMERS_HZ), began, ended, ..*tick };
+        LOOP_TIMES.see_run(&took, follows && !first, CORE_HZ / PWM_HZ);
+        LOOP_LOAD.see(ended.wrapping_sub(began));
+        follows = true;
+    }
+    COUNTED.store(last, Ordering::Relaxed);
 }

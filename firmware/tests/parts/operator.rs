@@ -1,6 +1,6 @@
 //! The operator's lines: what is read, and what is none.
 
-use firmware_parts::operator::{Misread, Request, Time, parse};
+use firmware_parts::operator::{Misread, Request, Time, Whose, parse};
 use haptic_core::device::probe::{self, Shape};
 use haptic_core::settings::Value;
 
@@ -16,7 +16,10 @@ fn lines_are_read_as_written() {
     assert_eq!(parse("set contact.one_sided true"), Ok(Request::Set("contact.one_sided", Value::Flag(true))));
     assert_eq!(parse("stream off"), Ok(Request::Stream(0)));
     assert_eq!(parse("capture 500"), Ok(Request::Capture(500)));
-    assert_eq!(parse("time spacing"), Ok(Request::Time(Time::Spacing)));
+    assert_eq!(parse("time spacing"), Ok(Request::Time(Whose::Tick, Time::Spacing)));
+    assert_eq!(parse("time loop delay"), Ok(Request::Time(Whose::CurrentLoop, Time::Delay)));
+    assert_eq!(parse("time load"), Ok(Request::Load));
+    assert_eq!([parse("time"), parse("time loop"), parse("time loop load")], [Err(Misread::Arguments); 3]);
     assert_eq!(parse("check 2"), Ok(Request::Check(2)));
     let sine = probe::Request { joint: 1, shape: Shape::Sine, duty: -0.05, duration_s: 2.0, frequency_hz: 7.5 };
     assert_eq!(parse("probe 1 sine -0.05 2 7.5"), Ok(Request::Probe(sine)));

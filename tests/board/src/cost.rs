@@ -1,16 +1,19 @@
-//! Instructions of every tick, counted from the entry of the interrupt to its return.
+//! Instructions of every tick, and of every run of the current loop, counted from the entry of the interrupt to its return.
 //!
-//! The emulator stops at both and says how many instructions it has run: exact, and the same on every run. Nothing
-//! preempts the tick, so what lies between the two is the tick's own. Not cycles: those the emulator does not know.
+//! The emulator stops at both and says how many instructions it has run: exact, and the same on every run. Nothing preempts the current
+//! loop, and nothing else the tick, which ends long before the loop's next run: so what lies between the two is their own. Not cycles:
+//! those the emulator does not know.
 
 use rigless::emulator::Hit;
 
 use crate::image::Firmware;
 
-/// The interrupt.
-const TICK: &str = "TIM6_DAC";
+/// The interrupts.
+pub const TICK: &str = "TIM6_DAC";
+/// That of the current loop.
+pub const LOOP: &str = "ADC";
 
-/// Counts one board's ticks.
+/// Counts one board's ticks, or another of its interrupts.
 #[derive(Clone, Debug)]
 pub struct Meter {
     entry: u64,
@@ -20,6 +23,8 @@ pub struct Meter {
     pub ticks: Vec<u32>,
     /// When every tick began, ns.
     pub began: Vec<u64>,
+    /// How many instructions the board had run when it did: asleep it runs none.
+    pub before: Vec<u64>,
 }
 
 /// Median and largest of some counts.
@@ -41,10 +46,10 @@ impl MedianAndMost {
 }
 
 impl Meter {
-    /// For this image.
-    pub fn new(firmware: &Firmware) -> Self {
-        let (entry, returns) = (firmware.address(TICK), firmware.returns(TICK));
-        Self { entry, returns, entered: None, ticks: Vec::new(), began: Vec::new() }
+    /// Of an interrupt of this image.
+    pub fn new(firmware: &Firmware, interrupt: &str) -> Self {
+        let (entry, returns) = (firmware.address(interrupt), firmware.returns(interrupt));
+        Self { entry, returns, entered: None, ticks: Vec::new(), began: Vec::new(), before: Vec::new() }
     }
 
     /// The instructions to watch.
@@ -58,6 +63,7 @@ impl Meter {
             if hit.address == self.entry {
                 self.entered = Some(hit.instruction_count);
                 self.began.push(hit.at.0);
+                self.before.push(hit.instruction_count);
             } else if self.returns.contains(&hit.address) {
                 // The return itself has not run yet at its hit, and is the tick's too.
                 self.ticks.extend(self.entered.take().map(|entered| (hit.instruction_count - entered + 1) as u32));
@@ -69,5 +75,6 @@ impl Meter {
     pub fn clear(&mut self) {
         self.ticks.clear();
         self.began.clear();
+        self.before.clear();
     }
 }

@@ -104,6 +104,8 @@ struct Stepper {
     next: Option<u64>,
     /// When the bench wants to hear of the board, ns.
     until: u64,
+    /// Resets that the timer's phase is known for.
+    resets: usize,
 }
 
 /// A PWM period, ns.
@@ -176,7 +178,9 @@ impl Driver<Nucleo> for Stepper {
         if let Some(motors) = inputs.motors {
             self.motors = motors;
         }
-        self.next = self.motors.as_ref().and_then(|_| part.next_update(stop.at));
+        if self.motors.is_none() || self.next.is_none() || core::mem::replace(&mut self.resets, resets) != resets {
+            self.next = self.motors.as_ref().and_then(|_| part.next_update(stop.at));
+        }
         self.until = until;
         if let Some(counts) = inputs.counts {
             part.turn(stop.at, counts);
@@ -229,6 +233,7 @@ impl Node {
                 motors: None,
                 next: None,
                 until: 0,
+                resets: 0,
             };
             let images = std::slice::from_ref(&firmware.image);
             let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");

@@ -125,7 +125,8 @@ impl Pc {
     /// The file is there already, or cannot be written.
     pub fn record(&mut self, number: u8, file: &Path) {
         let made = Made::now(env!("CARGO_PKG_VERSION"), "bench");
-        let origin = Origin { clock: "bench".to_owned(), ..Origin::simulated(&made, format!("operator of board {number}")) };
+        let origin =
+            Origin { clock: "bench".to_owned(), ..Origin::simulated(&made, format!("operator of board {number}")) };
         let recorder = Recorder::create(file, &origin, board_channels(number)).expect("a file that is not there yet");
         self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3), recorder));
     }

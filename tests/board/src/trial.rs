@@ -45,6 +45,8 @@ pub struct Trial {
     pub replayed: [Equal; 2],
     /// Instructions of an armed tick, over both boards.
     pub instructions: cost::MedianAndMost,
+    /// The same of a run of the current loop, where there is one.
+    pub loop_instructions: cost::MedianAndMost,
     /// Every armed tick of both boards.
     pub records: [Vec<Record>; 2],
     /// What the emulator could not do.
@@ -111,6 +113,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     }
     let due = (bench.now_ns() - counted_from) / PERIOD_NS;
     let instructions = cost::MedianAndMost::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
+    let loop_instructions = cost::MedianAndMost::of(bench.loops.iter().flat_map(|meter| meter.ticks.iter().copied()));
     let late = bench.meters.iter().map(|meter| due.abs_diff(meter.ticks.len() as u64)).sum::<u64>();
     // What is still in the boards comes out.
     bench.run_for_ms(24);
@@ -141,6 +144,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
         equal: if given { twin::closed_loop_given(&scene, armed) } else { twin::closed_loop(&scene, both) },
         replayed: [0, 1].map(|index| twin::replay_alone(&settings[index], armed[index].records)),
         instructions,
+        loop_instructions,
         records,
         reports,
         wall_s,

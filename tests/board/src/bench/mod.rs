@@ -17,7 +17,7 @@ use firmware_parts::record::Record;
 use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
 
-use crate::cost::Meter;
+use crate::cost::{LOOP, Meter, TICK};
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::partner::Partner;
@@ -56,6 +56,8 @@ pub struct Bench {
     pub stopped: Vec<Stopped>,
     /// Instructions of each board's ticks, once [`Bench::count_instructions`] was asked for.
     pub meters: Vec<Meter>,
+    /// The same of their current loops.
+    pub loops: Vec<Meter>,
     now_ns: u64,
     period_s: f64,
     /// Stops since power-on.
@@ -100,7 +102,8 @@ impl Bench {
             loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
             inputs: each(),
-            meters: nodes.iter().map(|_| Meter::new(firmware)).collect(),
+            meters: nodes.iter().map(|_| Meter::new(firmware, TICK)).collect(),
+            loops: nodes.iter().map(|_| Meter::new(firmware, LOOP)).collect(),
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
@@ -181,8 +184,8 @@ impl Bench {
         }
         self.stopped = self.nodes.iter().map(Node::wait).collect();
         self.now_ns = until_ns;
-        for (meter, stopped) in self.meters.iter_mut().zip(&self.stopped) {
-            meter.see(&stopped.hits);
+        for meters in [&mut self.meters, &mut self.loops] {
+            meters.iter_mut().zip(&self.stopped).for_each(|(meter, stopped)| meter.see(&stopped.hits));
         }
         for (port, stopped) in self.stopped.iter().enumerate() {
             for (at, frame) in &stopped.frames {
@@ -265,11 +268,13 @@ impl Bench {
         self.ticks += u64::from(moved);
     }
 
-    /// Counts the instructions of every tick from the next stop on.
+    /// Counts the instructions of every tick and of every run of a current loop from the next stop on.
     pub fn count_instructions(&mut self) {
-        for (meter, inputs) in self.meters.iter_mut().zip(&mut self.inputs) {
-            meter.clear();
-            inputs.watch.extend(meter.watched());
+        for meters in [&mut self.meters, &mut self.loops] {
+            for (meter, inputs) in meters.iter_mut().zip(&mut self.inputs) {
+                meter.clear();
+                inputs.watch.extend(meter.watched());
+            }
         }
     }
 

@@ -10,7 +10,7 @@ use firmware_parts::record::ENGAGED;
 use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
-use haptic_sim::scene::Scene;
+use haptic_sim::scene::{PlantFault, Scene};
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
@@ -181,6 +181,21 @@ impl Bench {
         }
         self.devices = held;
         self.run_to(self.now_ns + PERIOD_NS);
+    }
+
+    /// Something goes wrong with the first joint of a board's (1 or 2) device, now.
+    pub fn fail(&mut self, number: usize, fault: PlantFault) {
+        if let Some(device) = &self.devices[number - 1] {
+            device.motors().plant.fail(fault);
+        }
+    }
+
+    /// The device of a board is as good as new, where it was, and nobody moves it until it is driven.
+    pub fn mend(&mut self, number: usize) {
+        let Some(device) = &mut self.devices[number - 1] else { return };
+        let counts = device.motors().counts;
+        *device = Device::at(&self.scene, number - 1, counts);
+        self.inputs[number - 1].motors = Some(device.stage());
     }
 
     /// The answer to `probed` once the probe of a board is over.

@@ -119,6 +119,7 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "first_difference": trial.equal.first_difference,
         "replayed_ticks": trial.replayed.map(|equal| equal.ticks),
         "instructions_per_tick": { "median": trial.instructions.median, "max": trial.instructions.max },
+        "instructions_per_loop": { "median": trial.loop_instructions.median, "max": trial.loop_instructions.max },
         "wall_s": trial.wall_s,
         "files": written,
     })
@@ -157,6 +158,8 @@ fn print(name: &str, trial: &Trial) {
         .value("frames lost by the wire", |trial| trial.wire_lost)
         .value("instructions per tick, median", |trial| trial.instructions.median)
         .value("instructions per tick, most", |trial| trial.instructions.max)
+        .value("instructions per run of the current loop, median", |trial| trial.loop_instructions.median)
+        .value("instructions per run of the current loop, most", |trial| trial.loop_instructions.max)
         .number("wall_s", 1, |trial| trial.wall_s)
         .head("wall time");
     println!("{}", of_boards.done().down(&["two boards"]));

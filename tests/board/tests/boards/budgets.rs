@@ -13,6 +13,8 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
+
+use crate::current_loop;
 use haptic_sim::scenes;
 
 /// Of the image's sections.
@@ -43,11 +45,22 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
         measured.add(format!("tick_instructions_median.{name}"), trial.instructions.median);
         measured.add(format!("tick_instructions_max.{name}"), trial.instructions.max);
     }
+    let trial = trial::run(firmware, &current_loop::scene(&[]), 1.0).expect("the boards run it");
+    assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "current loop");
+    measured.add("tick_instructions_median.current-loop", trial.instructions.median);
+    measured.add("tick_instructions_max.current-loop", trial.instructions.max);
+    measured.add("loop_instructions_median", trial.loop_instructions.median);
+    measured.add("loop_instructions_max", trial.loop_instructions.max);
 }
 
 /// How late ticks begin, at the most: instructions after the earliest, within their period.
 fn entry_delay(began: &[u64]) -> u32 {
-    let phases = began.iter().map(|at| at % PERIOD_NS);
+    within(began, PERIOD_NS)
+}
+
+/// The same of what begins once in another period, ns.
+pub(crate) fn within(began: &[u64], period_ns: u64) -> u32 {
+    let phases = began.iter().map(|at| at % period_ns);
     let spread = phases.clone().max().unwrap_or(0) - phases.min().unwrap_or(0);
     (spread * CORE_HZ).div_ceil(1_000_000_000) as u32
 }
@@ -163,7 +176,9 @@ fn nothing_that_the_tick_calls_leaves_itcm() {
         let reached = Stack::of(&code).reached(entry).unwrap_or_else(|why| panic!("what {entry} calls: {why}"));
         reached.into_iter().filter(|(at, _)| !inside(*at)).map(|(_, name)| name).collect::<Vec<_>>()
     };
-    assert_eq!(outside("TIM6_DAC"), Vec::<String>::new(), "not in ITCM: into memory.x with them");
+    for interrupt in ["TIM6_DAC", "ADC"] {
+        assert_eq!(outside(interrupt), Vec::<String>::new(), "not in ITCM: into memory.x with them");
+    }
     assert!(outside("UART4").len() > 3, "what another interrupt calls is seen to lie elsewhere");
     // Whatever else is there, too.
     let there = |what: &str| {

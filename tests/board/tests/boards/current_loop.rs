@@ -3,16 +3,20 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::{Bench, PERIOD_NS, for_boards};
+use board_bench::docs;
 use board_bench::image::Firmware;
+use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
+use crate::budgets::within;
+
 /// The paper's cube, both devices with windings. Without noise: the converter's steps are in both, and a board measures its sensors' zeros.
-fn scene(set: &[&str]) -> Scene {
+pub(crate) fn scene(set: &[&str]) -> Scene {
     let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     for set in [
         "plant.encoder=true",
@@ -46,4 +50,91 @@ fn two_boards_with_windings_equal_host_sim() {
     println!("{ticks} ticks, largest duty {duties:?}");
     assert_eq!(twin::closed_loop(&scene, boards), Equal { ticks, first_difference: None });
     bench.finish().iter().for_each(reviewed::check);
+}
+
+/// A PWM period, ns.
+const PWM_NS: u64 = 50_000;
+
+/// One period of everything at once for board 1: 100 Mbit/s of the smallest frames to the flow's port.
+fn flooded(bench: &mut Bench) {
+    let stranger = ([2, 0, 0, 0, 0, 0x66], [192, 168, 77, 66], 7701);
+    let frame = udp(stranger, (board_mac(1), board_ip(1), 7701), &[0x55; 18]);
+    bench.flood(1, &frame, 148);
+}
+
+/// Neither begins more than 10 instructions after its earliest, and there are as many as there ought to be.
+fn in_time(bench: &Bench, what: &str, ticks: usize, loops: usize) {
+    let (tick, current) = (&bench.meters[0], &bench.loops[0]);
+    let delays = [within(&tick.began, PERIOD_NS), within(&current.began, PWM_NS)];
+    println!(
+        "{what}: {} ticks, {} runs of the loop, at most {delays:?} instructions late",
+        tick.began.len(),
+        current.began.len()
+    );
+    assert_eq!((tick.began.len(), current.began.len()), (ticks, loops), "{what}");
+    assert!(delays.iter().all(|delay| *delay <= 10), "{what}: {delays:?}");
+}
+
+/// Instructions a second of board 1: of its current loop, its tick, and all else.
+fn load(bench: &mut Bench, what: &str) -> String {
+    const MS: u64 = 400;
+    bench.run_for_ms(20);
+    bench.meters[0].clear();
+    bench.loops[0].clear();
+    bench.run_for_ms(MS);
+    let (tick, current) = (&bench.meters[0], &bench.loops[0]);
+    let sum = |meter: &board_bench::cost::Meter| meter.ticks.iter().map(|ran| u64::from(*ran)).sum::<u64>();
+    let all = tick.before[tick.before.len() - 1] - tick.before[0];
+    let (tick, current) = (sum(tick), sum(current));
+    let per_s = |ran: u64| {
+        let per_s = (ran * 1000 / MS) as f64;
+        format!("{:.2} M, {:.2} %", 1e-6 * per_s, 100.0 * per_s / board_bench::part::CORE_HZ as f64)
+    };
+    format!("| {what} | {} | {} | {} |", per_s(current), per_s(tick), per_s(all - tick - current))
+}
+
+/// A flood, a handshake with a board that has gone and come back, and, with the motors off, an erase of flash, all at once.
+#[test]
+fn tick_and_loop_are_in_time_whatever_else_goes_on() {
+    const MS: usize = 250;
+    let (firmware, scene) = (Arc::new(Firmware::release()), scene(&[]));
+    let mut bench = Bench::start(&firmware, 2, Line::default());
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.arm();
+    bench.count_instructions();
+    let mut rows = vec![load(&mut bench, "armed, every tick recorded and sent")];
+    assert!(bench.ask(1, "stream off").starts_with("ok"));
+    rows.push(load(&mut bench, "armed"));
+    let meet_anew = |bench: &mut Bench| {
+        for ms in 0..MS {
+            // For long enough that the link lets go.
+            bench.wire.line.silent = ms < 120;
+            flooded(bench);
+        }
+    };
+    let clear = |bench: &mut Bench| {
+        bench.meters[0].clear();
+        bench.loops[0].clear();
+    };
+    clear(&mut bench);
+    meet_anew(&mut bench);
+    in_time(&bench, "armed, a flood and a handshake", MS, 20 * MS);
+
+    bench.run_for_ms(1200);
+    assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
+    rows.push(load(&mut bench, "disarmed"));
+    docs::table("current_loop", "| board | current loop, 20 kHz | tick, 1 kHz | all else |", &rows);
+    // As many as a sector takes, until one has to erase.
+    let mut said = String::new();
+    for _ in 0..17 {
+        said = bench.ask(1, "save");
+        if !said.ends_with("saved") {
+            break;
+        }
+    }
+    assert_eq!(said, "ok saving, a few seconds: flash is being erased");
+    clear(&mut bench);
+    meet_anew(&mut bench);
+    in_time(&bench, "disarmed, a flood, a handshake and an erase", MS, 0);
+    bench.finish();
 }

@@ -10,6 +10,7 @@ use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
+use haptic_sim::scene::PlantFault;
 use haptic_sim::scenes;
 
 use crate::{breaks, impostor::Impostor};
@@ -23,6 +24,8 @@ const OVERFLOW: u32 = 0xE7FD_B5FF;
 struct Campaign {
     firmware: Arc<Firmware>,
     rows: Vec<String>,
+    /// What the scene is besides; with windings where a current loop is.
+    set: &'static [&'static str],
 }
 
 /// What a fault is to come to.
@@ -46,6 +49,9 @@ impl Campaign {
         scene.apply_override("safety.peer_lost_s=0.096").expect("a good override");
         for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"] {
             scene.apply_override(limit).expect("a good override");
+        }
+        for set in self.set {
+            scene.apply_override(set).expect("a good override");
         }
         let mut bench = Bench::start(&self.firmware, boards, Line::default());
         bench.set_up(&for_boards(&scene)).expect("the boards take it");
@@ -87,12 +93,9 @@ impl Campaign {
         if expected.reset {
             // Its settings are the defaults again, and nobody held the device meanwhile.
             bench.hold_buttons(true);
-            for setting in [
-                "motor.drive amplifier",
-                "safety.workspace_m 100",
-                "safety.max_speed_m_per_s 2",
-                "safety.max_hand_power_w 20",
-            ] {
+            let amplifier = Some("motor.drive amplifier").filter(|_| self.set.is_empty());
+            let limits = ["safety.workspace_m 100", "safety.max_speed_m_per_s 2", "safety.max_hand_power_w 20"];
+            for setting in amplifier.into_iter().chain(limits) {
                 assert!(bench.ask(1, &format!("set {setting}")).starts_with("ok"));
             }
             assert_eq!(bench.ask(1, "apply"), "ok applied");
@@ -159,7 +162,7 @@ fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
 
 #[test]
 fn outputs_go_off_and_stay_off() {
-    let mut campaign = Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new() };
+    let mut campaign = Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new(), set: &[] };
     let faulted = |off_within_ms, reported| Expected {
         off_within_ms: Some(off_within_ms),
         reported,
@@ -290,6 +293,29 @@ fn outputs_go_off_and_stay_off() {
     campaign.break_code("stack overflow in a task", &restarted(6, "refused an instruction"), "UART4", &[OVERFLOW]);
     campaign.break_code("supervisor hangs", &restarted(32, "no progress"), "UART4", &[FOR_EVER]);
     campaign.break_code("tick hangs", &restarted(2, "no tick came"), "TIM6_DAC", &[FOR_EVER]);
+
+    // With windings and the current loop, noise included.
+    const LOOP: &[&str] = &["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current"];
+    campaign.set = LOOP;
+    let fails = |fault: PlantFault| {
+        move |bench: &mut Bench, _: &Firmware, ms: u64| {
+            if ms == 1 {
+                bench.fail(1, fault);
+            }
+        }
+    };
+    let mended = |bench: &mut Bench, _: &Firmware, _: u64| bench.mend(1);
+    for (what, fault, within, reported) in [
+        ("current sensor shorted: it reads no current", PlantFault::DeadSense, 400, "fault 17"),
+        ("current sensor at the end of its range", PlantFault::SenseAtEnd, 4, "fault 18"),
+        ("a wire of the motor off", PlantFault::OpenMotor, 400, "fault 17"),
+        ("supply of the bridges low", PlantFault::LowSupply, 40, "fault 19"),
+        ("supply of the bridges high", PlantFault::HighSupply, 40, "fault 19"),
+    ] {
+        campaign.inject(what, 2, &faulted(within, reported), &fails(fault), &mended);
+    }
+    campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
+    campaign.set = &[];
 
     let words = board_bench::power::cuts(&campaign.firmware);
     campaign.rows.push(format!(

@@ -28,7 +28,10 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
     let [one, two] = files.each_ref().map(|file| read(file).expect("a recording"));
     files.iter().for_each(|file| std::fs::remove_file(file).expect("it is there"));
     let merged = merge(&one, &two).expect("one PC recorded both");
-    println!("{} instants, clocks ±{:.0} µs, {:.4} mm", merged.instants, merged.clock_error_us, merged.true_discrepancy_mm);
+    println!(
+        "{} instants, clocks ±{:.0} µs, {:.4} mm",
+        merged.instants, merged.clock_error_us, merged.true_discrepancy_mm
+    );
 
     // From the tick at which the devices begin to move, both copies are host-sim's.
     let column = |name: &str| merged.table.column(name).expect("it is named");
@@ -37,7 +40,8 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
     let moving = bench.armed_ticks(1);
     let standing = bench.since_armed(1).standing;
     // Both boards were armed in the same millisecond or some later: what is before that is not merged.
-    let all: Vec<f64> = bench.since_armed(1).records.iter().map(|record| record.observed().object.position.into()).collect();
+    let all: Vec<f64> =
+        bench.since_armed(1).records.iter().map(|record| record.observed().object.position.into()).collect();
     let skipped = (0..=standing)
         .find(|skipped| places.iter().zip(&all[*skipped..]).all(|(merged, told)| merged.to_bits() == told.to_bits()))
         .expect("the first board's copy as it told it");
