@@ -9,14 +9,13 @@
 
 use super::range::{self, Axes};
 use super::scale::Scale;
-use super::sheet::{Anchor, Frame, INK, Mark, Sheet, Text, WIDTH};
+use super::sheet::{Anchor, Frame, INK, Mark, Print, Sheet, TICK, Text};
 use super::{Figure, Panel, ShareY, font, legend, panel};
 
 const MARGIN: f64 = 26.0;
 const TITLE: f64 = 30.0;
 const HEADING: f64 = 23.0;
 const LABEL: f64 = 22.0;
-const TICK: f64 = 20.0;
 const CAPTION: f64 = 21.0;
 /// From one base line to the next, as a multiple of the em.
 const LEADING: f64 = 1.3;
@@ -24,19 +23,20 @@ const LEADING: f64 = 1.3;
 const GAP: f64 = 46.0;
 
 /// The figure as marks in pixels.
-pub(crate) fn sheet(figure: &Figure) -> Sheet {
+pub(crate) fn sheet(figure: &Figure, print: Print) -> Sheet {
+    let width = print.pixels();
     let axes = range::resolve(figure);
     // Legends that stand below all panels.
-    let needs_room = needs(figure, &axes).into_iter().zip(&axes);
+    let needs_room = needs(figure, &axes, width).into_iter().zip(&axes);
     let tall: Vec<bool> = needs_room.map(|(need, axes)| need > if axes.y_auto { 0.5 } else { 0.0 }).collect();
-    let axes = with_headroom(figure, axes, &tall);
+    let axes = with_headroom(figure, axes, &tall, width);
     let mut writer = Writer(Vec::new());
     let mut top = MARGIN;
-    for line in font::wrap(&figure.title, TITLE, WIDTH - 2.0 * MARGIN) {
+    for line in font::wrap(&figure.title, TITLE, width - 2.0 * MARGIN) {
         top += LEADING * TITLE;
-        writer.text((WIDTH / 2.0, top - 12.0), Anchor::Middle, TITLE, &line);
+        writer.text((width / 2.0, top - 12.0), Anchor::Middle, TITLE, &line);
     }
-    let (slots, bottom) = slots(figure, &axes, top);
+    let (slots, bottom) = slots(figure, &axes, top, width);
     for (((panel, axes), slot), tall) in figure.panels.iter().zip(&axes).zip(&slots).zip(&tall) {
         let x_grid: Vec<f64> = slot.x_ticks.iter().map(|(v, _)| *v).filter(|_| panel.categories.is_empty()).collect();
         let y_grid: Vec<f64> = slot.y_ticks.iter().map(|(v, _)| *v).collect();
@@ -51,16 +51,16 @@ pub(crate) fn sheet(figure: &Figure) -> Sheet {
     }
     let mut base = bottom + 6.0;
     for (panel, _) in figure.panels.iter().zip(&tall).filter(|(_, tall)| **tall) {
-        let (marks, end) = legend::below(panel, base, (MARGIN, WIDTH - MARGIN));
+        let (marks, end) = legend::below(panel, base, (MARGIN, width - MARGIN));
         writer.0.extend(marks);
         base = end + 6.0;
     }
-    for line in font::wrap(&figure.caption, CAPTION, WIDTH - 2.0 * MARGIN) {
+    for line in font::wrap(&figure.caption, CAPTION, width - 2.0 * MARGIN) {
         base += LEADING * CAPTION;
         writer.text((MARGIN, base), Anchor::Start, CAPTION, &line);
     }
     let (title, caption) = (figure.title.clone(), figure.caption.clone());
-    Sheet { height: (base + MARGIN).ceil(), title, caption, marks: writer.0 }
+    Sheet { width, width_mm: print.width_mm, height: (base + MARGIN).ceil(), title, caption, marks: writer.0 }
 }
 
 /// Where one panel lies and what stands around it.
@@ -93,11 +93,11 @@ fn room(label: &str) -> f64 {
 }
 
 /// All panels' slots, the first row starting at `top`, and where the last row ends.
-fn slots(figure: &Figure, axes: &[Axes], top: f64) -> (Vec<Slot>, f64) {
+fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f64) {
     let count = figure.panels.len();
     let columns = figure.columns.max(1).min(count.max(1));
     let rows = count.div_ceil(columns);
-    let room = WIDTH - 2.0 * MARGIN - GAP * columns as f64;
+    let room = width - 2.0 * MARGIN - GAP * columns as f64;
     let height = (room / columns as f64 * if rows > 1 { 0.62 } else { 0.74 }).clamp(250.0, 640.0).round();
     let rough = room / columns as f64 - 90.0;
 
@@ -167,8 +167,8 @@ fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> 
 }
 
 /// The height of its panel that each legend needs above the data, as a fraction; 0 where it finds room between them.
-fn needs(figure: &Figure, axes: &[Axes]) -> Vec<f64> {
-    let (slots, _) = slots(figure, axes, 0.0);
+fn needs(figure: &Figure, axes: &[Axes], width: f64) -> Vec<f64> {
+    let (slots, _) = slots(figure, axes, 0.0, width);
     let need = |((panel, axes), slot): ((&Panel, &Axes), &Slot)| {
         let drawing = panel::draw(panel, axes, &slot.frame, &[], &[]);
         let covers = legend::place(panel, &slot.frame, &drawing.obstacles).is_some_and(|spot| spot.covered > 0);
@@ -178,8 +178,8 @@ fn needs(figure: &Figure, axes: &[Axes]) -> Vec<f64> {
 }
 
 /// The axes, with room made above the data where a legend would cover them.
-fn with_headroom(figure: &Figure, axes: Vec<Axes>, tall: &[bool]) -> Vec<Axes> {
-    let needs = needs(figure, &axes).into_iter().zip(tall).map(|(need, tall)| if *tall { 0.0 } else { need });
+fn with_headroom(figure: &Figure, axes: Vec<Axes>, tall: &[bool], width: f64) -> Vec<Axes> {
+    let needs = needs(figure, &axes, width).into_iter().zip(tall).map(|(need, tall)| if *tall { 0.0 } else { need });
     let needs: Vec<f64> = needs.collect();
     let widened = |axis: &Axes| {
         let group = axes.iter().zip(&needs).filter(|(a, _)| a.y_auto && a.y_group == axis.y_group && a.y == axis.y);

@@ -2,7 +2,7 @@
 //!
 //! A [`Figure`] is a grid of [`Panel`]s, a panel holds [`Series`]. [`draw`] lays the figure out into a list of marks
 //! (`layout`; it asks `range` and `scale` for axes and ticks, `panel` for the shapes inside a frame, `legend` for free
-//! space) and paints the same marks twice (`svg`, `png`). The sheet is [`WIDTH`] pixels wide and as high as its
+//! space) and paints the same marks twice (`svg`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as its
 //! rows need; letters are large enough to be read at half size.
 //!
 //! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the
@@ -31,7 +31,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 pub use scale::significant;
-pub use sheet::{Dash, PALETTE, WIDTH};
+pub use sheet::{Dash, PALETTE, Print, WIDTH};
 
 /// A sheet of panels with a title above and a caption below.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -192,13 +192,13 @@ impl Series {
 }
 
 /// The figure as an SVG document, with `about` in it for programs: what made it.
-pub fn svg(figure: &Figure, about: &str) -> String {
-    svg::render(&layout::sheet(figure), about)
+pub fn svg(figure: &Figure, print: Print, about: &str) -> String {
+    svg::render(&layout::sheet(figure, print), about)
 }
 
 /// The figure as a PNG file.
-pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
-    png::render(&layout::sheet(figure))
+pub fn png(figure: &Figure, print: Print) -> Result<Vec<u8>, String> {
+    png::render(&layout::sheet(figure, print))
 }
 
 /// Draws the figure to `base` with `.svg` and with `.png` appended, creating the folder if needed. Returns both paths.
@@ -209,8 +209,8 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
         name.push(extension);
         PathBuf::from(name)
     });
-    write_file(&svg_path, "SVG", svg(figure, "").as_bytes())?;
-    write_file(&png_path, "PNG", &png(figure).map_err(ReportError::write(&png_path, "PNG"))?)?;
+    write_file(&svg_path, "SVG", svg(figure, Print::default(), "").as_bytes())?;
+    write_file(&png_path, "PNG", &png(figure, Print::default()).map_err(ReportError::write(&png_path, "PNG"))?)?;
     Ok(vec![svg_path, png_path])
 }
 

@@ -8,7 +8,7 @@
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle};
 
-use super::sheet::{Frame, Mark, PAPER, Point, Rgb, Sheet, Text, WIDTH};
+use super::sheet::{Frame, Mark, PAPER, Point, Rgb, Sheet, Text};
 use super::{font, trace};
 
 /// Pixels of the large sheet for one of the picture, in each direction.
@@ -16,7 +16,7 @@ const ZOOM: u32 = 3;
 
 /// The sheet as a PNG file.
 pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, String> {
-    let (width, height) = (WIDTH as u32, sheet.height.max(1.0) as u32);
+    let (width, height) = (sheet.width.max(1.0) as u32, sheet.height.max(1.0) as u32);
     let mut large = vec![PAPER.0; 3 * (width * ZOOM) as usize * (height * ZOOM) as usize];
     let mut painter = Painter(BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)));
     sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;

@@ -9,8 +9,38 @@ pub(crate) type Point = (f64, f64);
 /// Red, green and blue.
 pub(crate) type Rgb = (u8, u8, u8);
 
-/// Width of every sheet in pixels.
+/// Width of a sheet in pixels, unless [`Print`] says another.
 pub const WIDTH: f64 = 1600.0;
+
+/// Em of the letters at the ticks, in pixels: what a size in points is of.
+pub(crate) const TICK: f64 = 20.0;
+
+/// Millimetres in a point.
+const MM_PER_PT: f64 = 25.4 / 72.0;
+
+/// How a figure is to be printed: what is narrower or has larger letters is laid out anew and not scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Print {
+    /// Width, mm: 88 is a column of most journals, 180 a page.
+    pub width_mm: f64,
+    /// Size of the letters at the ticks, points; others are in proportion.
+    pub font_pt: f64,
+}
+
+/// A page of a journal.
+impl Default for Print {
+    fn default() -> Self {
+        let width_mm = 180.0;
+        Self { width_mm, font_pt: TICK * width_mm / (MM_PER_PT * WIDTH) }
+    }
+}
+
+impl Print {
+    /// Width of its sheet, pixels.
+    pub(crate) fn pixels(self) -> f64 {
+        (self.width_mm * TICK / (self.font_pt * MM_PER_PT)).round()
+    }
+}
 
 /// The colours of series: Okabe and Ito's palette, which colour-blind readers can tell apart, strongest first.
 pub const PALETTE: [(u8, u8, u8); 8] = [
@@ -181,6 +211,9 @@ impl Mark {
 /// A figure after layout.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Sheet {
+    pub(crate) width: f64,
+    /// Of the width when printed.
+    pub(crate) width_mm: f64,
     pub(crate) height: f64,
     /// For readers that cannot see the picture.
     pub(crate) title: String,

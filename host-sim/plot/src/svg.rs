@@ -7,14 +7,15 @@
 use std::fmt::Write;
 
 use super::font;
-use super::sheet::{Anchor, Mark, PAPER, Point, Rgb, Sheet, Text, WIDTH};
+use super::sheet::{Anchor, Mark, PAPER, Point, Rgb, Sheet, Text};
 
 /// The sheet as an SVG document.
 pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
-    let (height, paper) = (sheet.height, hex(PAPER));
+    let (width, height, paper) = (sheet.width, sheet.height, hex(PAPER));
+    let (width_mm, height_mm) = (sheet.width_mm, sheet.width_mm * height / width);
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{WIDTH}\" height=\"{height}\" \
-         viewBox=\"0 0 {WIDTH} {height}\" font-family=\"Ubuntu,'Segoe UI','DejaVu Sans',Arial,sans-serif\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width_mm}mm\" height=\"{height_mm:.2}mm\" \
+         viewBox=\"0 0 {width} {height}\" font-family=\"Ubuntu,'Segoe UI','DejaVu Sans',Arial,sans-serif\">\n\
          <title>{}</title>\n<desc>{}</desc>\n{}<rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n",
         escape(&sheet.title),
         escape(&sheet.caption),

@@ -1,7 +1,7 @@
 //! Flags that mean the same everywhere, declared once: scene, world, time, output folder, key file, patience; and how numbers
 //! and closed words are read.
 
-use std::{net::SocketAddr, ops::RangeInclusive, path::PathBuf};
+use std::{net::SocketAddr, path::PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args};
@@ -10,6 +10,7 @@ use haptic_protocol::key::{Key, Role};
 use haptic_sim::report::Made;
 use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
 
+pub(super) use super::number::number;
 pub(super) use super::ui::Out;
 use super::ui::{Failure, Ui};
 use crate::live::tell::Manner;
@@ -239,18 +240,6 @@ fn live_seconds(text: &str) -> Result<f64, String> {
 fn up_to(longest_s: f64, text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= longest_s);
     seconds.ok_or_else(|| format!("it must be above 0 and up to {longest_s} s"))
-}
-
-/// A number on the command line, both ends included.
-pub(super) fn number(
-    allowed: RangeInclusive<f64>,
-    unit: &'static str,
-) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    move |text| {
-        let number = text.parse().ok().filter(|number| allowed.contains(number));
-        let (least, most) = (allowed.start(), allowed.end());
-        number.ok_or_else(|| format!("it must be a number from {least} to {most} {unit}").trim_end().to_owned())
-    }
 }
 
 /// One of the names of a closed list, on the command line.

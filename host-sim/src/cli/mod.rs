@@ -16,6 +16,7 @@ mod key;
 mod listings;
 mod live;
 mod network;
+mod number;
 mod paper;
 mod play;
 mod recordings;

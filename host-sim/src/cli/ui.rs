@@ -12,8 +12,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
+use haptic_plot::Print;
 use haptic_sim::Laws;
 use haptic_sim::report::{Columns, Files, Made, ReportError, word};
+
+use super::number::number;
 
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
@@ -32,6 +35,19 @@ pub(super) struct Out {
     /// Folder for tables and pictures; without it, one in out/, and none with --json.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// Width of figures in print, mm: 88 for a column, 180 for a page.
+    #[arg(long, value_name = "MM", value_parser = number(60.0..=400.0, "mm"))]
+    width_mm: Option<f64>,
+    /// Size of the letters at the ticks of figures, points; 6.4 without it.
+    #[arg(long, value_name = "PT", value_parser = number(5.0..=14.0, "pt"))]
+    font_pt: Option<f64>,
+}
+
+impl Out {
+    fn print(&self) -> Print {
+        let usual = Print::default();
+        Print { width_mm: self.width_mm.unwrap_or(usual.width_mm), font_pt: self.font_pt.unwrap_or(usual.font_pt) }
+    }
 }
 
 /// A document, and what made it.
@@ -163,6 +179,7 @@ impl Ui {
         }
         let usual = PathBuf::from("out").join(usual);
         let mut files = Files::new(out.out.as_ref().unwrap_or(&usual), name, made.clone());
+        files.print(out.print());
         fill(&mut files)?;
         Ok(files.write()?)
     }

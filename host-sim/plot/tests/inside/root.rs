@@ -80,7 +80,7 @@ fn area(text: &Text) -> Frame {
 }
 
 fn assert_tidy(sheet: &Sheet) {
-    let whole = Frame { left: 0.0, top: 0.0, right: WIDTH, bottom: sheet.height };
+    let whole = Frame { left: 0.0, top: 0.0, right: sheet.width, bottom: sheet.height };
     let areas: Vec<(Frame, &str)> = texts(sheet).iter().map(|t| (area(t), t.text.as_str())).collect();
     for (i, (one, text)) in areas.iter().enumerate() {
         assert!(one.corners().into_iter().all(|c| whole.contains(c)), "`{text}` is clipped: {one:?}");
@@ -108,7 +108,7 @@ fn assert_finite(sheet: &Sheet) {
 
 #[test]
 fn no_text_is_clipped_or_covers_another() {
-    assert_tidy(&sheet(&grid(300)));
+    assert_tidy(&sheet(&grid(300), Print::default()));
     let bars = |values: [f64; 3]| values.iter().enumerate().map(|(i, v)| (i as f64, *v)).collect();
     let panel = Panel {
         y_label: "Mean discrepancy (mm)".to_owned(),
@@ -119,19 +119,22 @@ fn no_text_is_clipped_or_covers_another() {
         ],
         ..Panel::default()
     };
-    assert_tidy(&sheet(&Figure { columns: 3, panels: vec![panel.clone(), panel.clone(), panel], ..Figure::default() }));
+    assert_tidy(&sheet(
+        &Figure { columns: 3, panels: vec![panel.clone(), panel.clone(), panel], ..Figure::default() },
+        Print::default(),
+    ));
 }
 
 #[test]
 fn a_row_has_one_vertical_axis_and_its_texts_once() {
-    let sheet = sheet(&grid(300));
+    let sheet = sheet(&grid(300), Print::default());
     let count = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).count();
     assert_eq!((count("Force (N)"), count("Time (s)"), count("local copy")), (1, 3, 9));
 }
 
 #[test]
 fn a_legend_gets_room_above_dense_data() {
-    let sheet = sheet(&grid(3000));
+    let sheet = sheet(&grid(3000), Print::default());
     let boxes = sheet.marks.iter().enumerate().filter_map(|(i, mark)| match mark {
         Mark::Fill { frames, color: sheet::PAPER, .. } => Some((i, frames[0])),
         _ => None,
@@ -156,7 +159,7 @@ fn a_legend_that_is_too_tall_stands_below_all_panels() {
     let named = Panel { x_label: "Time (s)".to_owned(), series: series.collect(), ..Panel::default() };
     let caption = "What the reader should see.".to_owned();
     let figure = Figure { columns: 2, panels: vec![named; 4], caption, ..Figure::default() };
-    let sheet = sheet(&figure);
+    let sheet = sheet(&figure, Print::default());
     assert_tidy(&sheet);
     let heights = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).map(|t| t.at.1).collect::<Vec<_>>();
     let lowest = heights("Time (s)").into_iter().fold(0.0, f64::max);
@@ -182,7 +185,7 @@ fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
         &pairs,
     ];
     for points in cases {
-        let sheet = sheet(&shapes(points));
+        let sheet = sheet(&shapes(points), Print::default());
         assert_finite(&sheet);
         assert!(!svg::render(&sheet, "").contains("NaN,"));
     }
@@ -230,7 +233,34 @@ fn an_error_names_the_file_and_the_cause() {
 fn a_legend_covers_nothing_in_a_range_that_was_given() {
     let dense: Vec<(f64, f64)> = (0..3000).map(|i| (f64::from(i), f64::from(i % 7))).collect();
     let panel = Panel { y_range: Some((0.0, 6.0)), series: vec![Series::line("dense", 0, dense)], ..Panel::default() };
-    let sheet = sheet(&Figure { panels: vec![panel], ..Figure::default() });
+    let sheet = sheet(&Figure { panels: vec![panel], ..Figure::default() }, Print::default());
     assert!(!sheet.marks.iter().any(|mark| matches!(mark, Mark::Fill { color: sheet::PAPER, .. })));
     assert_eq!(texts(&sheet).iter().filter(|text| text.text == "dense").count(), 1);
+}
+
+/// A column of a journal is laid out anew: the letters keep their size in print, and nothing is clipped.
+#[test]
+fn a_figure_fits_a_column_and_a_page() {
+    let line: Vec<(f64, f64)> = (0..100).map(|i| (f64::from(i), f64::from(i % 9))).collect();
+    let series = vec![Series::line("local copy", 0, line)];
+    let panel = Panel {
+        x_label: "Time (s)".to_owned(),
+        y_label: "Coordination force (N)".to_owned(),
+        series,
+        ..Panel::default()
+    };
+    let caption = "What the reader should see, in a sentence or two. ".repeat(4);
+    let figure = Figure { title: "One panel".to_owned(), caption, panels: vec![panel], ..Figure::default() };
+    // 20 pixels are 6.4 points of 0.353 mm: 1600 of them 180 mm, and at 8 points 1276.
+    let usual = Print::default();
+    assert!((usual.font_pt - 6.38).abs() < 0.01, "{usual:?}");
+    for (print, width) in
+        [(usual, 1600.0), (Print { width_mm: 88.0, ..usual }, 782.0), (Print { font_pt: 8.0, ..usual }, 1276.0)]
+    {
+        let sheet = sheet(&figure, print);
+        assert_eq!(sheet.width, width);
+        assert_tidy(&sheet);
+        assert!(svg(&figure, print, "").contains(&format!(" width=\"{}mm\" ", print.width_mm)));
+        assert!(png(&figure, print).is_ok());
+    }
 }

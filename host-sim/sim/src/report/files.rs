@@ -17,7 +17,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 use chrono::{DateTime, SecondsFormat};
-use haptic_plot::{Figure, ReportError, png, svg, write_file};
+use haptic_plot::{Figure, Print, ReportError, png, svg, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::{
@@ -104,6 +104,7 @@ pub struct Files {
     folder: PathBuf,
     name: String,
     made: Made,
+    print: Print,
     parts: Vec<Part>,
 }
 
@@ -117,7 +118,12 @@ struct Part {
 impl Files {
     /// Files in this folder; what made them will stand in `NAME.toml`.
     pub fn new(folder: &Path, name: &str, made: Made) -> Self {
-        Self { folder: folder.to_owned(), name: name.to_owned(), made, parts: Vec::new() }
+        Self { folder: folder.to_owned(), name: name.to_owned(), made, print: Print::default(), parts: Vec::new() }
+    }
+
+    /// Figures are to be printed so.
+    pub fn print(&mut self, print: Print) {
+        self.print = print;
     }
 
     /// This table as `NAME.csv`.
@@ -137,8 +143,8 @@ impl Files {
     /// This figure as `FIGURE.svg` and `FIGURE.png`; under the name of the files where it has none of its own.
     pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
         let name = name.unwrap_or(&self.name).to_owned();
-        self.add(name.clone(), "svg", svg(figure, &self.about()).into_bytes());
-        let bytes = png(figure).map_err(self.failed("png", "PNG"))?;
+        self.add(name.clone(), "svg", svg(figure, self.print, &self.about()).into_bytes());
+        let bytes = png(figure, self.print).map_err(self.failed("png", "PNG"))?;
         self.add(name, "png", bytes);
         Ok(())
     }
