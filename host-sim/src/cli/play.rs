@@ -9,10 +9,11 @@ use std::path::PathBuf;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 
+use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
 use crate::live::endpoint::Stop;
-use crate::play::{End, Kind, Model, Page, Shown, measure};
+use crate::play::{Boards, End, Kind, Model, Page, Place, Shown, measure};
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;
@@ -22,6 +23,9 @@ const MEASURED_S: f64 = 10.0;
 pub(super) struct Play {
     #[command(flatten)]
     scene: SceneArgs,
+    /// What is shown first; the page can show the others, too.
+    #[arg(long, value_parser = choice::<Kind>(), default_value = "pair", value_name = "NAME")]
+    environment: Kind,
     /// Who holds the other hand while only one window is open.
     #[arg(long, value_parser = choice::<Model>(), default_value = "follows", value_name = "NAME")]
     partner: Model,
@@ -31,7 +35,10 @@ pub(super) struct Play {
     /// One peer only, whose partner listens there: `play --listen`, or `peer` on another machine.
     #[arg(long, value_name = "ADDRESS:PORT", requires = "key_file")]
     join: Option<SocketAddr>,
-    /// Key file, the same at both ends (`host-sim key generate`).
+    /// One board or two, whose operator this page is: ADDRESS[:PORT] of each, or `simulated` for two with software devices.
+    #[arg(long, value_name = "ADDRESS,…", value_delimiter = ',', conflicts_with_all = ["listen", "join"])]
+    board: Vec<String>,
+    /// Key file, the same at both ends (`host-sim key generate`); of boards their operator's (`key generate --operator`).
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
     /// Which peer this is, 1 or 2; without it, who listens is 1 and who joins is 2.
@@ -59,6 +66,7 @@ impl Play {
         let (shown, made) = (self.shown()?, ui.made().settings(scene.settings()));
         let people = match &shown {
             Shown::Here(_) => vec![1, 2],
+            Shown::Boards(_) => vec![1],
             Shown::Far(end) => {
                 ui.status(format_args!("partner:   {end}"));
                 vec![usize::from(end.number)]
@@ -75,12 +83,25 @@ impl Play {
     }
 
     fn shown(&self) -> Result<Shown, Failure> {
-        let Some(file) = &self.key_file else { return Ok(Shown::Here(Kind::Pair)) };
+        if !self.board.is_empty() {
+            return Ok(Shown::Boards(Boards::open(self.places()?)?));
+        }
+        let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment)) };
         let key = key_file::read(file, Role::Peers)?;
         Ok(Shown::Far(match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
             (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),
         }))
+    }
+
+    /// Where the boards are.
+    fn places(&self) -> Result<Vec<Place>, Failure> {
+        match (self.board.as_slice(), &self.key_file) {
+            ([one], _) if one == "simulated" => Ok(vec![Place::Simulated; 2]),
+            ([_, _, _, ..], _) => Err("--board is not allowed with more than two boards".into()),
+            (_, None) => Err("--board needs --key-file, the operator's, unless it is simulated".into()),
+            (boards, Some(file)) => boards.iter().map(|board| Ok(Place::At(address(board)?, file.clone()))).collect(),
+        }
     }
 }

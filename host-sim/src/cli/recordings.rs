@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::{Failure, Ui};
 use crate::live::watch::GOOD_CLOCK_S;
-use crate::recording::file::{Recording, read};
+use crate::recording::file::{Recording, Rows, read};
 use crate::recording::merge::{both, merge};
 
 /// A table, in the format that the ending of the file's name says; the other endings are refused before anything is read.
@@ -67,7 +67,9 @@ impl Convert {
         let recording = load(ui, &self.from)?;
         let made = &recording.origin.made;
         let mut files = Vec::new();
-        for (at, rows) in recording.channels.iter().enumerate() {
+        // A page has a channel for each environment that it can show: what was never shown is no file.
+        let come = |(at, rows): &(usize, &Rows)| *at == 0 || !rows.is_empty();
+        for (at, rows) in recording.channels.iter().enumerate().filter(come) {
             let leaf = rows.topic.rsplit('/').next().unwrap_or_default();
             let mut path = self.to.clone();
             if at > 0 {

@@ -8,11 +8,14 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use haptic_core::names::Choice as _;
 use serde::Serialize;
 
 use super::desk::{Desk, Papers, Status};
-use super::environment::{Environment, Opening, Sample};
-use super::session::{COLUMNS, PERIOD_S};
+use super::environment::{Command, Environment, MOST, Opening, Sample};
+use super::kinds::Kind;
+use super::partner::Model;
+use super::session::PERIOD_S;
 use crate::live::endpoint::{Punctuality, Stop, Ticker};
 use crate::recording::mcap::Channel;
 use crate::recording::recorder::Recorder;
@@ -38,12 +41,13 @@ pub(crate) struct Kept {
 /// Keeps the beat until it is stopped, or so many seconds are over.
 pub(super) fn run(
     desk: &Desk,
+    kind: Kind,
     open: Opening,
     seconds: f64,
     recorder: Option<&Recorder>,
     stop: &Stop,
 ) -> Result<Kept, String> {
-    let mut shown = open()?;
+    let mut shown = Shown { environment: open()?, kind };
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
     let (mut slept, mut waiting, begun) = (0, VecDeque::new(), Instant::now());
     while !stop.is_asked() && !ticker.is_over() {
@@ -53,11 +57,14 @@ pub(super) fn run(
             ticker.postpone(late);
         }
         if let Some(mut papers) = desk.try_lock() {
-            exchange(&mut *shown, &mut papers, &mut waiting, &ticker.kept)?;
+            exchange(&mut shown, &mut papers, &mut waiting, &ticker.kept)?;
         }
-        let sample = shown.step()?;
+        let sample = shown.environment.step()?;
         if let Some(recorder) = recorder {
-            recorder.put(0, begun.elapsed().as_nanos() as u64, &recorded(begun.elapsed().as_secs_f64(), &sample));
+            let at = begun.elapsed();
+            let row = recorded(at.as_secs_f64(), &sample);
+            let columns = shown.kind.columns().len();
+            recorder.put(shown.kind.number().into(), at.as_nanos() as u64, &row[..=columns]);
         }
         waiting.push_back(sample);
     }
@@ -65,27 +72,54 @@ pub(super) fn run(
     Ok(Kept { ticks, late, worst_us, slept, realtime_priority })
 }
 
-/// What a recording holds: the time, and every sample.
-pub(super) fn channel(topic: &str) -> Channel {
-    let named = |(name, unit, meaning): (&str, &str, &str)| {
-        let name = if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
-        (name, meaning.to_owned())
+/// What a recording holds: of every environment that a page can show the time, and every sample while it is shown.
+pub(super) fn channels(topic: &str) -> Vec<Channel> {
+    let named = |(name, unit, meaning): &(&str, &str, &str)| {
+        let name = if unit.is_empty() { (*name).to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
+        (name, (*meaning).to_owned())
     };
-    let time = ("time_s".to_owned(), "since the beat began".to_owned());
-    Channel::new(topic, "Tick", std::iter::once(time).chain(COLUMNS.map(named)))
+    let channel = |kind: &Kind| {
+        let time = ("time_s".to_owned(), "since the beat began".to_owned());
+        let fields = std::iter::once(time).chain(kind.columns().iter().map(named));
+        match kind {
+            // What a page shows where nobody says has the recording's own topic.
+            Kind::Pair => Channel::new(topic, "Tick", fields),
+            kind => {
+                let name = Kind::NAMES[usize::from(kind.number())];
+                Channel::new(format!("/both/{name}"), &format!("Tick_{name}"), fields)
+            }
+        }
+    };
+    Kind::ALL.iter().map(channel).collect()
 }
 
-fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + COLUMNS.len()] {
+fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
     std::array::from_fn(|at| at.checked_sub(1).map_or(time_s, |at| sample[at].into()))
+}
+
+/// What is stepped.
+struct Shown {
+    environment: Box<dyn Environment>,
+    kind: Kind,
 }
 
 /// Takes what lies on the desk, and lays down what it is waited for.
 fn exchange(
-    shown: &mut dyn Environment,
+    shown: &mut Shown,
     papers: &mut Papers,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
 ) -> Result<(), String> {
+    if let Some((kind, scene)) = papers.show.take() {
+        let partner = shown.environment.standing().partner;
+        *shown = Shown { environment: kind.open(&scene)?, kind };
+        if let Some(model) = Model::ALL.get(usize::from(partner)) {
+            shown.environment.command(Command::Partner(*model))?;
+        }
+        waiting.clear();
+        papers.clear();
+    }
+    let Shown { environment: shown, kind } = shown;
     while let Some(command) = papers.next_command() {
         shown.command(command)?;
     }
@@ -105,11 +139,15 @@ fn exchange(
             shown.point(index, None, 0);
         }
     }
+    if let Some(news) = shown.news() {
+        papers.tell(news);
+    }
     waiting.drain(..).for_each(|sample| papers.put(sample));
     papers.status = Status {
         late: u32::try_from(kept.missed).unwrap_or(u32::MAX),
         worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
         standing: shown.standing(),
+        kind: kind.number(),
     };
     Ok(())
 }

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use haptic_sim::scene::Scene;
 
 use super::environment::{Command, Sample, Standing};
+use super::kinds::Kind;
 use super::partner::Model;
 
 /// Samples kept: what a window that asks late can still get.
@@ -29,6 +30,8 @@ pub(super) struct Status {
     pub(super) late: u32,
     pub(super) worst_us: u32,
     pub(super) standing: Standing,
+    /// Which of [`Kind`]'s list is shown.
+    pub(super) kind: u8,
 }
 
 /// Everything on the desk.
@@ -43,6 +46,8 @@ pub(super) struct Papers {
     commands: VecDeque<Command>,
     /// What every setting is from the next tick on.
     pub(super) scene: Option<Box<Scene>>,
+    /// Another environment, in that scene, from the next tick on.
+    pub(super) show: Option<(Kind, Box<Scene>)>,
     answers: VecDeque<(u64, String)>,
     /// What holds, for every window, and how often that has changed.
     told: (String, u64),
@@ -62,6 +67,7 @@ impl Papers {
             windows: 0,
             commands: VecDeque::from([Command::Partner(partner)]),
             scene: None,
+            show: None,
             answers: VecDeque::new(),
             told: (String::new(), 0),
             samples: VecDeque::new(),
@@ -119,6 +125,12 @@ impl Papers {
             self.first = self.first.wrapping_add(1);
         }
         self.samples.push_back(sample);
+    }
+
+    /// Forgets the samples that are kept: those that follow are of something else.
+    pub(super) fn clear(&mut self) {
+        self.first = self.first.wrapping_add(self.samples.len() as u32);
+        self.samples.clear();
     }
 
     /// The samples from tick `from` on, and the tick of the first of them. Who names a tick that is not there yet, as one who has

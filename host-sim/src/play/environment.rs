@@ -6,6 +6,7 @@
 use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
 
+use super::boards_line::Line;
 use super::partner::Model;
 
 /// Numbers in a sample, at the most; what a column is missing for is no number.
@@ -44,6 +45,8 @@ pub(super) enum Command {
     Cut(bool),
     /// Who holds the hands that nobody holds.
     Partner(Model),
+    /// A line to a board, 1 or 2.
+    Board(u8, Line),
 }
 
 /// How it stands, in a few bytes.
@@ -76,6 +79,11 @@ pub(super) trait Environment {
 
     /// How it stands.
     fn standing(&self) -> Standing;
+
+    /// What every window is told besides, if that has changed.
+    fn news(&mut self) -> Option<String> {
+        None
+    }
 }
 
 /// An environment that is opened on the beat's own thread.

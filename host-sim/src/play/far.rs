@@ -201,7 +201,7 @@ impl Environment for Far {
             }
             Command::Cut(cut) => self.cut = cut,
             // Nobody but a person plays this hand, and nobody here the other one.
-            Command::Partner(_) => {}
+            Command::Partner(_) | Command::Board(..) => {}
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use haptic_analysis::{delays_ticks, judge, verdict};
 use haptic_core::contact::RenderingName;
+use haptic_core::names::Choice as _;
 use haptic_core::{law::Sends, settings::Value};
 use haptic_plot::significant;
 use haptic_sim::scene::{Jitter, Scene};
@@ -21,6 +22,7 @@ use serde_json::json;
 
 use super::desk::Desk;
 use super::hand::{DAMPING, STIFFNESS};
+use super::kinds::Kind;
 use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::live::endpoint::stand_back;
@@ -59,25 +61,36 @@ pub(super) struct Finding {
 }
 
 /// Starts the thread; gives where orders go. What is `fixed` is not changed, for this reason.
-pub(super) fn start(desk: &Arc<Desk>, scene: Scene, fixed: Option<&'static str>) -> Result<SyncSender<Ask>, String> {
+pub(super) fn start(
+    desk: &Arc<Desk>,
+    scene: Scene,
+    kind: Kind,
+    fixed: Option<&'static str>,
+) -> Result<SyncSender<Ask>, String> {
     let (asks, orders) = sync_channel(16);
     let desk = Arc::clone(desk);
     let work = move || {
         stand_back(NICENESS);
-        run(&desk, scene, &orders, fixed);
+        run(&desk, scene, kind, &orders, fixed);
     };
     std::thread::Builder::new().name("judge".into()).spawn(work).map_err(|cause| cause.to_string())?;
     Ok(asks)
 }
 
-fn run(desk: &Desk, mut scene: Scene, orders: &Receiver<Ask>, fixed: Option<&str>) {
+fn run(desk: &Desk, mut scene: Scene, mut kind: Kind, orders: &Receiver<Ask>, fixed: Option<&str>) {
     tell(desk, &scene, None);
     let mut finding = find(&scene);
     tell(desk, &scene, Some(&finding));
     for Ask { window, line } in orders {
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
-        let wanted = match fixed.map_or_else(|| apply(&scene, line), |why| Err(why.to_owned())) {
-            Ok(wanted) => wanted,
+        let wanted = match wanted(&scene, kind, line, fixed) {
+            Ok(Wanted::Scene(wanted)) => *wanted,
+            Ok(Wanted::Show(other)) => {
+                kind = other;
+                desk.lock().show = Some((kind, Box::new(scene.clone())));
+                tell(desk, &scene, Some(&finding));
+                continue;
+            }
             Err(why) => {
                 desk.lock().answer(window, json!({ "refused": why }).to_string());
                 tell(desk, &scene, Some(&finding));
@@ -103,6 +116,29 @@ fn run(desk: &Desk, mut scene: Scene, orders: &Receiver<Ask>, fixed: Option<&str
         tell(desk, &wanted, Some(&found));
         (scene, finding) = (wanted, found);
     }
+}
+
+/// What an order asks for.
+enum Wanted {
+    Scene(Box<Scene>),
+    Show(Kind),
+}
+
+/// What a line asks for, where that can be shown; else why not.
+fn wanted(scene: &Scene, kind: Kind, line: &str, fixed: Option<&str>) -> Result<Wanted, String> {
+    if let Some(why) = fixed {
+        return Err(why.to_owned());
+    }
+    let Some(name) = line.strip_prefix("show ") else {
+        let wanted = apply(scene, line)?;
+        if kind != Kind::Pair {
+            kind.open(&wanted)?;
+        }
+        return Ok(Wanted::Scene(Box::new(wanted)));
+    };
+    let other = Kind::from_name(name).ok_or_else(|| format!("{name}: there are {}", Kind::NAMES.join(", ")))?;
+    other.open(scene)?;
+    Ok(Wanted::Show(other))
 }
 
 /// Tells every window what holds: all settings, those that are not the usual ones, and what is known of them.

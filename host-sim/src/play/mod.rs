@@ -8,11 +8,14 @@
 //! | [`kinds`] | which there are |
 //! | [`session`] | the two peers, their devices and hands, and the network, tick by tick |
 //! | [`far`] | one peer, whose partner is on another machine |
+//! | [`meeting`] | what shared environments have in common |
+//! | [`hub`], [`squash`], [`visit`], [`turns`] | N hands on one object, the game, a static world, lock and token ring |
+//! | [`boards`], [`boards_line`] | boards as their operator has them, and what a page may say to them |
 //! | [`orders`] | what a page may ask to be set, and what scene that gives |
 //! | [`judge`] | whether that scene is stable, and what to change if not |
 //! | [`desk`] | what lies between the beat, the judge and the windows |
 //! | [`beat`] | 1 kHz by the clock |
-//! | [`web`] | three files and a WebSocket for each window, on 127.0.0.1 |
+//! | [`web`] | four files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the beat is kept with ten pages open |
 //!
@@ -21,19 +24,27 @@
 //! does not read costs a thread that waits, and no tick.
 
 mod beat;
+mod boards;
+mod boards_line;
 mod desk;
 mod environment;
 mod far;
 mod hand;
+mod hub;
 mod judge;
 mod kinds;
 mod measure;
+mod meeting;
 mod orders;
 mod page;
 mod partner;
 mod session;
+mod squash;
+mod turns;
+mod visit;
 mod web;
 
+pub(crate) use boards::{Boards, Place};
 pub(crate) use far::End;
 pub(crate) use kinds::Kind;
 pub(crate) use measure::measure;

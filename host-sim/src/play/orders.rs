@@ -6,6 +6,7 @@
 //! | `scene NAME [KEY=VALUE …]` | a built-in scene, or `default`, and these keys |
 //! | `law NAME [KEY=VALUE …]` | another law, with the settings that it is recommended with, and these keys |
 //! | `file TOML` | a scene file |
+//! | `show NAME` | another environment in this scene ([`super::kinds`]) |
 //!
 //! Values go through the checks of a scene file. A key that names a file is refused: a page reads nothing of this machine.
 
@@ -54,7 +55,7 @@ pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, String> {
             (changed, own.into_iter().chain(split(keys)).collect())
         }
         "file" => (Scene::new(scene.laws), keys_of(rest)?),
-        _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law and file")),
+        _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law, file and show")),
     };
     set(scene, &keys)
 }

@@ -9,6 +9,7 @@ use haptic_sim::report::Made;
 use haptic_sim::scene::Scene;
 
 use super::beat::{self, Kept};
+use super::boards::Boards;
 use super::desk::Desk;
 use super::environment::Opening;
 use super::far::{End, Far};
@@ -27,12 +28,15 @@ pub(crate) enum Shown {
     Here(Kind),
     /// One peer, whose partner is a process elsewhere.
     Far(End),
+    /// Boards, which are there.
+    Boards(Boards),
 }
 
 /// A page that is served.
 pub(crate) struct Page {
     desk: Arc<Desk>,
     site: Site,
+    kind: Kind,
     opening: Opening,
     /// Topic of a recording, and whose it is.
     recorded: (&'static str, &'static str),
@@ -51,19 +55,27 @@ impl Page {
                 let why = "both ends were told these settings: end both and start them with others";
                 (Some(end.to_string()), Some(why))
             }
+            Shown::Boards(_) => (None, Some("boards are told their settings by `host-sim board operator`")),
         };
-        let site = Site::new(&listener, hello(&scene, other))?;
-        let asks = judge::start(&desk, scene.clone(), fixed)?;
+        let site = Site::new(&listener, hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
+        let kind = if let Shown::Here(kind) = &shown { *kind } else { Kind::default() };
+        // What cannot be shown is an error before anybody looks.
+        if fixed.is_none() {
+            kind.open(&scene)?;
+        }
+        let asks = judge::start(&desk, scene.clone(), kind, fixed)?;
         site.serve(listener, &desk, asks)?;
         let recorded = match &shown {
             Shown::Here(_) => ("/both/ticks", "both peers"),
             Shown::Far(_) => ("/page/ticks", "a page of one peer"),
+            Shown::Boards(_) => ("/boards/ticks", "a page of boards"),
         };
         let opening: Opening = match shown {
             Shown::Here(kind) => Box::new(move || kind.open(&scene)),
             Shown::Far(end) => Box::new(move || Ok(Box::new(Far::new(scene, end)?))),
+            Shown::Boards(boards) => Box::new(move || Ok(Box::new(boards))),
         };
-        Ok(Self { desk, site, opening, recorded })
+        Ok(Self { desk, site, kind, opening, recorded })
     }
 
     /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
@@ -74,13 +86,13 @@ impl Page {
     /// Keeps the beat until it is stopped, or so many seconds are over: on a thread of its own, for what a thread starts inherits
     /// its real-time priority. Every tick goes into the recording, if there is one.
     pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Made)>, stop: &Stop) -> Result<Kept, String> {
-        let Self { desk, opening, recorded, .. } = self;
+        let Self { desk, kind, opening, recorded, .. } = self;
         let begin = |(file, made): (&Path, &Made)| {
             let (topic, who) = recorded;
-            Recorder::create(file, &Origin::here(made, who, Instant::now()), vec![beat::channel(topic)])
+            Recorder::create(file, &Origin::here(made, who, Instant::now()), beat::channels(topic))
         };
         let recorder = record.map(begin).transpose()?;
-        let beat = || beat::run(&desk, opening, seconds, recorder.as_ref(), stop);
+        let beat = || beat::run(&desk, kind, opening, seconds, recorder.as_ref(), stop);
         let kept = std::thread::scope(|scope| {
             let beat = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, beat);
             beat.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?

@@ -243,6 +243,7 @@ impl Environment for Session {
             Command::Start => return self.start().map_err(|refused| refused.to_string()),
             Command::Cut(cut) => self.cut(cut),
             Command::Partner(model) => self.partners = [Partner::new(model); 2],
+            Command::Board(..) => {}
         }
         Ok(())
     }

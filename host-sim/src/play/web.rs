@@ -1,4 +1,4 @@
-//! Three files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, and no more than [`MOST`].
+//! Four files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, and no more than [`MOST`].
 //!
 //! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
 //! too, so: the host must be ours by name (a rebound DNS name is not), the origin of a WebSocket must be this page, and its
@@ -12,12 +12,12 @@
 //! | from a window | |
 //! |---|---|
 //! | 16 bytes | tick wanted next, u32; hand along and across, 2 × f32, m, NaN for none; start that it has seen last, u32; little-endian |
-//! | `stop`, `start`, `cut`, `join`, `partner NAME` | acts at the next tick |
+//! | `stop`, `start`, `cut`, `join`, `partner NAME`, `board NUMBER LINE` | acts at the next tick |
 //! | any other text | an order of [`super::orders`], judged first |
 //!
 //! | to a window | |
 //! |---|---|
-//! | bytes | [`HEADER`] bytes as [`header`] makes them, then samples of [`COLUMNS`], f32, little-endian |
+//! | bytes | [`HEADER`] bytes as [`header`] makes them, then samples of [`NUMBERS`] each, f32, little-endian |
 //! | `{"hello"}` | first of all: names, units, ranges |
 //! | `{"holds"}` | settings and the verdict on them, whenever they change |
 //! | `{"refused"}`, `{"ask"}` | what became of its order |
@@ -37,19 +37,22 @@ use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
+use super::boards_line::Line;
 use super::desk::{Desk, Papers, Pointed};
 use super::environment::{Command, FAULT, MOST as NUMBERS, WAITS};
 use super::hand;
 use super::judge::Ask;
+use super::kinds::Kind;
 use super::orders::CLICKS;
 use super::partner::Model;
-use super::session::{COLUMNS, PERIOD_S, REACH_M};
+use super::session::{PERIOD_S, REACH_M};
 use crate::live::endpoint::stand_back;
 
-const FILES: [(&str, &str, &str); 3] = [
+const FILES: [(&str, &str, &str); 4] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("site/page.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("site/page.js")),
+    ("/environments.js", "text/javascript; charset=utf-8", include_str!("site/environments.js")),
 ];
 /// After so long without a word from its window a hand lets go.
 const SILENCE: Duration = Duration::from_millis(250);
@@ -309,9 +312,16 @@ impl Window<'_> {
             "start" => Some(Command::Start),
             "cut" => Some(Command::Cut(true)),
             "join" => Some(Command::Cut(false)),
-            _ => line.strip_prefix("partner ").and_then(Model::from_name).map(Command::Partner),
+            _ => {
+                let partner = line.strip_prefix("partner ").and_then(Model::from_name).map(Command::Partner);
+                partner.or_else(|| board(line))
+            }
         };
         match command {
+            // Whoever only watches stops a board, and does nothing else with it.
+            Some(Command::Board(..)) if self.hand.is_none() => {
+                self.desk.lock().answer(me, json!({ "refused": "this window only watches" }).to_string());
+            }
             Some(command) => self.desk.lock().ask(command),
             None => {
                 if self.asks.try_send(Ask { window: me, line: line.to_owned() }).is_err() {
@@ -321,6 +331,12 @@ impl Window<'_> {
             }
         }
     }
+}
+
+/// A line to a board: `board NUMBER LINE`.
+fn board(line: &str) -> Option<Command> {
+    let (number, line) = line.strip_prefix("board ")?.split_once(' ')?;
+    Some(Command::Board(number.parse().ok()?, Line::from_text(line)?))
 }
 
 const LET_GO: Pointed = Pointed { at: None, restarts: 0 };
@@ -339,7 +355,7 @@ fn picture(papers: &mut Papers, window: u64, edition: &mut u64, from: u32) -> Ve
     answers
 }
 
-/// Tick of the first sample, late ticks, latest, µs, each u32; modes of the two peers, who holds a hand, cut, partner, three spare.
+/// Tick of the first sample, late ticks, latest, µs, each u32; modes of the two peers, who holds a hand, cut, partner, which environment, one spare.
 fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
     let status = papers.status;
     let mut bytes = [0; HEADER];
@@ -349,7 +365,7 @@ fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
     let people = papers.holder.map(|holder| u8::from(holder.is_some()));
     let standing = status.standing;
     let [one, two] = standing.modes;
-    let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, 0, 0];
+    let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, status.kind, 0];
     bytes[12..].copy_from_slice(&rest);
     bytes
 }
@@ -363,9 +379,7 @@ pub(super) fn next(sent: &[u8]) -> Option<u32> {
 
 /// What a page is told once: so that no name, unit or range stands in it a second time.
 /// `other` is who has the other hand where that is a process elsewhere.
-pub(super) fn hello(scene: &Scene, other: Option<String>) -> Value {
-    let columns: Vec<_> =
-        COLUMNS.iter().map(|(name, unit, means)| json!({ "name": name, "unit": unit, "means": means })).collect();
+pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value {
     let faults: serde_json::Map<_, _> =
         Fault::ALL.iter().map(|fault| (fault.number().to_string(), json!(fault.explain()))).collect();
     let keys: serde_json::Map<_, _> = scene
@@ -385,12 +399,14 @@ pub(super) fn hello(scene: &Scene, other: Option<String>) -> Value {
         .map(|(name, scene, keys)| json!({ "name": name, "order": format!("scene {scene} {keys}").trim_end() }))
         .collect();
     json!({
-        "columns": columns,
+        "environments": Kind::hello(),
+        "numbers": NUMBERS,
         "header_bytes": HEADER,
         "faults": faults,
         "fault_base": FAULT,
         "waits": WAITS,
         "other": other,
+        "boards": boards,
         "keys": keys,
         "clicks": clicks,
         "laws": scene.laws.kinds().iter().map(|kind| kind.name).collect::<Vec<_>>(),

@@ -58,7 +58,7 @@ fn jitter_and_long_delays() {
 #[test]
 fn a_gain_outside_its_region_asks_first() {
     let desk = Arc::new(Desk::new(crate::play::Model::Absent));
-    let orders = start(&desk, scene("paper-5.2-power-16ms", &[]), None).expect("a thread");
+    let orders = start(&desk, scene("paper-5.2-power-16ms", &[]), Kind::Pair, None).expect("a thread");
     let order = |line: &str| {
         orders.send(Ask { window: 1, line: line.to_owned() }).expect("it listens");
         // A question or a refusal is an answer; what is set is told with the verdict on it.

@@ -31,7 +31,7 @@ fn this_page_may_talk() {
     assert_eq!(ask("/ws/2/00ff", "127.0.0.1:7000", &ours), window(Some(1)));
     assert_eq!(ask("/ws/0/00ff", "127.0.0.1:7000", &ours), window(None));
     assert_eq!(ask("/ws/2/00ff", "localhost:7000", &from("http://localhost:7000")), window(Some(1)));
-    for name in ["/", "/page.js", "/page.css"] {
+    for name in ["/", "/page.js", "/environments.js", "/page.css"] {
         assert!(matches!(ask(name, "localhost:7000", ""), Answer::File(..)), "{name}");
     }
 }
@@ -76,7 +76,7 @@ fn served() -> (Site, Arc<Desk>, u16) {
     let port = listener.local_addr().expect("an address").port();
     let scene = Scene::new(Laws::built_in());
     let desk = Arc::new(Desk::new(Model::Absent));
-    let site = Site::new(&listener, hello(&scene, None)).expect("a site");
+    let site = Site::new(&listener, hello(&scene, None, false)).expect("a site");
     site.serve(listener, &desk, std::sync::mpsc::sync_channel(1).0).expect("a thread");
     (site, desk, port)
 }
@@ -94,7 +94,7 @@ fn get(port: u16, request: &str) -> String {
 #[test]
 fn headers_of_every_answer() {
     let (_, _, port) = served();
-    for path in ["/", "/page.js", "/page.css", "/nothing"] {
+    for path in ["/", "/page.js", "/environments.js", "/page.css", "/nothing"] {
         let answer = get(port, &format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
         for header in [
             "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; ",

@@ -4,6 +4,7 @@ mod bringup;
 mod calibrate;
 mod operator;
 
+pub(super) use operator::address;
 use std::path::PathBuf;
 
 use clap::Args;

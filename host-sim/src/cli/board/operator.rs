@@ -54,7 +54,7 @@ pub(in crate::cli) struct Operate {
 }
 
 /// An address with or without a port.
-pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
+pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, String> {
     let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, PORT));
     address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1"))
 }

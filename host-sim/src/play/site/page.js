@@ -2,12 +2,18 @@
 // One window: asks once a frame for what came since, tells where the hand is wanted, draws. No build step and no library; types are
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
+import { view as viewOf } from "./environments.js";
+
+/** @typedef {import("./environments.js").Point} Point */
+/** @typedef {import("./environments.js").Strip} Strip */
+/** @typedef {import("./environments.js").View} View */
 /** @typedef {{ name: string, unit: string, means: string }} Column */
-/** @typedef {{ columns: Column[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
- *   other: string | null, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
+/** @typedef {{ environments: { name: string, columns: Column[], more: any }[], numbers: number, header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
+ *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
 /** @typedef {{ stable: boolean | null, text: string, not_judged: string[] }} Finding */
 /** @typedef {{ settings: Record<string, string>, changed: [string, string][], one_way_s: number, finding: Finding | null }} Holds */
 /** @typedef {{ line: string, text: string, instead: string | null }} Question */
+/** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
 
 /** @param {string} id @returns {HTMLElement} */
 const element = (id) => {
@@ -50,10 +56,14 @@ let width = 1;
 let samples = new Float32Array(0);
 /** Tick after the newest sample. */
 let next = NOTHING;
-/** Where the hand is wanted, m; NaN: let go. */
-let wanted = NaN;
+/** Where the hand is wanted, m, along and across; NaN: let go. @type {Point} */
+let wanted = [NaN, NaN];
 /** Pointer less device when it was taken, m. */
-let offset = 0;
+let offset = /** @type {Point} */ ([0, 0]);
+/** Which environment is shown, and what it draws; the pair is drawn here. */
+let kind = -1;
+/** @type {View} */
+let shown;
 let restarts = 0;
 let frames = 0;
 let asked = 0;
@@ -81,8 +91,12 @@ function connect() {
   };
 }
 
-/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question }} message */
+/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question, boards?: Board[] }} message */
 function told(message) {
+  if (message.boards) {
+    message.boards.forEach(showBoard);
+    return;
+  }
   if (message.hello) greeted(message.hello);
   if (message.holds) show(message.holds);
   if (message.refused !== undefined) element("refused").textContent = message.refused;
@@ -93,12 +107,19 @@ function told(message) {
 /** @param {Hello} greeting */
 function greeted(greeting) {
   hello = greeting;
-  columns.clear();
-  for (const [at, { name }] of greeting.columns.entries()) columns.set(name, at);
-  width = greeting.columns.length;
+  width = greeting.numbers;
   samples = new Float32Array(KEPT * width).fill(NaN);
+  fill(
+    choice("environment"),
+    greeting.environments.map(({ name }) => name),
+  );
+  showKind(0);
   [next, waiting] = [NOTHING, false];
-  for (const part of document.querySelectorAll("[data-here]")) part.toggleAttribute("hidden", greeting.other !== null);
+  for (const part of document.querySelectorAll("[data-here]"))
+    part.toggleAttribute("hidden", greeting.other !== null || greeting.boards);
+  for (const part of document.querySelectorAll("[data-play], [data-verdict]")) part.toggleAttribute("hidden", greeting.boards);
+  element("boards").hidden = !greeting.boards;
+  hand.toggleAttribute("hidden", watches || greeting.boards);
   element("apart-name").textContent = greeting.other === null ? "copies apart (true)" : "copies apart (as last told)";
   fill(choice("law"), greeting.laws);
   fill(choice("partner"), greeting.partners);
@@ -114,6 +135,37 @@ function greeted(greeting) {
   first = "";
 }
 
+/** Shows another environment: nothing of the one before is kept. @param {number} number */
+function showKind(number) {
+  const environment = hello?.environments[number];
+  if (!environment) return;
+  kind = number;
+  columns.clear();
+  for (const [at, { name }] of environment.columns.entries()) columns.set(name, at);
+  columns.set("restarts", width - 1);
+  samples.fill(NaN);
+  letGo();
+  lags.length = 0;
+  const group = /** @type {SVGElement} */ (/** @type {unknown} */ (element("other")));
+  const other = viewOf(environment.name, group, value, me, environment.more);
+  shown = other ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
+  element("pair").toggleAttribute("hidden", Boolean(other));
+  element("pair-numbers").hidden = Boolean(other);
+  element("help").textContent = `${shown.help} ${KEYS}`;
+  scene.setAttribute("viewBox", shown.box);
+  element("more-numbers").replaceChildren(
+    ...shown.numbers.map(([name]) => {
+      const part = document.createElement("div");
+      const [term, number] = ["dt", "dd"].map((kind) => part.appendChild(document.createElement(kind)));
+      if (term && number) [term.textContent, number.textContent] = [name, "–"];
+      return part;
+    }),
+  );
+  for (const part of document.querySelectorAll("[data-verdict]")) part.toggleAttribute("hidden", Boolean(other || hello?.boards));
+  if (document.activeElement !== choice("environment")) choice("environment").selectedIndex = number;
+  buildStrips(shown.strips);
+}
+
 /** @param {HTMLSelectElement} select @param {string[]} names */
 const fill = (select, names) => select.replaceChildren(...names.map((name) => new Option(name)));
 
@@ -125,7 +177,8 @@ function take(bytes) {
   const first = view.getUint32(0, true);
   const rows = new Float32Array(bytes, hello.header_bytes);
   const count = rows.length / width;
-  if (first !== next) samples.fill(NaN);
+  if (view.getUint8(18) !== kind) showKind(view.getUint8(18));
+  else if (first !== next) samples.fill(NaN);
   for (let row = 0; row < count; row++) {
     samples.set(rows.subarray(row * width, (row + 1) * width), ((first + row) & (KEPT - 1)) * width);
   }
@@ -146,7 +199,7 @@ function take(bytes) {
 
 /** @param {number[]} modes @param {number[]} people @param {boolean} cut @param {number} partner */
 function report(modes, people, cut, partner) {
-  const { faults = {}, fault_base = 100, partners = [], waits, other = null } = hello ?? {};
+  const { faults = {}, fault_base = 100, partners = [], waits, other = null, boards = false } = hello ?? {};
   const fault = modes.findIndex((mode) => mode > fault_base);
   const there = people[2 - me];
   element("cut").setAttribute("aria-pressed", `${cut}`);
@@ -154,13 +207,16 @@ function report(modes, people, cut, partner) {
   element("cut-mark").toggleAttribute("hidden", !cut);
   const select = choice("partner");
   if (document.activeElement !== select) select.selectedIndex = partner;
-  if (fault >= 0) say(`peer ${fault + 1} stopped: ${faults[(modes[fault] ?? 0) - fault_base]}. Press Start.`, true);
+  if (boards) sayBoards(modes);
+  else if (fault >= 0) say(`peer ${fault + 1} stopped: ${faults[(modes[fault] ?? 0) - fault_base]}. Press Start.`, true);
   else if (modes.some((mode) => mode === waits)) say(`waiting for ${other}`, true);
   else if (modes.includes(0)) say("stopped: motors are off. Press Start.", true);
   else if (cut) say("the cable is cut", true);
   else if (watches) say("you watch", false);
   else if (other !== null) say(`${other} has the other hand`, false);
-  else say(there ? "another person has the other hand" : `the partner has the other hand: ${partners[partner]}`, false);
+  else if (there) say("another person has the other hand", false);
+  else if (kind === 0) say(`the partner has the other hand: ${partners[partner]}`, false);
+  else say("the program has the other hands", false);
 }
 
 function askForMore() {
@@ -168,8 +224,8 @@ function askForMore() {
   if (!hello || socket?.readyState !== WebSocket.OPEN || (waiting && performance.now() - asked < 1000)) return;
   const bytes = new DataView(new ArrayBuffer(16));
   bytes.setUint32(0, next, true);
-  bytes.setFloat32(4, watches ? NaN : wanted, true);
-  bytes.setFloat32(8, 0, true);
+  bytes.setFloat32(4, watches ? NaN : wanted[0], true);
+  bytes.setFloat32(8, wanted[1], true);
   bytes.setUint32(12, restarts, true);
   socket.send(bytes);
   [waiting, asked] = [true, performance.now()];
@@ -208,6 +264,12 @@ const arrow = (x, y, newton) => {
 function drawScene() {
   for (const n of [1, 2]) {
     const x = n === 1 ? -38 : 38;
+    for (const [part, name] of [
+      ["copy", "object"],
+      ["device", "device"],
+    ]) {
+      element(`${part}${n}`).toggleAttribute("hidden", !Number.isFinite(value(`${name}_${n}`)));
+    }
     const device = 1e3 * value(`device_${n}`);
     const to = 1e3 * value(`wanted_${n}`) + x;
     move(`copy${n}`, value(`object_${n}`));
@@ -227,17 +289,25 @@ function drawScene() {
     element("gap").lastElementChild?.setAttribute("d", `M${one} -16v-14M${two} -16v-14M${one} -28H${two}`);
     element("gap-mm").textContent = Math.abs(one - two).toFixed(2);
   }
-  const at = Number.isFinite(wanted) ? wanted : value(`device_${me}`);
-  if (Number.isFinite(at)) hand.setAttribute("cx", `${1e3 * at + side}`);
 }
 
-/** @param {PointerEvent} event metres along the scene */
+/** The ring of the own hand: where it is wanted, or where the device is. */
+function drawHand() {
+  const [x, y] = shown.toScene(holding() ? wanted : shown.own());
+  if (!Number.isFinite(x + y)) return;
+  hand.setAttribute("cx", `${x}`);
+  hand.setAttribute("cy", `${y}`);
+}
+
+const holding = () => Number.isFinite(wanted[0]);
+
+/** Where a pointer is, m. @param {PointerEvent} event @returns {Point} */
 const pointed = (event) => {
   const matrix = scene.getScreenCTM();
-  return matrix ? (event.clientX - matrix.e) / matrix.a / 1e3 : NaN;
+  return matrix ? shown.fromScene([(event.clientX - matrix.e) / matrix.a, (event.clientY - matrix.f) / matrix.d]) : [NaN, NaN];
 };
 function letGo() {
-  wanted = NaN;
+  wanted = [NaN, NaN];
   moved = undefined;
 }
 
@@ -248,7 +318,7 @@ let moved;
 
 /** @param {number} now ms */
 function measureLag(now) {
-  if (!moved || !(Math.abs(value(`wanted_${me}`) - moved[1]) > 0)) return;
+  if (!moved || !(Math.abs(value(shown.hand) - moved[1]) > 0)) return;
   lags.push(now - moved[0]);
   if (lags.length > 1000) lags.shift();
   moved = undefined;
@@ -258,17 +328,19 @@ function measureLag(now) {
 const lag = (share) => lags.toSorted((a, b) => a - b)[Math.floor(share * (lags.length - 1))] ?? NaN;
 hand.toggleAttribute("hidden", watches);
 scene.addEventListener("pointerdown", (event) => {
-  if (!event.isPrimary || event.button !== 0 || watches) return;
+  if (!event.isPrimary || event.button !== 0 || watches || hello?.boards) return;
   scene.setPointerCapture(event.pointerId);
   hand.focus({ preventScroll: true });
-  wanted = value(`device_${me}`);
-  offset = pointed(event) - wanted;
+  wanted = shown.own();
+  const [x, y] = pointed(event);
+  offset = [x - wanted[0], y - wanted[1]];
   event.preventDefault();
 });
 scene.addEventListener("pointermove", (event) => {
-  if (!scene.hasPointerCapture(event.pointerId) || !Number.isFinite(wanted)) return;
-  wanted = pointed(event) - offset;
-  const was = value(`wanted_${me}`);
+  if (!scene.hasPointerCapture(event.pointerId) || !holding()) return;
+  const [x, y] = pointed(event);
+  wanted = [x - offset[0], y - offset[1]];
+  const was = value(shown.hand);
   if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
 });
 for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) scene.addEventListener(kind, letGo);
@@ -278,13 +350,19 @@ document.addEventListener("visibilitychange", () => {
   askForMore();
 });
 hand.addEventListener("keydown", (event) => {
-  const reach = hello?.reach_m ?? 0;
-  const step = { ArrowLeft: -0.002, ArrowDown: -0.002, ArrowRight: 0.002, ArrowUp: 0.002 }[event.key];
-  if (step) wanted = (Number.isFinite(wanted) ? wanted : value(`device_${me}`)) + step * (event.shiftKey ? 5 : 1);
-  else if (event.key === "Home") wanted = 0;
+  const reach = shown.flat ? (hello?.reach_m ?? 0) : 0.2;
+  // Where there is only along, up is forward.
+  const up = shown.flat ? [0.002, 0] : shown.fromScene([0, -1]).map((part) => 0.002 * Math.sign(part));
+  const steps = { ArrowLeft: [-0.002, 0], ArrowRight: [0.002, 0], ArrowUp: up, ArrowDown: up.map((part) => -part) };
+  const step = steps[/** @type {keyof typeof steps} */ (event.key)];
+  const inside = (/** @type {number} */ at) => Math.max(-reach, Math.min(reach, at));
+  if (step) {
+    const [x, y] = holding() ? wanted : shown.own();
+    const far = event.shiftKey ? 5 : 1;
+    wanted = [inside(x + far * (step[0] ?? 0)), inside(y + far * (step[1] ?? 0))];
+  } else if (event.key === "Home") wanted = [0, 0];
   else if (event.key === "Escape") letGo();
   else return;
-  wanted = Math.max(-reach, Math.min(reach, wanted));
   event.preventDefault();
 });
 
@@ -307,6 +385,21 @@ function writeNumbers() {
     element(id).textContent = numbers.map((number) => text(number, digits)).join(", ");
   };
   const both = (/** @type {string} */ name, ticks = 200) => [1, 2].map((n) => mean((ago) => value(`${name}_${n}`, ago), ticks));
+  write("lag", 0, lag(0.5), lag(0.95));
+  if (kind !== 0) {
+    shown.numbers.forEach(([, of], at) => {
+      const number = element("more-numbers").children[at]?.lastElementChild;
+      if (number) number.textContent = of();
+    });
+    hand.setAttribute(
+      "aria-valuetext",
+      shown
+        .own()
+        .map((at) => `${(1e3 * at).toFixed(0)} millimetres`)
+        .join(", "),
+    );
+    return;
+  }
   write("true", 3, mean(apart));
   write("decoded", 3, mean(decoded));
   write("forces", 2, ...both("hand"));
@@ -315,7 +408,6 @@ function writeNumbers() {
   write("kept", 2, 1e3 * value("kept_1"), 1e3 * value("kept_2"));
   write("trip", 1, 1e3 * (value("delay_1") + value("delay_2")));
   write("live", 0, ...both("live", 1000).map((share) => 100 * share));
-  write("lag", 0, lag(0.5), lag(0.95));
   const at = 1e3 * value(`device_${me}`);
   if (Number.isFinite(at)) {
     hand.setAttribute("aria-valuenow", at.toFixed(0));
@@ -325,9 +417,8 @@ function writeNumbers() {
 
 // --- plots ---
 
-/** @typedef {{ name: string, of: (ago: number) => number }} Series */
-/** @type {{ id: string, title: string, unit: string, series: Series[] }[]} */
-const STRIPS = [
+/** @type {Strip[]} */
+const PAIR_STRIPS = [
   {
     id: "position",
     title: "Position",
@@ -362,6 +453,20 @@ const STRIPS = [
     ],
   },
 ];
+/** Of boards the devices are what is always known. @type {Strip[]} */
+const BOARD_STRIPS = PAIR_STRIPS.map((strip) =>
+  strip.id === "position"
+    ? {
+        ...strip,
+        series: ["device", "object"].flatMap((what) =>
+          [1, 2].map((n) => ({
+            name: `${what === "object" ? "copy" : what} ${n}`,
+            of: (/** @type {number} */ ago) => 1e3 * value(`${what}_${n}`, ago),
+          })),
+        ),
+      }
+    : strip,
+);
 /** Ticks that a strip shows. */
 let span = 4000;
 /** The samples as they were when the plots were paused, and the tick after them. @type {{ samples: Float32Array<ArrayBuffer>, next: number } | undefined} */
@@ -383,13 +488,21 @@ function withShown(work) {
   }
 }
 
-for (const { id, title, unit, series } of STRIPS) {
+/** @param {Strip[]} strips */
+function buildStrips(strips) {
+  element("strips").replaceChildren();
+  ranges.clear();
+  strips.forEach(buildStrip);
+}
+
+/** @param {Strip} strip */
+function buildStrip({ id, title, unit, series }) {
   const [figure, caption, canvas] = ["figure", "figcaption", "canvas"].map((kind) => document.createElement(kind));
-  if (!figure || !caption || !canvas) continue;
+  if (!figure || !caption || !canvas) return;
   caption.append(`${title}, ${unit}: `);
   series.forEach(({ name }, at) => {
     const legend = document.createElement("b");
-    [legend.className, legend.textContent] = [`c${at + 1}`, `${["━", "┅", "•"][at]} ${name} `];
+    [legend.className, legend.textContent] = [`c${at + 1}`, `${["━", "┅", "•", "╌"][at]} ${name} `];
     caption.append(legend);
   });
   canvas.id = id;
@@ -428,7 +541,7 @@ function extremes(of, pixels) {
 /** A custom property is no colour yet (`light-dark(…)` stays as it is written); what an element has of it is. @param {number} at */
 const colour = (at) => getComputedStyle(element("strips").querySelector(`.c${at + 1}`) ?? element("strips")).color;
 
-/** @param {typeof STRIPS[number]} strip */
+/** @param {Strip} strip */
 function draw({ id, series }) {
   const canvas = /** @type {HTMLCanvasElement} */ (element(id));
   const context = canvas.getContext("2d");
@@ -473,9 +586,9 @@ function minmax(numbers) {
 function writeCursor() {
   const ago = Math.round((1 - cursor) * span);
   element("cursor").textContent = Number.isFinite(cursor)
-    ? `${(-1e-3 * ago).toFixed(3)} s: ${STRIPS.map(({ unit, series }) =>
-        series.map(({ name, of }) => `${name} ${of(ago).toFixed(2)} ${unit}`).join(", "),
-      ).join("; ")}`
+    ? `${(-1e-3 * ago).toFixed(3)} s: ${shown.strips
+        .map(({ unit, series }) => series.map(({ name, of }) => `${name} ${of(ago).toFixed(2)} ${unit}`).join(", "))
+        .join("; ")}`
     : "";
 }
 
@@ -501,12 +614,15 @@ function download(name, blob) {
 
 /** Every column of what is shown, a row a tick. */
 function asCsv() {
-  const names = (hello?.columns ?? []).map(({ name, unit }) => (unit ? `${name}_${unit.toLowerCase()}` : name));
+  const own = hello?.environments[kind]?.columns ?? [];
+  const names = [...own, ...(kind === 0 ? [] : [{ name: "restarts", unit: "" }])].map(({ name, unit }) =>
+    unit ? `${name}_${unit.toLowerCase()}` : name,
+  );
   const rows = [["time_s", ...names].join(",")];
   for (let ago = span; ago > 0; ago--) {
     const numbers = [...columns.keys()].map((name) => value(name, ago - 1));
     // What was not there yet is no row; what is no number is empty.
-    if (Number.isFinite(value("device_1", ago - 1))) {
+    if (Number.isFinite(value("restarts", ago - 1))) {
       const time = ((next - ago) * (hello?.period_s ?? 0)).toFixed(3);
       rows.push([time, ...numbers.map((number) => (Number.isFinite(number) ? `${number}` : ""))].join(","));
     }
@@ -517,7 +633,7 @@ function asCsv() {
 /** The strips, one below the other. */
 function asSvg() {
   const [wide, high, pixels] = [900, 150, 900];
-  const strips = STRIPS.map(({ title, unit, series, id }, row) => {
+  const strips = shown.strips.map(({ title, unit, series, id }, row) => {
     const [least, most] = ranges.get(id) ?? [0, 1];
     const y = (/** @type {number} */ number) =>
       (row * (high + 30) + 24 + high - ((number - least) / (most - least)) * high).toFixed(2);
@@ -529,14 +645,14 @@ function asSvg() {
     const top = row * (high + 30) + 16;
     return `<text x="0" y="${top}">${title}, ${unit} (${least.toPrecision(3)} to ${most.toPrecision(3)}), ${span / 1000} s:${names}</text>${paths.join("")}`;
   });
-  const size = `width="${wide}" height="${STRIPS.length * (high + 30)}"`;
+  const size = `width="${wide}" height="${shown.strips.length * (high + 30)}"`;
   return `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif" font-size="12">${strips.join("")}</svg>\n`;
 }
 
 element("csv").addEventListener("click", () => download("play.csv", new Blob([withShown(asCsv)], { type: "text/csv" })));
 element("svg").addEventListener("click", () => download("play.svg", new Blob([withShown(asSvg)], { type: "image/svg+xml" })));
 element("png").addEventListener("click", () => {
-  const canvases = STRIPS.map(({ id }) => /** @type {HTMLCanvasElement} */ (element(id)));
+  const canvases = shown.strips.map(({ id }) => /** @type {HTMLCanvasElement} */ (element(id)));
   const whole = document.createElement("canvas");
   [whole.width, whole.height] = [canvases[0]?.width ?? 1, canvases.reduce((sum, { height }) => sum + height + 4, 0)];
   const context = whole.getContext("2d");
@@ -628,6 +744,7 @@ for (const [id, { from }] of Object.entries(CONTROLS)) {
     ask(order(id, number), id);
   });
 }
+choice("environment").addEventListener("change", () => ask(`show ${choice("environment").value}`, "environment"));
 choice("law").addEventListener("change", () => ask(`law ${choice("law").value}`, "law"));
 input("one-sided").addEventListener("change", () => ask(`set contact.one_sided=${input("one-sided").checked}`, "one-sided"));
 element("controls").addEventListener("submit", (event) => event.preventDefault());
@@ -667,9 +784,89 @@ function question({ line, text, instead }) {
     if (order) ask(order);
   };
   better.onclick = answer(`${line} ${instead}`);
+  element("anyway").textContent = "Set it anyway";
   element("anyway").onclick = answer(`anyway ${line}`);
   element("leave").onclick = answer(undefined);
   element("leave").focus({ preventScroll: true });
+}
+
+// --- boards ---
+
+/** What is said to a board is a command, and a person confirms what turns its motors on. @param {number} number @param {string} line */
+const toBoard = (number, line) => command(`board ${number} ${line}`);
+
+/** @param {number} number */
+function confirmArm(number) {
+  element("question-text").textContent =
+    `Arming turns the motors of board ${number} on. Is everybody clear of it, and the emergency stop in reach?`;
+  element("question").hidden = false;
+  element("instead").hidden = true;
+  element("anyway").textContent = `Arm board ${number}`;
+  element("anyway").onclick = () => {
+    element("question").hidden = true;
+    toBoard(number, "arm");
+  };
+  element("leave").onclick = () => (element("question").hidden = true);
+  element("leave").focus({ preventScroll: true });
+}
+
+/** The card of a board, made when it is first heard of. @param {number} number */
+function card(number) {
+  const there = document.getElementById(`board${number}`);
+  if (there) return there;
+  const card = document.createElement("article");
+  card.id = `board${number}`;
+  const parts = ["h2", "p", "p", "div", "ul"].map((kind) => card.appendChild(document.createElement(kind)));
+  for (const [at, name] of ["name", "status", "fault", "row", "said"].entries()) if (parts[at]) parts[at].className = name;
+  /** @type {[string, () => void][]} */
+  const buttons = [
+    [`Arm board ${number}`, () => confirmArm(number)],
+    ["Clear the fault", () => toBoard(number, "clear")],
+    ["Check joint 1 (moves it)", () => toBoard(number, "check 1")],
+    ["Check joint 2 (moves it)", () => toBoard(number, "check 2")],
+  ];
+  for (const [text, press] of buttons) {
+    const button = document.createElement("button");
+    [button.type, button.textContent, button.disabled] = ["button", text, watches];
+    button.addEventListener("click", press);
+    parts[3]?.append(button);
+  }
+  element("boards").append(card);
+  return card;
+}
+
+/** @param {Board} board */
+function showBoard({ number, fault, told: { name, there, status, said } }) {
+  const of = card(number);
+  const write = (/** @type {string} */ part, /** @type {string} */ text) => {
+    const place = of.querySelector(`.${part}`);
+    if (place && place.textContent !== text) place.textContent = text;
+  };
+  write("name", name);
+  write("status", there ? status : `not there: ${status}`);
+  write("fault", fault ? `Stopped: ${fault}. When the cause is gone, clear the fault, then arm.` : "");
+  const lines = said.map(([line, answer]) => {
+    const item = document.createElement("li");
+    item.textContent = `${line}: ${answer}`;
+    return item;
+  });
+  of.querySelector(".said")?.replaceChildren(...lines);
+}
+
+/** @param {number[]} modes */
+function sayBoards(modes) {
+  const { fault_base = 100, waits } = hello ?? {};
+  const which = (/** @type {(mode: number) => boolean} */ is) =>
+    modes.flatMap((mode, at) => (document.getElementById(`board${at + 1}`) && is(mode) ? [at + 1] : [])).join(" and ");
+  const [faulted, armed, away] = [
+    which((mode) => mode > fault_base),
+    which((mode) => mode === 1),
+    which((mode) => mode === waits),
+  ];
+  if (faulted) say(`fault at board ${faulted}: its motors are off`, true);
+  else if (armed) say(`the motors of board ${armed} are on; they go off when this page is hidden or closed`, true);
+  else if (away) say(`nothing is heard of board ${away}`, true);
+  else say("all motors are off", false);
 }
 
 /** A scene file of what is not as usual. */
@@ -718,6 +915,21 @@ addEventListener("hashchange", () => {
   else if (order) follow(order);
 });
 
+/** The pair, which everything above is about. @type {View} */
+const pair = {
+  box: "-160 -50 320 96",
+  flat: true,
+  toScene: ([x]) => [1e3 * x + side, 9],
+  fromScene: ([x]) => [(x - side) / 1e3, 0],
+  hand: `wanted_${me}`,
+  own: () => [value(`device_${me}`), 0],
+  draw: drawScene,
+  numbers: [],
+  strips: PAIR_STRIPS,
+  help: "Drag your hand with mouse, finger or pen. How far it is from its ring is your force: 5 mm are 1 N. Arrows: force of a hand (filled) and of the coordination (hollow), 10 mm are 1 N.",
+};
+const KEYS = "Keys: arrows move it by 2 mm, with Shift by 10; Home takes it to the middle, Escape lets go.";
+
 // --- once a frame ---
 
 let slow = 0;
@@ -725,15 +937,16 @@ let slow = 0;
 function frame(now) {
   requestAnimationFrame(frame);
   askForMore();
-  if (!hello) return;
+  if (!hello || !shown) return;
   frames += 1;
   measureLag(now);
-  drawScene();
+  shown.draw();
+  drawHand();
   slow += 1;
   if (slow % 12 === 0) writeNumbers();
   if (slow % (still.matches ? 30 : 2) === 0) {
     withShown(() => {
-      STRIPS.forEach(draw);
+      shown.strips.forEach(draw);
       writeCursor();
     });
   }
@@ -741,8 +954,7 @@ function frame(now) {
 
 element("who").textContent = watches ? "– watching" : `– person ${me}`;
 input("paste").value = token ? "" : location.href;
-Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, asLink, lag } });
+Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, asLink, lag, command } });
 if (token) connect();
 else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
 requestAnimationFrame(frame);
-export {};

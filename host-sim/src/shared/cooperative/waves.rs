@@ -116,11 +116,25 @@ impl Waves {
         Ok(Self { engine: Engine::new(timing.control_period_ns(), seats, route), period_s: timing.control_period_s })
     }
 
-    fn sides(&self) -> impl Iterator<Item = &Side<f64>> {
+    /// The peers, in order.
+    pub(crate) fn sides(&self) -> impl Iterator<Item = &Side<f64>> {
         self.engine.seats.iter().filter_map(|seat| match &seat.actor {
             Around::Peer(side) => Some(side),
             Around::Server(_) => None,
         })
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<f64>> {
+        self.engine.seats.iter_mut().filter_map(|seat| match &mut seat.actor {
+            Around::Peer(side) => Some(side),
+            Around::Server(_) => None,
+        })
+    }
+
+    /// The network from seat to seat, of which the first is the server's.
+    pub(crate) fn route(&mut self, from: usize, to: usize) -> &mut Route {
+        self.engine.route(from, to)
     }
 
     /// The object's copy at every peer, as the last tick saw it.

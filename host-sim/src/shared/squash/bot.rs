@@ -14,7 +14,7 @@ use haptic_sim::rng::Rng;
 /// Control period, s.
 pub(crate) const TICK_S: f64 = 0.001;
 /// A device's workspace over the court: 15 cm for 9.75 m.
-pub(super) const SCALE: f64 = 0.15 / 9.75;
+pub(crate) const SCALE: f64 = 0.15 / 9.75;
 /// Mass of a squash ball, kg.
 const BALL_KG: f32 = 0.024;
 /// Mass of a racket that takes part in an impact, kg.
@@ -41,6 +41,8 @@ const SMASH: (f64, f64) = (0.5, 0.05);
 const FRONT: f64 = 0.55;
 /// How near a hand must come to where it means to meet the ball for the bot to try it, m.
 const NEAR_M: f64 = 0.4;
+/// How fast a person's hand moves forward that serves, m/s.
+const SERVE_M_PER_S: f64 = 0.5;
 /// Moments of a flight that a bot looks at, s apart.
 const MOMENT_S: f64 = 0.04;
 
@@ -64,6 +66,10 @@ pub(super) struct Bot {
     /// When it begins to do something about what it has seen, s.
     reacts_s: Option<f64>,
     plan: Option<Plan>,
+    /// A person has its hand, and wants it here.
+    person: Option<[f64; 2]>,
+    /// It may hit, and has not.
+    turn: bool,
     rng: Rng,
 }
 
@@ -73,7 +79,18 @@ impl Bot {
         let mut rng = Rng::new(seed);
         let [length, width] = [court.length_m, court.width_m].map(f64::from);
         let home = [length * 0.35, width * (0.25 + 0.5 * unit(&mut rng))];
-        Self { court, home, position: home, velocity: [0.0; 2], target: home, reacts_s: None, plan: None, rng }
+        Self {
+            court,
+            home,
+            position: home,
+            velocity: [0.0; 2],
+            target: home,
+            reacts_s: None,
+            plan: None,
+            person: None,
+            turn: false,
+            rng,
+        }
     }
 
     /// Where the hand is and how it moves.
@@ -86,18 +103,25 @@ impl Bot {
         let reaction = REACTION_S.0 + REACTION_S.1 * normal(&mut self.rng);
         self.reacts_s = Some(now_s + reaction.max(0.1));
         self.plan = None;
+        self.turn = true;
     }
 
     /// It is not its turn any more.
     fn rests(&mut self) {
         self.reacts_s = None;
         self.plan = None;
+        self.turn = false;
         self.target = self.home;
     }
 
     /// One tick: where it thinks that the ball is (`None` before the serve), and the damping on its hand. Gives the racket if it
     /// swings and does not miss.
     fn tick(&mut self, now_s: f64, tick_s: f64, ball: Option<Ball>, damping: f64) -> Option<Racket> {
+        if let Some(wanted) = self.person {
+            self.target = wanted;
+            self.moves(tick_s, damping);
+            return self.swings(ball, damping);
+        }
         self.moves(tick_s, damping);
         if self.reacts_s.is_some_and(|at_s| now_s >= at_s) {
             self.reacts_s = None;
@@ -116,7 +140,31 @@ impl Bot {
                 ball.velocity.map(f64::from)
             }
         };
-        let wish = [plan.speed * plan.angle.cos(), plan.speed * plan.angle.sin()];
+        self.meets_it(before, plan.speed, plan.angle, damping)
+    }
+
+    /// A person's racket hits what it meets on its turn: as hard and as far aside as the hand moves, within what a bot's strokes
+    /// have; a serve needs a hand that moves forward.
+    fn swings(&mut self, ball: Option<Ball>, damping: f64) -> Option<Racket> {
+        let [vx, vy] = self.velocity;
+        let before = match ball {
+            None => (vx > SERVE_M_PER_S).then_some([0.0; 2])?,
+            Some(ball) => {
+                let [x, y] = [0, 1].map(|axis| f64::from(ball.position[axis]) - self.position[axis]);
+                let before = ball.velocity.map(f64::from);
+                (before[0] < 0.0 && x.hypot(y) < RACKET_REACH_M).then_some(before)?
+            }
+        };
+        if !std::mem::take(&mut self.turn) {
+            return None;
+        }
+        let speed = (STROKES.0 + vx.hypot(vy)).min(STROKES.1);
+        self.meets_it(before, speed, libm::atan2(vy, vx.abs().max(1.0)).clamp(-0.6, 0.6), damping)
+    }
+
+    /// The racket that gives a ball of velocity `before` (m/s) this speed, m/s, and angle, rad from straight ahead.
+    fn meets_it(&self, before: [f64; 2], speed: f64, angle: f64, damping: f64) -> Option<Racket> {
+        let wish = [speed * angle.cos(), speed * angle.sin()];
         let change = [wish[0] - before[0], wish[1] - before[1]];
         let size = change[0].hypot(change[1]);
         let normal = change.map(|part| part / size);
@@ -216,6 +264,16 @@ impl Contestant {
         let court = Court::SINGLES;
         let player = Player::new(PlayerConfig { number, court, ball_kg: BALL_KG, life });
         Self { number, player, bot: Bot::new(court, seed), was_active: false }
+    }
+
+    /// A person has its hand from now on and wants it there, in the court; or nobody has, and the bot plays.
+    pub(crate) fn held(&mut self, person: Option<[f64; 2]>) {
+        self.bot.person = person;
+    }
+
+    /// Where its hand is, in the court.
+    pub(crate) fn hand(&self) -> [f64; 2] {
+        self.bot.position
     }
 
     /// The bot is told what has happened, and so is `each`.

@@ -36,3 +36,4 @@ pub(crate) use file::own_keys;
 pub use file::{load, parse};
 pub(crate) use parameters::{CLIENT, CONTROL_PERIOD_S, PACKET_US, TICKS_PER_PACKET, line_of, look_around, open_link};
 pub use parameters::{OBJECTS, World};
+pub(crate) use solid::corners;

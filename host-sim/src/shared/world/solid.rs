@@ -58,6 +58,15 @@ pub(super) fn block_corners(block: &Block) -> [[f64; 2]; 4] {
     block.corners().map(|corner| corner.map(f64::from))
 }
 
+/// The corners of what has corners, in order around it, m.
+pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
+    match shape {
+        Shape::Wall(wall) => wall_corners(wall).to_vec(),
+        Shape::Block(block) => block_corners(block).to_vec(),
+        Shape::Body(_) | Shape::Strip(_) => Vec::new(),
+    }
+}
+
 /// The solid of an object, or the strip that it is.
 pub(super) fn solid(shape: &Shape) -> Result<Solid, &Strip> {
     match shape {

@@ -3,7 +3,9 @@
 //! What is waited for is waited for up to half a minute; nothing here asserts a time. Pictures of the main states are left in
 //! `target/tmp/suite/play`.
 
+mod boards;
 mod devtools;
+mod environments;
 mod far;
 mod files;
 mod inputs;

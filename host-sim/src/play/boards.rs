@@ -1,0 +1,416 @@
+//! One or two boards as their operator has them: what their ticks see, and the few lines that a page may say to them.
+//!
+//! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint, and stop.
+//! **Stop** goes before everything else that is to be said, to every board. **Hold to run**: the motors go off when nobody's page has
+//! asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by themselves when this process is silent
+//! (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the device feels the other one's hand.
+//!
+//! Each board has a thread, which may wait for an answer; the beat only tries its lock. Ticks come in batches and some are lost: they
+//! are played out [`BEHIND`] late, each held until the next.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use haptic_core::safety::Fault;
+use haptic_sim::board::calibrate::board::{Board, FAULTED, Joint, settings};
+use haptic_sim::board::calibrate::simulated::Shared;
+use haptic_sim::board::recording::row;
+use haptic_sim::scene::Scene;
+use serde::Serialize;
+use serde_json::json;
+
+use super::boards_line::Line;
+use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS};
+use super::session::PERIOD_S;
+use crate::live::endpoint::stand_back;
+use crate::live::operator::Operator;
+
+/// After so long without a page the motors go off.
+const SILENCE: Duration = Duration::from_millis(1000);
+/// From one look at a board to the next, s.
+const LOOK_S: f64 = 0.02;
+/// From one question for its status to the next.
+const STATUS: Duration = Duration::from_millis(500);
+/// Every how-many-th tick is sent.
+const EVERY: u32 = 4;
+/// How far behind its newest tick a board is shown, ticks, and how far before what is shown begins anew.
+const BEHIND: f64 = 60.0;
+const FARTHEST: f64 = 250.0;
+/// How far a board's thread stands back behind the beat.
+const NICENESS: i32 = 5;
+/// Answers that are shown.
+const ANSWERS: usize = 6;
+/// Numbers of a tick: how it went, as [`haptic_sim::board::recording::COLUMNS`] has them.
+const NUMBERS: usize = haptic_sim::board::recording::COLUMNS.len();
+
+/// Where a board is.
+#[derive(Clone, Debug)]
+pub(crate) enum Place {
+    /// On the network, under the operator's key of this file.
+    At(SocketAddr, PathBuf),
+    /// A board with a software device in this process, to practise on.
+    Simulated,
+}
+
+/// What a page is told of a board.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+struct Told {
+    name: String,
+    there: bool,
+    /// What it said of itself last.
+    status: String,
+    /// The newest lines and answers, oldest first.
+    said: VecDeque<(String, String)>,
+}
+
+/// What lies between a board's thread and the beat.
+#[derive(Debug, Default)]
+struct Papers {
+    /// To be said, oldest first; a stop comes before all of it.
+    lines: VecDeque<Line>,
+    stop: bool,
+    rows: VecDeque<[f64; NUMBERS]>,
+    told: Told,
+}
+
+/// A board and its thread.
+struct Seat {
+    /// 0 or 1.
+    index: usize,
+    papers: Arc<Mutex<Papers>>,
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    /// Tick that is shown, and what it saw.
+    at: f64,
+    shown: Option<[f64; NUMBERS]>,
+    rows: VecDeque<[f64; NUMBERS]>,
+}
+
+/// Whoever answers lines and gives ticks.
+trait Party {
+    fn ask(&mut self, line: &str) -> Result<String, String>;
+    /// Lets so much time pass, and gives what came.
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String>;
+}
+
+impl Party for Operator {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        Self::ask(self, line)
+    }
+
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
+        let samples = self.samples(Duration::from_secs_f64(seconds))?;
+        Ok(samples.iter().filter_map(|sample| row(sample.payload(), PERIOD_S)).collect())
+    }
+}
+
+/// How a board's thread begins.
+type Open = Box<dyn FnOnce() -> Result<Box<dyn Party>, String> + Send>;
+
+/// A simulated board, kept in real time.
+struct Practice {
+    board: Shared,
+    m_per_count: f64,
+    zero: Option<u16>,
+    due: Instant,
+}
+
+impl Practice {
+    fn new(truth: &Scene) -> Result<Self, String> {
+        let mut board = Shared::new(truth)?;
+        let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
+        Ok(Self { board, m_per_count, zero: None, due: Instant::now() })
+    }
+}
+
+impl Party for Practice {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        Board::ask(&mut self.board, line)
+    }
+
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
+        self.due += Duration::from_secs_f64(seconds);
+        std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
+        let ticks = self.board.ticks(seconds)?;
+        Ok(ticks
+            .iter()
+            .map(|tick| {
+                let zero = *self.zero.get_or_insert(tick.counts[0]);
+                let mut numbers = [f64::NAN; NUMBERS];
+                (numbers[1], numbers[2], numbers[3]) = (tick.number.into(), tick.mode.into(), 0.0);
+                numbers[9] = self.m_per_count * f64::from(tick.counts[0].wrapping_sub(zero).cast_signed());
+                numbers
+            })
+            .collect())
+    }
+}
+
+/// Talks to a board until it is over.
+fn attend(party: &mut dyn Party, papers: &Mutex<Papers>, over: &AtomicBool) {
+    let lock = || papers.lock().unwrap_or_else(PoisonError::into_inner);
+    let say = |party: &mut dyn Party, line: &str| {
+        let answer = party.ask(line);
+        let mut papers = lock();
+        papers.told.there = answer.is_ok();
+        let answer = answer.unwrap_or_else(|why| why);
+        if line == "status" {
+            // `ok board 1 disarmed …`: which it is stands above.
+            let own = answer.strip_prefix("ok board ").and_then(|rest| rest.split_once(' '));
+            papers.told.status = own.map_or(answer.as_str(), |(_, own)| own).to_owned();
+        } else {
+            if papers.told.said.len() == ANSWERS {
+                papers.told.said.pop_front();
+            }
+            papers.told.said.push_back((line.to_owned(), answer.clone()));
+        }
+        answer
+    };
+    let (mut asked, mut came, mut probing) = (None::<Instant>, Instant::now(), false);
+    while !over.load(Ordering::Relaxed) {
+        let (stop, line) = {
+            let mut papers = lock();
+            let stop = std::mem::take(&mut papers.stop);
+            (stop, if stop { None } else { papers.lines.pop_front() })
+        };
+        if stop {
+            say(party, "disarm");
+        } else if let Some(line) = line {
+            let answer = say(party, &line.text());
+            probing = matches!(line, Line::Check(_)) && answer.starts_with("ok");
+        } else if asked.is_none_or(|asked| asked.elapsed() >= STATUS) {
+            asked = Some(Instant::now());
+            say(party, "status");
+            if probing {
+                let outcome = party.ask("probed").unwrap_or_else(|why| why);
+                probing = outcome.contains(" running");
+                if !probing {
+                    lock().told.said.push_back(("what the check found".to_owned(), outcome));
+                }
+            }
+            // A board that was away, or has started anew, has forgotten what it was asked for.
+            if came.elapsed() >= STATUS && lock().told.there {
+                let _ = party.ask(&format!("stream {EVERY}"));
+                came = Instant::now();
+            }
+        }
+        match party.rows(LOOK_S) {
+            Ok(rows) if rows.is_empty() => {}
+            Ok(rows) => {
+                came = Instant::now();
+                lock().rows.extend(rows);
+            }
+            Err(why) => {
+                let mut papers = lock();
+                (papers.told.there, papers.told.status) = (false, why);
+            }
+        }
+    }
+    // Nobody stays who could stop it.
+    let _ = party.ask("disarm");
+    let _ = party.ask("stream off");
+}
+
+impl Seat {
+    /// Gets in touch with a board; one that does not answer is an error that names it. `index` is where a simulated one stands.
+    fn open(place: Place, index: usize) -> Result<Self, String> {
+        match place {
+            Place::Simulated => {
+                let practice = || Ok(Box::new(Practice::new(&Scene::default())?) as Box<dyn Party>);
+                Self::attend(format!("simulated board {}", index + 1), index, Box::new(practice))
+            }
+            Place::At(at, key_file) => {
+                let operator = Operator::connect(at, &key_file)?;
+                let number = operator.number();
+                let board = move || Ok(Box::new(operator) as Box<dyn Party>);
+                Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, Box::new(board))
+            }
+        }
+    }
+
+    /// The seat of a board that is opened on its thread.
+    fn attend(name: String, index: usize, open: Open) -> Result<Self, String> {
+        let told = Told { name, ..Told::default() };
+        let (papers, over) = (Arc::new(Mutex::new(Papers { told, ..Papers::default() })), Arc::default());
+        let (desk, stop) = (Arc::clone(&papers), Arc::clone(&over));
+        let work = move || {
+            stand_back(NICENESS);
+            match open() {
+                Ok(mut party) => attend(&mut *party, &desk, &stop),
+                Err(why) => desk.lock().unwrap_or_else(PoisonError::into_inner).told.status = why,
+            }
+        };
+        let thread = std::thread::Builder::new().name("board".into()).spawn(work).map_err(|cause| cause.to_string())?;
+        Ok(Self { index, papers, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
+    }
+
+    /// Takes what its thread has laid down, if that does not hold it just now; what it is told is new, if it is.
+    fn look(&mut self, told: &mut Told) -> bool {
+        let Ok(mut papers) = self.papers.try_lock() else { return false };
+        self.rows.append(&mut papers.rows);
+        let news = papers.told != *told;
+        if news {
+            told.clone_from(&papers.told);
+        }
+        news
+    }
+
+    /// One tick on.
+    fn play(&mut self) {
+        let Some(newest) = self.rows.back().map(|row| row[1]) else { return };
+        self.at += 1.0;
+        // It has begun, slept, or started anew.
+        if (newest - BEHIND - self.at).abs() > FARTHEST {
+            self.at = newest - BEHIND;
+        }
+        while self.rows.front().is_some_and(|row| row[1] <= self.at || row[1] > self.at + 2.0 * FARTHEST)
+            && self.rows.len() > 1
+        {
+            self.shown = self.rows.pop_front();
+        }
+    }
+
+    fn mode(&self, there: bool) -> u8 {
+        match self.shown.filter(|_| there) {
+            None => WAITS,
+            Some(row) if row[2] == 1.0 => ARMED,
+            Some(row) if row[2] == f64::from(FAULTED) => FAULT + row[3] as u8,
+            Some(_) => OFF,
+        }
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// One or two boards.
+pub(crate) struct Boards {
+    seats: Vec<Seat>,
+    told: Vec<Told>,
+    /// When a page has last asked.
+    seen: Instant,
+    restarts: u32,
+    news: bool,
+}
+
+impl Boards {
+    /// Gets in touch with all of them.
+    pub(crate) fn open(places: Vec<Place>) -> Result<Self, String> {
+        let seats = places.into_iter().enumerate().map(|(index, place)| Seat::open(place, index));
+        let seats = seats.collect::<Result<Vec<_>, _>>()?;
+        if let [one, two] = seats.as_slice()
+            && one.index == two.index
+        {
+            return Err(format!(
+                "both boards say that they are board {}: one must be 1 and the other 2",
+                one.index + 1
+            ));
+        }
+        Ok(Self::of_seats(seats))
+    }
+
+    fn of_seats(seats: Vec<Seat>) -> Self {
+        Self { told: vec![Told::default(); seats.len()], seats, seen: Instant::now(), restarts: 1, news: true }
+    }
+
+    fn stop(&mut self) {
+        for seat in &mut self.seats {
+            // It is held for microseconds. What waits is forgotten.
+            let mut papers = seat.papers.lock().unwrap_or_else(PoisonError::into_inner);
+            papers.stop = true;
+            papers.lines.clear();
+        }
+    }
+
+    fn of(&self, index: usize) -> Option<(&Seat, &Told)> {
+        self.seats.iter().zip(&self.told).find(|(seat, _)| seat.index == index)
+    }
+}
+
+impl Environment for Boards {
+    fn command(&mut self, command: Command) -> Result<(), String> {
+        match command {
+            Command::Stop => self.stop(),
+            Command::Board(number, line) => {
+                if let Some(seat) = self.seats.iter().find(|seat| seat.index + 1 == usize::from(number)) {
+                    let mut papers = seat.papers.lock().unwrap_or_else(PoisonError::into_inner);
+                    if papers.lines.len() < ANSWERS {
+                        papers.lines.push_back(line);
+                    }
+                }
+            }
+            Command::Start | Command::Cut(_) | Command::Partner(_) => {}
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, _: Scene) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// A page that asks is a person who looks.
+    fn point(&mut self, _: usize, _: Option<[f64; 2]>, restarts: u32) {
+        if restarts == self.restarts {
+            self.seen = Instant::now();
+        }
+    }
+
+    fn play(&mut self, _: usize) {}
+
+    fn step(&mut self) -> Result<Sample, String> {
+        for (seat, told) in self.seats.iter_mut().zip(&mut self.told) {
+            self.news |= seat.look(told);
+            seat.play();
+        }
+        let armed = self.standing().modes.contains(&ARMED);
+        if armed && self.seen.elapsed() > SILENCE {
+            self.stop();
+            self.seen = Instant::now();
+        }
+        let both = |column: usize| {
+            [0, 1].map(|index| {
+                let row = self.of(index).and_then(|(seat, _)| seat.shown);
+                row.map_or(f32::NAN, |row| row[column] as f32)
+            })
+        };
+        let (nothing, [device, object, decoded, contact, coordination]) =
+            ([f32::NAN; 2], [9, 11, 13, 15, 16].map(both));
+        let in_line: f32 = both(18).into_iter().sum::<f32>() - both(17).into_iter().sum::<f32>();
+        let pairs = [nothing, device, object, decoded, contact, coordination, nothing];
+        let tail = [in_line, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, self.restarts as f32];
+        let mut sample = [f32::NAN; MOST];
+        sample.iter_mut().zip(pairs.into_iter().flatten().chain(tail)).for_each(|(to, number)| *to = number);
+        Ok(sample)
+    }
+
+    fn standing(&self) -> Standing {
+        // A place without a board is as a board that is off.
+        let modes = [0, 1].map(|index| self.of(index).map_or(OFF, |(seat, told)| seat.mode(told.there)));
+        Standing { modes, cut: false, partner: 0 }
+    }
+
+    fn news(&mut self) -> Option<String> {
+        std::mem::take(&mut self.news).then(|| {
+            let boards: Vec<_> = (self.seats.iter().zip(&self.told))
+                .map(|(seat, told)| {
+                    let mode = seat.mode(told.there);
+                    let fault = mode.checked_sub(FAULT).and_then(Fault::from_number).map(Fault::explain);
+                    json!({ "number": seat.index + 1, "told": told, "fault": fault })
+                })
+                .collect();
+            json!({ "boards": boards }).to_string()
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/play_boards.rs"]
+mod tests;

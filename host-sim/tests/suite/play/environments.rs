@@ -1,0 +1,109 @@
+//! Shared environments on the page: chosen there, seen in both windows, held by a mouse; and what cannot be shown says why.
+
+use super::{Browser, Play, Window, click, drag, folder, middle, set};
+
+/// Shows an environment in both windows, from the first.
+fn show(browser: &mut Browser, windows: [&Window; 2], name: &str, column: &str) {
+    set(browser, windows[0], "environment", name);
+    for window in windows {
+        browser.wait(window, &format!("Number.isFinite(page.value('{column}', 200))"));
+        assert_eq!(
+            browser.evaluate(window, "getComputedStyle(document.getElementById('pair')).display"),
+            "none",
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn shared_environments_are_shown_and_held() {
+    let play = Play::start(&["--environment", "hub", "--partner", "follows"]);
+    let mut browser = Browser::start(folder().join("environments"));
+    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    for window in [&one, &two] {
+        browser.wait(window, "Number.isFinite(page.value('object_4', 200))");
+    }
+
+    // Four hands on one object: what one carries, all copies follow.
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    let at = drag(&mut browser, &one, hand, 60.0);
+    browser.wait(&two, "[1, 2, 3, 4].every((n) => page.value(`object_${n}`) > 0.01) && page.value('hand_1') > 0.3");
+    browser.picture(&one, &folder().join("hub.png"));
+    browser.mouse(&one, "mouseReleased", at);
+
+    // Squash: a hand runs where it is wanted and serves on its way; both windows see the ball.
+    show(&mut browser, [&one, &two], "squash", "hand_4_x");
+    browser.wait(&one, "page.value('next') === 1");
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    let before: [f64; 1] = browser.numbers(&one, "[page.value('hand_1_x')]");
+    let at = drag(&mut browser, &one, hand, 60.0);
+    browser.wait(&two, &format!("page.value('hand_1_x') > {} + 1.5", before[0]));
+    browser.wait(&two, "page.value('stroke') >= 1 || page.value('rally') > 1");
+    browser.picture(&one, &folder().join("squash.png"));
+    browser.mouse(&one, "mouseReleased", at);
+
+    // A static world: known, then felt along its wall, and the other visitor is seen.
+    show(&mut browser, [&one, &two], "world", "device_1_x");
+    browser.wait(&one, "page.value('felt_1') === 7 && Number.isFinite(page.value('seen_1_x'))");
+    let hand = middle(&mut browser, &one, "hand");
+    let [per_mm] = browser.numbers(&one, "[scene.getScreenCTM().a]");
+    browser.mouse(&one, "mousePressed", hand);
+    for step in 0..40 {
+        let (along, down) = (0.5 * f64::from(step), f64::from(step));
+        browser.mouse(&one, "mouseMoved", [hand[0] + per_mm * along, hand[1] + per_mm * down]);
+        std::thread::sleep(std::time::Duration::from_millis(16));
+    }
+    browser.wait(&two, "page.value('force_1_y') > 0.5 && page.value('device_1_y') < -0.055");
+    browser.picture(&one, &folder().join("world.png"));
+    browser.mouse(&one, "mouseReleased", hand);
+
+    // One at a time: who takes it gets it, carries it, and leaves it for all to see; stop holds everybody.
+    for name in ["lock", "ring"] {
+        show(&mut browser, [&one, &two], name, "object_3_x");
+        let taken = (0..20).any(|_| {
+            let [x, y, mm] = browser.numbers(
+                &one,
+                "[scene.getScreenCTM().e + 1e3 * page.value('hand_1_x') * scene.getScreenCTM().a, \
+                 scene.getScreenCTM().f - 1e3 * page.value('hand_1_y') * scene.getScreenCTM().d, scene.getScreenCTM().a]",
+            );
+            let [along, across] = browser.numbers(
+                &one,
+                "[1e3 * (page.value('object_1_x') - page.value('hand_1_x')), 1e3 * (page.value('object_1_y') - page.value('hand_1_y'))]",
+            );
+            browser.mouse(&one, "mousePressed", [x, y]);
+            browser.mouse(&one, "mouseMoved", [x + mm * along, y - mm * across]);
+            let taken = (0..60).any(|_| {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+                browser.evaluate(&one, "page.value('state_1') === 2") == true
+            });
+            if taken {
+                browser.picture(&one, &folder().join(format!("{name}.png")));
+            }
+            browser.mouse(&one, "mouseReleased", [x + mm * along, y - mm * across]);
+            taken
+        });
+        assert!(taken, "{name}");
+        browser.wait(&two, "page.value('version_2') > 0 && page.value('version_1') === page.value('version_3')");
+    }
+    click(&mut browser, &two, "stop");
+    browser.wait(&one, "document.getElementById('status').textContent.startsWith('stopped')");
+    browser.wait(&one, "page.value('hand_3_x') === page.value('hand_3_x', 300)");
+    click(&mut browser, &two, "start");
+    browser.wait(&one, "page.value('restarts') >= 1");
+
+    // A law without a line that meets others is no hub's, and the page says so; what was shown goes on.
+    browser.evaluate(&one, "page.command('anyway law power')");
+    browser.wait(&one, "document.getElementById('law').value === 'power'");
+    set(&mut browser, &one, "environment", "hub");
+    browser.wait(&one, "document.getElementById('refused').textContent.length > 10");
+    browser.wait(&one, "Number.isFinite(page.value('object_3_x'))");
+    let csv = browser.evaluate(&one, "page.asCsv().split('\\n')[0]");
+    assert!(
+        csv.as_str().is_some_and(|head| head.starts_with("time_s,hand_1_x_m,") && head.ends_with(",restarts")),
+        "{csv}"
+    );
+    let complaints = browser.complaints(&[&one, &two]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
