@@ -258,7 +258,8 @@ impl Loop {
     /// What may happen only between packets: a new scene or a probe while disarmed, and the operator's order.
     #[inline(always)]
     fn boundary(&mut self) {
-        if self.peer.mode() == Mode::Disarmed && self.side.plans.fetch() {
+        let new = self.peer.mode() == Mode::Disarmed && self.side.plans.fetch();
+        if new {
             let plan = self.side.plans.get();
             self.peer = plan.peer;
             self.power = plan.power;
@@ -267,7 +268,8 @@ impl Loop {
                 self.passed = [false; AXES];
             }
         }
-        if self.side.probes.fetch() {
+        // What the power stage says in this tick is still of the plan before, and a check goes by what there is in its first tick.
+        if !new && self.side.probes.fetch() {
             let (number, probe) = *self.side.probes.get();
             self.peer.probe(probe);
             self.probing = self.peer.mode() == Mode::Probing;
