@@ -156,6 +156,12 @@ impl<T: Coded> Word<T> {
         T::decode(self.0.load(Ordering::Acquire))
     }
 
+    /// Whether it holds something else than another, before anything that follows is done.
+    #[inline]
+    pub fn differs(&self, other: &Self) -> bool {
+        self.0.load(Ordering::Acquire) != other.0.load(Ordering::Relaxed)
+    }
+
     /// Holds this from now on, after all that came before is done.
     pub fn release(&self, value: T) {
         self.0.store(value.code(), Ordering::Release);

@@ -276,8 +276,8 @@ impl Loop {
             self.side.probed.write(self.peer.probed());
             self.side.signals.begun.release(number);
         }
-        let order = self.side.signals.order.acquire();
-        if order != self.side.signals.done.get() {
+        if self.side.signals.order.differs(&self.side.signals.done) {
+            let order = self.side.signals.order.acquire();
             // Unchecked, the motors stay off.
             if order.command != Command::Arm || self.checked() {
                 self.command(order.command);

@@ -47,7 +47,11 @@ fn what_is_planted_in_the_tick_is_found() {
     let (start, code) = (firmware.address(TICK), firmware.code(TICK));
     // Places to plant at: where it reserves stack, an instruction of one halfword, and where it first calls, one of two.
     let find = |fits: &dyn Fn(u16, u16) -> bool| {
-        let at = code.windows(2).position(|two| fits(two[0], two[1])).expect("the tick reserves stack and calls");
+        let mut at = 0;
+        while !fits(code[at], code[at + 1]) {
+            // The second halfword of a wide instruction may look like a first one.
+            at += if matches!(code[at] >> 11, 0b11101..=0b11111) { 2 } else { 1 };
+        }
         (start + 2 * at as u64, code[at])
     };
     let (reserve, op) = find(&|first, _| first & 0xFF80 == 0xB080);
