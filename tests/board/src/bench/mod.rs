@@ -327,6 +327,11 @@ impl Bench {
         (0..periods).for_each(|_| self.step());
     }
 
+    /// How fast a board's (1 or 2) device moves along its free axis, m/s.
+    pub fn speed(&self, number: usize) -> f64 {
+        self.devices[number - 1].as_ref().map_or(0.0, |device| device.motors().plant.motions()[0].velocity)
+    }
+
     /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
     pub fn armed_ticks(&self, number: usize) -> &[Record] {
         let Armed { records, standing } = self.since_armed(number);

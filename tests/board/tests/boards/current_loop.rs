@@ -10,6 +10,8 @@ use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
+use firmware_parts::record::Record;
+use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
@@ -50,6 +52,39 @@ fn two_boards_with_windings_equal_host_sim() {
     println!("{ticks} ticks, largest duty {duties:?}");
     assert_eq!(twin::closed_loop(&scene, boards), Equal { ticks, first_difference: None });
     bench.finish().iter().for_each(reviewed::check);
+}
+
+/// Both users push and nothing moves: the winding warms by i²·R alone, and the motors go off when the mean square of the current, over
+/// `motor.thermal_s`, is that of `motor.continuous_a`. Reckoned here from the currents that were asked for.
+#[test]
+fn a_motor_that_is_held_goes_off_when_it_is_too_warm() {
+    const CONTINUOUS_A: f64 = 0.15;
+    const THERMAL_S: f64 = 0.5;
+    let set = ["user.1.push_n=2", "user.2.push_n=2", "motor.continuous_a=0.15", "motor.thermal_s=0.5"];
+    let (firmware, scene) = (Arc::new(Firmware::release()), scene(&set));
+    let mut bench = Bench::start(&firmware, 2, Line::default());
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.arm();
+    let off = (0..3000).find(|_| {
+        bench.step();
+        !bench.stopped[0].bridges.on()
+    });
+    bench.run_for_ms(30);
+    let status = bench.ask(1, "status");
+    assert!(off.is_some() && status.contains(" faulted fault 16 "), "{off:?}: {status}");
+    let armed = bench.since_armed(1).records.iter().take_while(|record| record.mode() == Mode::Armed);
+    let amperes = |record: &Record| f64::from(record.duties()[0].0) / 32767.0 * scene.peer.motor.full_scale_a;
+    let mut square = 0.0;
+    let squares: Vec<f64> = armed
+        .map(|record| {
+            square += (amperes(record).powi(2) - square) * 1e-3 / THERMAL_S;
+            square
+        })
+        .collect();
+    let expected = squares.iter().position(|square| *square > CONTINUOUS_A.powi(2)).unwrap_or(squares.len());
+    println!("off after {} ms of {expected} expected, {off:?} steps", squares.len());
+    assert!(squares.len() > 300 && squares.len().abs_diff(expected) <= squares.len() / 50, "{expected}");
+    bench.finish();
 }
 
 /// A PWM period, ns.

@@ -10,7 +10,7 @@
 //! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
-//! | [`faults`] (one of them an [`impostor`]), [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
 mod bad_wire;
@@ -21,6 +21,7 @@ mod calibrate;
 mod ceiling;
 mod current_loop;
 mod deadman;
+mod encoder_faults;
 mod faults;
 mod impostor;
 mod keys;

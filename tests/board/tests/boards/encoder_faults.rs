@@ -1,0 +1,73 @@
+//! Encoders that fail while the device moves, at the force limits of a board that was told nothing: what motors in current loops show of
+//! their speed tells. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+
+use std::sync::Arc;
+
+use board_bench::bench::{Bench, for_boards};
+use board_bench::docs;
+use board_bench::image::Firmware;
+use board_bench::wire::Line;
+use haptic_sim::Laws;
+use haptic_sim::scene::{PlantFault, Scene};
+
+/// A device whose user pushes it with 3 N at 3 Hz, with motors in current loops and the limits of a board that was told nothing.
+const DEVICE: [&str; 9] = [
+    "plant.encoder=true",
+    "plant.motor=true",
+    "plant.winding=true",
+    "plant.drive=current",
+    "axis.velocity=adaptive",
+    "user.1.sine_n=3",
+    "user.1.sine_rad_per_s=19",
+    "safety.max_force_n=3",
+    "safety.max_slew_n_per_s=60",
+];
+
+/// Faster than this a failing encoder is to be told, m/s.
+const SPEED: f64 = 0.15;
+
+/// What failed, how, and within how many ms the outputs go off.
+const FAULTS: [(&str, PlantFault, u64); 6] = [
+    ("stuck", PlantFault::EncoderStuck, 20),
+    ("wire of channel A cut", PlantFault::EncoderWithoutA, 20),
+    ("wire of channel B cut", PlantFault::EncoderWithoutB, 20),
+    ("goes to and fro by one count", PlantFault::EncoderDithers, 20),
+    ("counts the wrong way", PlantFault::EncoderReversed, 20),
+    // Half of what it is at its fastest is just beyond what is tolerated.
+    ("counts half", PlantFault::EncoderHalved, 400),
+];
+
+#[test]
+fn encoders_that_fail_are_told_by_the_motors() {
+    let firmware = Arc::new(Firmware::release());
+    let scene = for_boards(&Scene::load(Laws::built_in(), None, &DEVICE.map(str::to_owned)).expect("a good scene"));
+    let mut rows = Vec::new();
+    for (what, fault, within_ms) in FAULTS {
+        let mut bench = Bench::start(&firmware, 2, Line::default());
+        bench.set_up(&scene).expect("the boards take it");
+        bench.arm();
+        let waited = (0..500).find(|_| {
+            bench.step();
+            bench.ticks > 200 && bench.speed(1).abs() > SPEED
+        });
+        assert!(waited.is_some() && bench.stopped[0].bridges.on(), "{what}: it moves, with the motors on");
+        bench.fail(1, fault);
+        let off = (1..=within_ms).find(|_| {
+            bench.step();
+            !bench.stopped[0].bridges.on()
+        });
+        bench.run_for_ms(2);
+        let status = bench.ask(1, "status");
+        println!("{what}: {off:?}, {status}");
+        let Some(ms) = off.filter(|_| status.contains(" faulted fault 21 ")) else {
+            panic!("{what}: {off:?}, {status}")
+        };
+        rows.push(format!("| {what} | {ms} ms | fault 21 |"));
+        bench.finish();
+    }
+    docs::table(
+        "encoder_faults",
+        "| encoder of a device that moves at 0.15 m/s or more | outputs off after | status says |",
+        &rows,
+    );
+}
