@@ -954,7 +954,8 @@ function frame(now) {
 
 element("who").textContent = watches ? "– watching" : `– person ${me}`;
 input("paste").value = token ? "" : location.href;
-Object.assign(window, { page: { value, frames: () => frames, asCsv, asSvg, asToml, asLink, lag, command } });
+const environment = () => hello?.environments[kind]?.name;
+Object.assign(window, { page: { value, environment, frames: () => frames, asCsv, asSvg, asToml, asLink, lag, command } });
 if (token) connect();
 else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
 requestAnimationFrame(frame);

@@ -107,10 +107,19 @@ impl Browser {
         outcome["result"]["value"].take()
     }
 
-    /// Numbers that an expression gives as a list; what is none is NaN.
+    /// Numbers that an expression gives as a list, once all are there: a page that begins again has none for a moment.
+    #[track_caller]
     pub(super) fn numbers<const N: usize>(&mut self, window: &Window, expression: &str) -> [f64; N] {
-        let value = self.evaluate(window, expression);
-        std::array::from_fn(|at| value[at].as_f64().unwrap_or(f64::NAN))
+        let start = Instant::now();
+        loop {
+            let value = self.evaluate(window, expression);
+            let numbers: [Option<f64>; N] = std::array::from_fn(|at| value[at].as_f64());
+            if numbers.iter().all(Option::is_some) {
+                return numbers.map(Option::unwrap_or_default);
+            }
+            assert!(start.elapsed() < PATIENCE, "no numbers: {expression}: {value}");
+            std::thread::sleep(Duration::from_millis(30));
+        }
     }
 
     /// Until an expression is true.

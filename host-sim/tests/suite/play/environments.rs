@@ -6,7 +6,8 @@ use super::{Browser, Play, Window, click, drag, folder, middle, set};
 fn show(browser: &mut Browser, windows: [&Window; 2], name: &str, column: &str) {
     set(browser, windows[0], "environment", name);
     for window in windows {
-        browser.wait(window, &format!("Number.isFinite(page.value('{column}', 200))"));
+        browser
+            .wait(window, &format!("page.environment() === '{name}' && Number.isFinite(page.value('{column}', 200))"));
         assert_eq!(
             browser.evaluate(window, "getComputedStyle(document.getElementById('pair')).display"),
             "none",
