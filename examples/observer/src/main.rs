@@ -1,7 +1,7 @@
 //! An observer of your own: what one hand feels over how deep it presses, a loop for every push, drawn as a figure.
 //!
 //! A run is stepped and watched from outside: `Pair::step_watched` tells what every tick of either peer read and did.
-//! Leaves `out/felt.svg` and `out/felt.png` in the folder that it runs in.
+//! Leaves `out/felt.svg`, `out/felt.pdf` and `out/felt.png` in the folder that it runs in.
 
 use std::error::Error;
 use std::path::Path;

@@ -10,7 +10,7 @@
 use super::range::{self, Axes};
 use super::scale::Scale;
 use super::sheet::{Anchor, Frame, INK, Mark, Print, Sheet, TICK, Text};
-use super::{Figure, Panel, ShareY, font, legend, panel};
+use super::{Figure, Panel, ShareY, data, font, legend, panel};
 
 const MARGIN: f64 = 26.0;
 const TITLE: f64 = 30.0;
@@ -23,7 +23,7 @@ const LEADING: f64 = 1.3;
 const GAP: f64 = 46.0;
 
 /// The figure as marks in pixels.
-pub(crate) fn sheet(figure: &Figure, print: Print) -> Sheet {
+pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, String> {
     let width = print.pixels();
     let axes = range::resolve(figure);
     // Legends that stand below all panels.
@@ -59,8 +59,9 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Sheet {
         base += LEADING * CAPTION;
         writer.text((MARGIN, base), Anchor::Start, CAPTION, &line);
     }
-    let (title, caption) = (figure.title.clone(), figure.caption.clone());
-    Sheet { width, width_mm: print.width_mm, height: (base + MARGIN).ceil(), title, caption, marks: writer.0 }
+    let widths: Vec<f64> = slots.iter().map(|slot| slot.frame.width()).collect();
+    let (title, caption, data) = (figure.title.clone(), figure.caption.clone(), data::csv(figure, &axes, &widths)?);
+    Ok(Sheet { width, width_mm: print.width_mm, height: (base + MARGIN).ceil(), title, caption, data, marks: writer.0 })
 }
 
 /// Where one panel lies and what stands around it.

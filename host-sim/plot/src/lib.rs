@@ -1,9 +1,9 @@
-//! Figures: declared as data, drawn once, written as SVG and PNG.
+//! Figures: declared as data, drawn once, written as SVG, PDF and PNG.
 //!
 //! A [`Figure`] is a grid of [`Panel`]s, a panel holds [`Series`]. [`draw`] lays the figure out into a list of marks
 //! (`layout`; it asks `range` and `scale` for axes and ticks, `panel` for the shapes inside a frame, `legend` for free
-//! space) and paints the same marks twice (`svg`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as its
-//! rows need; letters are large enough to be read at half size.
+//! space) and paints the same marks three times (`svg`, `pdf`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as
+//! its rows need; letters are large enough to be read at half size. SVG and PDF carry the figure's data (`data`) and what made it.
 //!
 //! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the
 //! positive ones. Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are
@@ -16,10 +16,12 @@
 //! the envelope is exact to one pixel). Letters come from one built-in font (Latin, Greek, common signs); in an SVG the
 //! viewer's own font is fitted to the same widths.
 
+mod data;
 mod font;
 mod layout;
 mod legend;
 mod panel;
+mod pdf;
 mod png;
 mod range;
 mod scale;
@@ -191,27 +193,27 @@ impl Series {
     }
 }
 
-/// The figure as an SVG document, with `about` in it for programs: what made it.
-pub fn svg(figure: &Figure, print: Print, about: &str) -> String {
-    svg::render(&layout::sheet(figure, print), about)
+/// A figure painted: the ending of a file and what is in it, as SVG, PDF and PNG. The first two carry `about`: what made it.
+pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static str, Vec<u8>); 3], String> {
+    let sheet = layout::sheet(figure, print)?;
+    Ok([
+        ("svg", svg::render(&sheet, about).into_bytes()),
+        ("pdf", pdf::render(&sheet, about)?),
+        ("png", png::render(&sheet)?),
+    ])
 }
 
-/// The figure as a PNG file.
-pub fn png(figure: &Figure, print: Print) -> Result<Vec<u8>, String> {
-    png::render(&layout::sheet(figure, print))
-}
-
-/// Draws the figure to `base` with `.svg` and with `.png` appended, creating the folder if needed. Returns both paths.
+/// Draws the figure to `base` with `.svg`, `.pdf` and `.png` appended, creating the folder if needed. Returns their paths.
 pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let [svg_path, png_path] = [".svg", ".png"].map(|extension| {
+    let painted = paint(figure, Print::default(), "").map_err(ReportError::write(base, "a figure"))?;
+    let write = |(ending, bytes): (&'static str, Vec<u8>)| {
         // Appended, not replaced: the base may contain a dot (`fig.6`).
         let mut name = OsString::from(base);
-        name.push(extension);
-        PathBuf::from(name)
-    });
-    write_file(&svg_path, "SVG", svg(figure, Print::default(), "").as_bytes())?;
-    write_file(&png_path, "PNG", &png(figure, Print::default()).map_err(ReportError::write(&png_path, "PNG"))?)?;
-    Ok(vec![svg_path, png_path])
+        name.push(format!(".{ending}"));
+        let path = PathBuf::from(name);
+        write_file(&path, ending, &bytes).map(|()| path)
+    };
+    painted.into_iter().map(write).collect()
 }
 
 /// A report file could not be written.
@@ -234,11 +236,13 @@ impl ReportError {
     }
 }
 
-/// Writes a file, its folder made if needed.
+/// Writes a file whole or not at all, its folder made if needed: under a name of its own until it is complete.
 pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), ReportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, bytes));
-    written.map_err(ReportError::write(path, format))
+    let mut half = OsString::from(path);
+    half.push(".part");
+    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&half, bytes));
+    written.and_then(|()| std::fs::rename(&half, path)).map_err(ReportError::write(path, format))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The sheet: a figure after layout, as a list of marks in pixels.
 //!
-//! This list is all that the painters see, so SVG and PNG cannot differ in what they show. The origin is the top left
+//! This list is all that the painters see, so SVG, PDF and PNG cannot differ in what they show. The origin is the top left
 //! corner, y grows downwards. Marks are painted in order. Everything in them is finite.
 
 /// A position on the sheet in pixels.
@@ -218,5 +218,7 @@ pub(crate) struct Sheet {
     /// For readers that cannot see the picture.
     pub(crate) title: String,
     pub(crate) caption: String,
+    /// What is drawn, as a table in the units of the axes.
+    pub(crate) data: String,
     pub(crate) marks: Vec<Mark>,
 }

@@ -2,7 +2,7 @@
 //!
 //! Positions are written to a tenth of a pixel, paths relative to their last point, so that nine panels of dense lines
 //! stay below 300 kB. Letters stay letters (searchable, selectable); `textLength` fits whatever font the viewer has to
-//! the widths the layout counted on. Title and caption are there for screen readers, what made the figure for programs.
+//! the widths the layout counted on. Title and caption are there for screen readers, what made the figure and its data for programs.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
          <title>{}</title>\n<desc>{}</desc>\n{}<rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n",
         escape(&sheet.title),
         escape(&sheet.caption),
-        metadata(about),
+        metadata("made", about) + &metadata("data", &sheet.data),
     );
     for mark in &sheet.marks {
         // Writing to a String cannot fail.
@@ -49,10 +49,14 @@ pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
     out + "</svg>\n"
 }
 
-/// What made the figure, line by line; nothing where there is nothing to say.
-fn metadata(about: &str) -> String {
-    let lines: Vec<String> = about.lines().map(escape).collect();
-    if lines.is_empty() { String::new() } else { format!("<metadata>\n{}\n</metadata>\n", lines.join("\n")) }
+/// A text for programs, line by line; nothing where there is none.
+fn metadata(name: &str, text: &str) -> String {
+    let lines: Vec<String> = text.lines().map(escape).collect();
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!("<metadata id=\"{name}\">\n{}\n</metadata>\n", lines.join("\n"))
+    }
 }
 
 /// A text as one element, or as one for each word when it has indices or powers: viewers do not agree on how

@@ -15,17 +15,21 @@ pub(crate) fn polylines(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
     runs.filter(|run| run.len() > 1).flat_map(|run| cut(&thinned(run), frame)).collect()
 }
 
-/// At most two points (the lowest and the highest, in their order) of each run of points in one column of pixels, and
-/// always the first and the last point.
+/// The points in reach of a sheet, thinned out by columns of pixels.
 pub(crate) fn thinned(points: &[Point]) -> Vec<Point> {
     let near = |(x, y): &Point| (x.clamp(-FAR, FAR), y.clamp(-FAR, FAR));
-    let points: Vec<Point> = points.iter().map(near).collect();
+    extremes(&points.iter().map(near).collect::<Vec<_>>(), |(x, _)| x.floor())
+}
+
+/// At most two points (the lowest and the highest, in their order) of each run of points in one column, and always the first and the
+/// last point.
+pub(crate) fn extremes(points: &[Point], column: impl Fn(&Point) -> f64) -> Vec<Point> {
     let mut kept = Vec::new();
     kept.extend(points.first());
-    for column in points.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+    for run in points.chunk_by(|a, b| column(a) == column(b)) {
         let by_height = |a: &&Point, b: &&Point| a.1.total_cmp(&b.1);
-        let (low, high) = (column.iter().min_by(by_height), column.iter().max_by(by_height));
-        let first = column.iter().find(|p| Some(*p) == low || Some(*p) == high);
+        let (low, high) = (run.iter().min_by(by_height), run.iter().max_by(by_height));
+        let first = run.iter().find(|p| Some(*p) == low || Some(*p) == high);
         let second = if first == low { high } else { low };
         kept.extend(first);
         kept.extend(second.filter(|p| Some(*p) != first));

@@ -237,7 +237,8 @@ pub(super) fn and(mut fields: Value, document: &impl Serialize) -> Result<Value,
 }
 
 pub(super) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
-    let is_picture = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+    let is_picture =
+        |path: &PathBuf| path.extension().is_some_and(|ending| ending == "svg" || ending == "pdf" || ending == "png");
     files.into_iter().filter(is_picture).collect()
 }
 

@@ -136,7 +136,7 @@ fn files_hold_the_run() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("cooperate");
     let report = json(&["cooperate", "--json", "--seconds", "1", "--out", &folder.display().to_string()]);
     let files = report["files"].as_array().expect("a list of files");
-    for extension in ["csv", "parquet", "svg", "png"] {
+    for extension in ["csv", "parquet", "svg", "pdf", "png"] {
         let file = files
             .iter()
             .filter_map(Value::as_str)

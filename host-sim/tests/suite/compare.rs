@@ -56,7 +56,7 @@ fn against_itself_and_against_another() {
         }
     }
     assert!(zero == 10 && told > 0, "{zero} of itself, {told} told apart");
-    for ending in ["csv", "parquet", "svg", "png", "toml"] {
+    for ending in ["csv", "parquet", "svg", "pdf", "png", "toml"] {
         assert!(folder.join("compare").with_extension(ending).exists(), "{ending}");
     }
 }

@@ -1,9 +1,14 @@
 //! Whole figures: what must hold of any sheet, whatever the data.
 
-use super::layout::sheet;
+use super::layout;
 use super::sheet::{Anchor, Frame, Mark, Sheet, Text};
 use super::*;
 use tempfile::tempdir;
+
+/// The sheet of a figure.
+fn sheet(figure: &Figure, print: Print) -> Sheet {
+    layout::sheet(figure, print).unwrap()
+}
 
 fn wave(count: usize, height: f64) -> Vec<(f64, f64)> {
     let value = |i: usize| height * ((i as f64 * 12.9898).sin() * 43758.5453).fract();
@@ -187,7 +192,8 @@ fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
     for points in cases {
         let sheet = sheet(&shapes(points), Print::default());
         assert_finite(&sheet);
-        assert!(!svg::render(&sheet, "").contains("NaN,"));
+        let bare = Sheet { data: String::new(), ..sheet };
+        assert!(!svg::render(&bare, "").contains("NaN,"));
     }
 }
 
@@ -197,7 +203,7 @@ fn figures_without_panels_or_data_are_written() {
     let folder = folder.path();
     let panels = vec![Panel::default(), Panel { log_x: true, log_y: true, ..Panel::default() }];
     for (i, figure) in [Figure::default(), Figure { columns: 5, panels, ..Figure::default() }].iter().enumerate() {
-        assert_eq!(draw(figure, &folder.join(format!("new folder/{i}"))).unwrap().len(), 2);
+        assert_eq!(draw(figure, &folder.join(format!("new folder/{i}"))).unwrap().len(), 3);
     }
 }
 
@@ -207,15 +213,21 @@ fn the_same_figure_gives_the_same_bytes_and_dense_panels_stay_small() {
     let folder = folder.path();
     let read = |name: &str| -> Vec<Vec<u8>> {
         let paths = draw(&grid(20_000), &folder.join(name)).unwrap();
-        assert!(paths[0].ends_with("fig.6.svg") && paths[1].ends_with("fig.6.png"), "{paths:?}");
+        assert!(
+            paths[0].ends_with("fig.6.svg") && paths[1].ends_with("fig.6.pdf") && paths[2].ends_with("fig.6.png"),
+            "{paths:?}"
+        );
         paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
     };
     let (first, second) = (read("one/fig.6"), read("two/fig.6"));
     assert!(first == second);
-    assert!(first[0].len() < 300_000, "{} bytes of SVG", first[0].len());
+    let svg = std::str::from_utf8(&first[0]).unwrap();
+    let (data, drawn) = svg.split_once("</metadata>").unwrap();
+    assert!(drawn.len() < 300_000 && data.len() < 600_000, "{} bytes drawn, {} of data", drawn.len(), data.len());
+    assert!(first[1].len() < 300_000, "{} bytes of PDF", first[1].len());
     // PNG: signature, then the header chunk with width and height.
-    assert_eq!(first[1][..8], *b"\x89PNG\r\n\x1a\n");
-    assert_eq!(first[1][16..20], 1600_u32.to_be_bytes());
+    assert_eq!(first[2][..8], *b"\x89PNG\r\n\x1a\n");
+    assert_eq!(first[2][16..20], 1600_u32.to_be_bytes());
 }
 
 #[test]
@@ -225,7 +237,7 @@ fn an_error_names_the_file_and_the_cause() {
     let file = folder.join("a-file");
     std::fs::write(&file, "").unwrap();
     let text = draw(&Figure::default(), &file.join("figure")).unwrap_err().to_string();
-    assert!(text.starts_with("cannot write ") && text.contains("a-file/figure.svg as SVG: "), "{text}");
+    assert!(text.starts_with("cannot write ") && text.contains("a-file/figure.svg as svg: "), "{text}");
 }
 
 /// A legend over a range that was given has nowhere to go but below the panels.
@@ -260,7 +272,7 @@ fn a_figure_fits_a_column_and_a_page() {
         let sheet = sheet(&figure, print);
         assert_eq!(sheet.width, width);
         assert_tidy(&sheet);
-        assert!(svg(&figure, print, "").contains(&format!(" width=\"{}mm\" ", print.width_mm)));
-        assert!(png(&figure, print).is_ok());
+        let [(_, svg), ..] = paint(&figure, print, "").unwrap();
+        assert!(String::from_utf8(svg).unwrap().contains(&format!(" width=\"{}mm\" ", print.width_mm)));
     }
 }

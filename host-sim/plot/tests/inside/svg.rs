@@ -13,10 +13,16 @@ fn reserved_and_forbidden_characters_do_not_break_the_document() {
     assert_eq!(escape("a<b & \"c\">\u{1}d"), "a&lt;b &amp; &quot;c&quot;&gt;d");
 }
 
-/// What made it stands in the document, with what XML reserves escaped, and only where there is something.
+/// What made it and its data stand in the document, with what XML reserves escaped, and only where there is something.
 #[test]
-fn a_figure_carries_what_made_it() {
+fn a_figure_carries_what_made_it_and_its_data() {
     let document = render(&Sheet::default(), "# host-sim paper\nkey = \"a < b\"");
-    assert!(document.contains("<metadata>\n# host-sim paper\nkey = &quot;a &lt; b&quot;\n</metadata>"), "{document}");
+    assert!(
+        document.contains("<metadata id=\"made\">\n# host-sim paper\nkey = &quot;a &lt; b&quot;\n</metadata>"),
+        "{document}"
+    );
+    let data = "x,y\n1,2\n".to_owned();
+    let document = render(&Sheet { data, ..Sheet::default() }, "");
+    assert!(document.contains("<metadata id=\"data\">\nx,y\n1,2\n</metadata>"), "{document}");
     assert!(!render(&Sheet::default(), "").contains("metadata"));
 }

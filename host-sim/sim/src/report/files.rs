@@ -4,7 +4,7 @@
 //! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as REQUIRED DOUBLE, bit for bit, or
 //! as text, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows.
 //!
-//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and as metadata in Parquet and SVG. It
+//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and inside Parquet, SVG and PDF. It
 //! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
 //! not give the same bytes. The file holds every setting as a scene file does, so that it is one: who loads it runs the same
 //! again; its table `[made]`, which a scene ignores, holds version, commit, start and the rest.
@@ -17,7 +17,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 use chrono::{DateTime, SecondsFormat};
-use haptic_plot::{Figure, Print, ReportError, png, svg, write_file};
+use haptic_plot::{Figure, Print, ReportError, paint, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::{
@@ -140,12 +140,11 @@ impl Files {
         Ok(())
     }
 
-    /// This figure as `FIGURE.svg` and `FIGURE.png`; under the name of the files where it has none of its own.
+    /// This figure as `FIGURE.svg`, `FIGURE.pdf` and `FIGURE.png`; under the name of the files where it has none of its own.
     pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
+        let painted = paint(figure, self.print, &self.about()).map_err(self.failed("svg", "a figure"))?;
         let name = name.unwrap_or(&self.name).to_owned();
-        self.add(name.clone(), "svg", svg(figure, self.print, &self.about()).into_bytes());
-        let bytes = png(figure, self.print).map_err(self.failed("png", "PNG"))?;
-        self.add(name, "png", bytes);
+        painted.into_iter().for_each(|(ending, bytes)| self.add(name.clone(), ending, bytes));
         Ok(())
     }
 
@@ -181,8 +180,8 @@ impl Files {
 
     /// Writes them all; returns their paths, that of what made them last.
     pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
-        // Parquet says when it was made and SVG by which command: whether what they hold is the same, CSV and PNG tell.
-        let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg"));
+        // Parquet says when it was made, SVG and PDF by which command: whether what they hold is the same, CSV and PNG tell.
+        let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
         let there = |part: &Part, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
         let mut number = 1;
         while compared().any(|part| there(part, number).is_some_and(|bytes| bytes != part.bytes)) {

@@ -232,8 +232,8 @@ fn nothing_is_overwritten() {
         let paths = files.write().unwrap();
         paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
-    let first = ["a.b.csv", "a.b.parquet", "picture.svg", "picture.png", "a.b.toml"];
-    let second = ["a.b-2.csv", "a.b-2.parquet", "picture-2.svg", "picture-2.png", "a.b-2.toml"];
+    let first = ["a.b.csv", "a.b.parquet", "picture.svg", "picture.pdf", "picture.png", "a.b.toml"];
+    let second = ["a.b-2.csv", "a.b-2.parquet", "picture-2.svg", "picture-2.pdf", "picture-2.png", "a.b-2.toml"];
     assert_eq!(
         (write(1.0), write(1.0), write(2.0)),
         (first.map(str::to_owned).to_vec(), first.map(str::to_owned).to_vec(), second.map(str::to_owned).to_vec())
