@@ -20,6 +20,7 @@ use haptic_core::safety::Fault;
 use haptic_sim::board::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::recording::row;
+use haptic_sim::board::status::Probed;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 use serde_json::json;
@@ -187,7 +188,8 @@ fn attend(party: &mut dyn Party, papers: &Mutex<Papers>, over: &AtomicBool) {
             say(party, "status");
             if probing {
                 let outcome = party.ask("probed").unwrap_or_else(|why| why);
-                probing = outcome.contains(" running");
+                probing =
+                    outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
                     lock().told.said.push_back(("what the check found".to_owned(), outcome));
                 }

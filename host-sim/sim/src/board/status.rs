@@ -1,8 +1,10 @@
-//! What a board says to `status`, as far as a program decides by it; the sentence itself is for a person.
+//! What a board says to `status` and `probed`, as far as a program decides by it; the sentences themselves are for a person.
 
 use std::fmt;
 
+use haptic_core::device::probe::{End, Verdict};
 use haptic_core::safety::Mode;
+use haptic_core::settings::Choice;
 
 /// A board's answer to `status`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +33,40 @@ impl Status {
 }
 
 impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.said)
+    }
+}
+
+/// A board's answer to `probed`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Probed {
+    /// How the last probe ended, or that it has not.
+    pub end: End,
+    /// What it says about the signs, once it has ended and if it was the check.
+    pub verdict: Option<Verdict>,
+    said: String,
+}
+
+impl Probed {
+    /// From what stands behind `ok`.
+    ///
+    /// # Errors
+    /// It is no outcome that this version knows.
+    pub fn parse(said: &str) -> Result<Self, String> {
+        let end = said.split([' ', ':']).nth(2).and_then(End::from_name);
+        let end = end.ok_or_else(|| format!("the board does not say how the probe ended: {said:?}"))?;
+        let verdict = said.split("; ").find_map(|part| Verdict::from_name(part.split_once(": ")?.0));
+        Ok(Self { end, verdict, said: said.to_owned() })
+    }
+
+    /// Whether it is still under way.
+    pub fn is_running(&self) -> bool {
+        self.end == End::Running
+    }
+}
+
+impl fmt::Display for Probed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.said)
     }

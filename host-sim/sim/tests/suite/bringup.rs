@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use haptic_core::device::probe::{End, Outcome, Verdict};
 use haptic_core::safety::{Fault, Mode};
+use haptic_core::settings::Choice;
 use haptic_sim::board::bringup::{Passed, Plan, bring_up};
 use haptic_sim::board::calibrate::board::{Board, Tick};
 use haptic_sim::board::calibrate::counts::Distance;
@@ -10,7 +12,7 @@ use haptic_sim::board::calibrate::motor::Against;
 use haptic_sim::board::calibrate::simulated::Shared;
 use haptic_sim::board::calibrate::winding::Sheet;
 use haptic_sim::board::calibrate::{Person, Task};
-use haptic_sim::board::status::Status;
+use haptic_sim::board::status::{Probed, Status};
 use haptic_sim::scene::Scene;
 
 const DEVICE: &str = "device.mass_kg=0.17";
@@ -152,6 +154,26 @@ fn a_tick_that_begins_late_does_not_pass() {
 }
 
 /// Every mode that a board can be in is read back from what it says; what is none is refused.
+/// Whatever a board may say of a probe is read back as what it was.
+#[test]
+fn an_outcome_is_read_as_end_and_verdict() {
+    let electric = Outcome { check: true, joint: 2, ..Outcome::default() };
+    for end in End::ALL {
+        let said = Outcome { end: *end, ..electric }.to_string();
+        let probed = Probed::parse(&said).expect("an outcome");
+        assert_eq!((probed.end, probed.is_running(), probed.to_string()), (*end, *end == End::Running, said));
+        assert_eq!(probed.verdict.is_some(), !matches!(end, End::None | End::Running), "{probed}");
+    }
+    for verdict in Verdict::ALL {
+        let said = format!("joint 1 done work 9 0 of 8: its time was over; {}: {}", verdict.name(), verdict.explain());
+        assert_eq!(Probed::parse(&said).expect("an outcome").verdict, Some(*verdict));
+    }
+    for said in ["", "joint 1", "joint 1 tired: it sleeps"] {
+        let why = Probed::parse(said).expect_err("no outcome");
+        assert!(why.contains("how the probe ended") && why.contains(said), "{why}");
+    }
+}
+
 #[test]
 fn a_status_is_read_as_a_mode() {
     let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter().chain(Fault::ALL.map(Mode::Faulted));

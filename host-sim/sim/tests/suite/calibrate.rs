@@ -1,6 +1,7 @@
 //! Calibration against devices whose numbers are known: the whole procedure on a simulated board, the fit against closed
 //! forms with noise, and what is refused instead of guessed.
 
+use haptic_core::device::probe::End;
 use haptic_core::settings::Value;
 use haptic_sim::board::calibrate::board::{Board, Joint, Run, Tick};
 use haptic_sim::board::calibrate::counts::{self, Distance};
@@ -117,7 +118,7 @@ fn closed_form(
     noise: &mut dyn FnMut() -> f64,
 ) -> Run {
     let (period, mut x, mut v, mut before) = (1e-3, 0.0, 0.0, 0.0);
-    let mut run = Run { end: "done".to_owned(), ..Run::default() };
+    let mut run = Run { end: End::Done, ..Run::default() };
     for n in 0..2000 {
         let duty = 0.1 * (std::f64::consts::TAU * hertz * f64::from(n) * period).cos();
         run.counts.push((x * counts_per_m + noise()).floor());
@@ -179,8 +180,9 @@ impl Person for Idle {
     }
 }
 
+/// One line that says this is what came of it.
 #[track_caller]
-fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str) {
+pub(crate) fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str) {
     let error = outcome.expect_err(said);
     assert!(error.contains(said), "{error:?} does not say {said:?}");
     assert_eq!(error.lines().count(), 1);

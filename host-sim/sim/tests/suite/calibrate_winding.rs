@@ -8,6 +8,8 @@ use haptic_sim::board::calibrate::winding::{Sheet, Winding, identify, winding};
 use haptic_sim::board::calibrate::{Estimate, emf};
 use haptic_sim::scene::Scene;
 
+use crate::calibrate::refused;
+
 const DEVICE: &str = "plant.drive=current plant.pwm_steps=3000 device.mass_kg=0.17";
 
 fn scene(overrides: &str) -> Scene {
@@ -31,13 +33,6 @@ fn checked(board: &mut Shared) -> (String, String) {
     ask(board, &["check 1"]);
     board.ticks(0.2).expect("it runs");
     (board.ask("probed").expect("an answer"), board.ask("arm").expect("an answer"))
-}
-
-#[track_caller]
-fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str) {
-    let error = outcome.expect_err(said);
-    assert!(error.contains(said), "{error:?} does not say {said:?}");
-    assert_eq!(error.lines().count(), 1);
 }
 
 /// Another noise each time: the intervals hold the truth about as often as they say, and say little more than a percent.

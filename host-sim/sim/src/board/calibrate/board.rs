@@ -2,9 +2,12 @@
 //!
 //! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
 
+use haptic_core::device::probe::End;
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::settings::{Settings, Value};
 use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
+
+use crate::board::status::Probed;
 
 /// One tick of a board, as far as a calibration needs it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +73,11 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
         Some(rest) => Ok(rest.trim_start().to_owned()),
         None => Err(format!("the board answers {line:?} with {answer:?}")),
     }
+}
+
+/// What came of a board's last probe.
+pub fn probed(board: &mut dyn Board) -> Result<Probed, String> {
+    Probed::parse(&say(board, "probed")?)
 }
 
 /// What a board has a key set to, as text.
@@ -144,8 +152,8 @@ pub struct Run {
     pub duties: Vec<f64>,
     /// What the power stage measured since the tick before; empty without a current loop.
     pub stage: Vec<Measured>,
-    /// How it ended: `done`, `travel`, `speed`.
-    pub end: String,
+    /// How it ended.
+    pub end: End,
 }
 
 /// What a line's probe of a joint gives, tick by tick.
@@ -154,8 +162,7 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String>
     let outcome = record(board, line);
     say(board, "stream off")?;
     let ticks = outcome?;
-    let probed = say(board, "probed")?;
-    let end = probed.split_whitespace().nth(2).unwrap_or_default().trim_matches(':').to_owned();
+    let end = probed(board)?.end;
     let at = joint as usize - 1;
     let mut run = Run { end, ..Run::default() };
     let mut last: Option<Tick> = None;
@@ -203,7 +210,7 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
             if over {
                 return Ok(ticks);
             }
-            over = !say(board, "probed")?.contains(" running");
+            over = !probed(board)?.is_running();
         }
     }
     Err(format!("no ticks of {line:?} came within {PATIENCE_S} s"))

@@ -23,6 +23,7 @@ use super::board::{Board, Joint, Run, run, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
 use crate::student::student_95;
+use haptic_core::device::probe::End;
 use haptic_core::settings::Settings;
 
 const WINDOW_S: f64 = 0.05;
@@ -153,12 +154,13 @@ pub(super) fn excite(
         let mut duty = most;
         while duty > WEAKEST * most {
             let run = run(board, number, &format!("probe {number} sine {duty:.4} {time_s} {hertz}"))?;
-            if run.end == "done" {
-                runs.push(run);
-                break;
-            }
-            if run.end == "stopped" {
-                return Err("the probe was stopped".to_owned());
+            match run.end {
+                End::Done => {
+                    runs.push(run);
+                    break;
+                }
+                End::Stopped => return Err("the probe was stopped".to_owned()),
+                _ => {}
             }
             // Too far or too fast: travel and speed go with the duty.
             duty *= 0.6;

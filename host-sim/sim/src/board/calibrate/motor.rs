@@ -4,9 +4,10 @@
 //! constant; friction and the gauge's zero are in the intercept. With a mass: the joint is moved alone and with a known mass
 //! fastened to it; the masses come out in units of duty, and what they differ by is known in kilograms. Or by its voltage ([`emf`]).
 
+use haptic_core::device::probe::{End, Verdict};
 use haptic_core::settings::Settings;
 
-use super::board::{Board, Joint, run, say, settings};
+use super::board::{Board, Joint, probed, run, say, settings};
 use super::{Estimate, Found, Person, Task, emf, motion};
 use crate::student::student_95;
 
@@ -93,7 +94,7 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
     for step in 1..=4 {
         let duty = most * f64::from(step) / 4.0;
         let pushed = run(board, number, &format!("probe {number} pulse {duty:.4} {}", settings.probe.max_s))?;
-        if pushed.end != "done" {
+        if pushed.end != End::Done {
             return Err("the joint gave way: hold it against the gauge all the time".to_owned());
         }
         points.push((
@@ -136,22 +137,23 @@ fn mass(
 pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
     let reversed = settings(board)?.motor.reversed;
     say(board, &format!("check {number}"))?;
-    let mut answer = String::new();
+    let mut outcome = probed(board)?;
     // A check takes 0.4 s at the most.
     for _ in 0..20 {
         board.ticks(0.05)?;
-        answer = say(board, "probed")?;
-        if !answer.contains(" running") {
+        outcome = probed(board)?;
+        if !outcome.is_running() {
             break;
         }
     }
-    // What else stands against arming is found and set after the signs.
-    if ["; agree: ", "; winding: ", "; scale: "].iter().any(|verdict| answer.contains(verdict)) {
-        Ok(vec![Found::flag("motor.reversed", reversed)])
-    } else if answer.contains("; disagree: ") {
-        Ok(vec![Found::flag("motor.reversed", !reversed)])
-    } else {
+    match outcome.verdict {
+        // What else stands against arming is found and set after the signs.
+        Some(Verdict::Agree | Verdict::Winding | Verdict::Scale) => Ok(vec![Found::flag("motor.reversed", reversed)]),
+        Some(Verdict::Disagree) => Ok(vec![Found::flag("motor.reversed", !reversed)]),
         // How it ended, and what that means.
-        Err(answer.split_once(": ").map_or(answer.clone(), |(_, why)| why.to_owned()))
+        _ => {
+            let said = outcome.to_string();
+            Err(said.split_once(": ").map_or(said.clone(), |(_, why)| why.to_owned()))
+        }
     }
 }

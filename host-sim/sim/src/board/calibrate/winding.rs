@@ -24,7 +24,7 @@ use haptic_core::device::probe::End;
 use haptic_core::device::stage::Measured;
 use haptic_core::device::winding::{LEAST_CODES, REST_TICKS, WAYS};
 use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
-use haptic_core::settings::{Choice, Settings};
+use haptic_core::settings::Settings;
 
 use super::board::{Board, Run, run, settings};
 use super::least_squares::solve;
@@ -239,12 +239,11 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     for duty in [most, 0.5 * most] {
         let line = format!("probe {number} winding {duty:.4} {:.4}", wanted_s.min(limits.max_s));
         let run = run(board, number, &line)?;
-        match End::from_name(&run.end) {
-            Some(End::Done) if run.stage.len() == run.counts.len() => runs.push(run),
-            Some(End::Unmeasured) => return Ok(None),
-            Some(End::Done) => return Err("the board's records do not have the current".to_owned()),
-            Some(end) => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain())),
-            None => return Err(format!("the board says that the probe ended with {:?}", run.end)),
+        match run.end {
+            End::Done if run.stage.len() == run.counts.len() => runs.push(run),
+            End::Unmeasured => return Ok(None),
+            End::Done => return Err("the board's records do not have the current".to_owned()),
+            end => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain())),
         }
     }
     let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[0], &runs[1]], &settings, number)?;
