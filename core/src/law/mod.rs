@@ -100,6 +100,11 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// What changes from tick to tick.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
 
+    /// The kind that the settings name, if it is this law; one of [`Law::KINDS`], unless those are known only when the program runs.
+    #[must_use]
+    fn kind(settings: &Settings) -> Option<&'static Kind> {
+        named(settings, Self::KINDS)
+    }
     /// Takes what it needs from settings that are within their ranges. After this nothing can fail.
     ///
     /// # Errors

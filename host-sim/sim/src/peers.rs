@@ -188,7 +188,16 @@ impl Laws {
     /// The law, or a key of its own, is called like one that is there.
     #[must_use]
     pub fn with<F: Family>(self) -> Self {
-        let maker = Maker::of::<F>();
+        self.with_kinds::<F>(<F::Of<f64> as Law<f64>>::KINDS)
+    }
+
+    /// The same for a family whose laws are known only when the program runs.
+    ///
+    /// # Panics
+    /// As [`Laws::with`].
+    #[must_use]
+    pub fn with_kinds<F: Family>(self, kinds: &'static [Kind]) -> Self {
+        let maker = Maker { kinds, ..Maker::of::<F>() };
         for kind in maker.kinds {
             assert!(self.kinds().iter().all(|known| known.name != kind.name), "there is a law {} already", kind.name);
             let taken = kind.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name));

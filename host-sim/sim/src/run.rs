@@ -30,6 +30,9 @@ use crate::scene::Scene;
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
+/// The same, and answers whether it is to go on.
+pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
+
 /// Sees rows.
 pub type EachRow<'a> = &'a dyn Fn(&[f64]);
 
@@ -40,7 +43,7 @@ pub trait Run: Number {
     fn run(
         scene: &Scene,
         options: Options,
-        progress: Progress<'_>,
+        go_on: GoOn<'_>,
         each: Option<EachRow<'_>>,
     ) -> Result<Outcome, Refused<'static>>;
 }
@@ -51,10 +54,10 @@ macro_rules! runs {
             fn run(
                 scene: &Scene,
                 options: Options,
-                progress: Progress<'_>,
+                go_on: GoOn<'_>,
                 each: Option<EachRow<'_>>,
             ) -> Result<Outcome, Refused<'static>> {
-                run_in::<Self>(scene, options, progress, each)
+                run_in::<Self>(scene, options, go_on, each)
             }
         })+
     };
@@ -63,7 +66,13 @@ runs!(f32, f64, Fixed, DoubleDouble);
 
 /// Runs the scene with peers that compute in `S`.
 pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, progress, None)
+    S::run(scene, options, &told(progress), None)
+}
+
+/// The same for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made fewer
+/// [`Outcome::ticks`], and what it gave tells nothing of the scene.
+pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Outcome, Refused<'static>> {
+    S::run(scene, options, go_on, None)
 }
 
 /// The same; `each` sees every tick as a row of [`Account::columns`], whatever is kept in the table.
@@ -73,13 +82,21 @@ pub fn run_seen<S: Run>(
     progress: Progress<'_>,
     each: EachRow<'_>,
 ) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, progress, Some(each))
+    S::run(scene, options, &told(progress), Some(each))
+}
+
+/// To the end.
+fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
+    move |tick| {
+        progress(tick);
+        true
+    }
 }
 
 fn run_in<S: Number>(
     scene: &Scene,
     options: Options,
-    progress: Progress<'_>,
+    go_on: GoOn<'_>,
     each: Option<EachRow<'_>>,
 ) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
@@ -93,8 +110,8 @@ fn run_in<S: Number>(
         if let Some(each) = each {
             each(&account.row());
         }
-        if tick % 10_000 == 0 {
-            progress(tick);
+        if tick % 10_000 == 0 && !go_on(tick) {
+            break;
         }
     }
     let impacts = (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {

@@ -366,7 +366,17 @@ impl Scene {
         self.set(key, &toml::Value::Float(number), "sweep", None)
     }
 
-    fn set(&mut self, key: &str, value: &toml::Value, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
+    /// Sets one key; `place` is where a complaint says that the value stood, names of files are relative to `folder`.
+    ///
+    /// # Errors
+    /// There is no such key, or it does not accept the value.
+    pub fn set(
+        &mut self,
+        key: &str,
+        value: &toml::Value,
+        place: &str,
+        folder: Option<&Path>,
+    ) -> Result<(), SceneError> {
         let plain = match value {
             toml::Value::Integer(whole) => Value::Number(*whole as f64),
             toml::Value::Float(number) => Value::Number(*number),

@@ -1,10 +1,10 @@
 //! `host-sim sweep`: a scene over a grid or a sample of its keys, and over seeds.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::{collections::BTreeSet, fs};
 
 use clap::Args;
-use haptic_sim::report::{Columns, Files, Made};
+use haptic_sim::report::Made;
 use haptic_sim::user::User;
 use serde_json::json;
 
@@ -78,7 +78,7 @@ impl Sweep {
         let summary = sweep.summary(&rows);
         let whole = rows.len() == sweep.runs();
         let files = match &folder {
-            Some(folder) if whole => write(folder, &sweep.columns(&rows), &question)?,
+            Some(folder) if whole => sweep::write(folder, &sweep.columns(&rows), &question)?,
             _ => Vec::new(),
         };
         if let Some(journal) = journal {
@@ -112,27 +112,6 @@ impl Sweep {
         let usual = || Path::new("out/sweep").join(format!("{}-{}", self.scene.name(), sweep::tag(question)));
         self.out.out.clone().unwrap_or_else(usual)
     }
-}
-
-/// The rows as `sweep.csv` and `sweep.parquet`, each whole or as it was before. One process at a time does so: the one that holds the
-/// only journal of all points.
-fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
-    let half = folder.join(".half");
-    // Of one that was killed here.
-    let _ = fs::remove_dir_all(&half);
-    let mut files = Files::new(&half, "sweep", question.clone());
-    files.csv(rows)?;
-    files.parquet(rows)?;
-    files.write()?;
-    let mut paths = Vec::new();
-    for name in ["sweep.csv", "sweep.parquet"] {
-        let path = folder.join(name);
-        fs::rename(half.join(name), &path).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
-        paths.push(path);
-    }
-    fs::remove_dir_all(&half).map_err(|cause| format!("cannot remove {}: {cause}", half.display()))?;
-    paths.push(folder.join("sweep.toml"));
-    Ok(paths)
 }
 
 /// `I/N` on the command line.

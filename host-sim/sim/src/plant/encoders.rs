@@ -98,8 +98,7 @@ impl Encoders {
                 let [was, is] = [before, at].map(|at| (at - place).div_euclid(turn));
                 (was != is).then(|| Counts(self.counter(joint, was.max(is) * turn + place) as u16))
             });
-            let [once, again] = [0, 1].map(|rises| edges.map(|edges| edges > rises));
-            Marks::of(once, again, index)
+            Marks { edges, index }
         })
     }
 }

@@ -161,9 +161,12 @@ fn apart(name: &str) -> (&str, &'static str) {
     UNITS.iter().find_map(of).unwrap_or((name, ""))
 }
 
+/// What stands in a column.
 #[derive(Clone, Debug, PartialEq)]
-enum Values {
+pub enum Values {
+    /// Numbers and nothing else.
     Numbers(Vec<f64>),
+    /// Anything.
     Cells(Vec<Cell>),
 }
 
@@ -217,6 +220,11 @@ impl Column {
     /// What it means, in words; may be empty.
     pub fn meaning(&self) -> &str {
         &self.meaning
+    }
+
+    /// Name and values, given away.
+    pub fn into_parts(self) -> (String, Values) {
+        (self.name, self.values)
     }
 
     fn len(&self) -> usize {
@@ -465,6 +473,16 @@ impl Columns {
     pub fn meanings(&self) -> String {
         let told = self.shown().filter(|column| !column.meaning.is_empty());
         told.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
+    }
+}
+
+/// Column by column.
+impl IntoIterator for Columns {
+    type Item = Column;
+    type IntoIter = std::vec::IntoIter<Column>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.columns.into_iter()
     }
 }
 

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use haptic_sim::report::Made;
+use haptic_sim::report::{Columns, Files, Made};
 use serde::{Deserialize, Serialize};
 
 use super::merits::MERITS;
@@ -50,10 +50,16 @@ impl Row {
         format!("point,seed,verdict,reason,spectral_radius,{},state_hash\n", merits.join(","))
     }
 
-    fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
+    /// Rows as lines of a file of rows.
+    pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         rows.iter().try_for_each(|row| writer.serialize(row))?;
         Ok(writer.into_inner()?)
+    }
+
+    /// And back: the rows that these lines say, each as it is read.
+    pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
+        csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
     }
 }
 
@@ -104,6 +110,27 @@ impl Journal {
         let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
         file.sync_all().map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
     }
+}
+
+/// The rows as `sweep.csv` and `sweep.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
+/// holds then. One process at a time does so: the one that holds the only journal of all points.
+pub fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
+    let half = folder.join(".half");
+    // Of one that was killed here.
+    let _ = fs::remove_dir_all(&half);
+    let mut files = Files::new(&half, "sweep", question.clone());
+    files.csv(rows)?;
+    files.parquet(rows)?;
+    files.write()?;
+    let mut paths = Vec::new();
+    for name in ["sweep.csv", "sweep.parquet"] {
+        let path = folder.join(name);
+        fs::rename(half.join(name), &path).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+        paths.push(path);
+    }
+    fs::remove_dir_all(&half).map_err(|cause| format!("cannot remove {}: {cause}", half.display()))?;
+    paths.push(folder.join("sweep.toml"));
+    Ok(paths)
 }
 
 /// Sees to it that `sweep.toml` of this folder asks just this.
@@ -169,8 +196,7 @@ fn rows_in(folder: &Path) -> Result<Vec<Row>, Failure> {
             }
             return Err(format!("{}:1: it must be {}", path.display(), heading.trim_end()).into());
         };
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines);
-        for (at, row) in reader.deserialize().enumerate() {
+        for (at, row) in Row::read(lines).enumerate() {
             let wrong =
                 |cause| format!("{}:{}: {cause}; without this line its run is done again", path.display(), at + 2);
             rows.push(row.map_err(wrong)?);

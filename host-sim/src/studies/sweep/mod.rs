@@ -29,7 +29,7 @@ use haptic_sim::scene::{Scene, SceneError};
 use super::{Failure, doubt, estimate::Estimate};
 
 pub use self::axis::Axis;
-pub use self::journal::{Journal, Row};
+pub use self::journal::{Journal, Row, write};
 pub use self::merits::{MERITS, Merit};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 
@@ -166,7 +166,20 @@ impl Sweep {
         keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
     ) -> Result<Vec<Row>, Failure> {
         let points: BTreeSet<usize> = points.collect();
-        let todo = self.missing(&points, &there);
+        let new = self.run_these(self.missing(&points, &there), keep)?;
+        let mut rows: Vec<Row> = there.into_iter().filter(|row| points.contains(&row.point)).collect();
+        rows.extend(new);
+        self.sort(&mut rows);
+        Ok(rows)
+    }
+
+    /// Runs these seeds of these points, all cores at work, in any order; `keep` gets every row as soon as it is there, and ends it all
+    /// by refusing one.
+    pub fn run_these(
+        &self,
+        runs: Vec<(usize, Vec<u32>)>,
+        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
+    ) -> Result<Vec<Row>, Failure> {
         let of = |(point, seeds): (usize, Vec<u32>)| {
             let scene = self.scene_at(point)?;
             let verdict = haptic_analysis::verdict(&scene)?;
@@ -177,11 +190,13 @@ impl Sweep {
             };
             seeds.into_iter().map(row).collect::<Result<Vec<_>, _>>()
         };
-        let new: Vec<Vec<Row>> = todo.into_par_iter().map(of).collect::<Result<_, _>>()?;
-        let mut rows: Vec<Row> = there.into_iter().filter(|row| points.contains(&row.point)).collect();
-        rows.extend(new.into_iter().flatten());
+        let rows: Vec<Vec<Row>> = runs.into_par_iter().map(of).collect::<Result<_, _>>()?;
+        Ok(rows.into_iter().flatten().collect())
+    }
+
+    /// By point and seed.
+    pub fn sort(&self, rows: &mut [Row]) {
         rows.sort_by_key(|row| (row.point, self.turn(row.seed)));
-        Ok(rows)
     }
 
     /// The seeds of a point, in their order.
