@@ -80,7 +80,7 @@ pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
 }
 
 /// Where cargo builds the workspace.
-fn target() -> PathBuf {
+pub(crate) fn target() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| run::root().join("target"), |folder| run::root().join(folder))
 }
 

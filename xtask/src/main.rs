@@ -10,6 +10,7 @@ mod no_panic;
 mod options;
 mod page;
 mod probe;
+mod python;
 mod qemu;
 mod readme;
 mod recordings;
@@ -36,7 +37,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 18] = [
+const CHORES: [Chore; 20] = [
     Chore {
         name: "setup",
         options: "",
@@ -62,8 +63,8 @@ Prints the toolchain that builds for the microcontroller.",
         more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, types, lints and format of the page
 of host-sim play (page; needs npm and Chromium, which apt-get installs), core and protocol built for the
 microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
-chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces in release as well, no panic in the tick, the pages against what their commands print
-(readme), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
+chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces in release as well, no panic in the tick, the pages against what their
+commands print (readme), the Python module as it is installed (python; needs Python 3.11 and the registry), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
 interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on
 virtual boards (board-test), whose emulator takes minutes to build.",
         run: |_| test::test(),
@@ -164,6 +165,15 @@ there. Two files with one key are refused: who holds the peers' could arm the bo
         run: probe::provision,
     },
     Chore {
+        name: "python",
+        options: "",
+        does: "Builds and installs the Python module, and compares what it gives with the command line's word",
+        more: "The tests in host-sim/python/tests: every bit, errors, sweeps on two processes of which one is killed, examples, and every
+table of the program read by pandas and Arrow. The versions of host-sim/python/requirements.txt are installed into a virtual environment
+below target/ when they have changed; it needs Python 3.11 with venv and, then, the registry.",
+        run: |_| python::python(),
+    },
+    Chore {
         name: "qemu",
         options: "",
         does: "Runs haptic-core alone on QEMU's Cortex-M7: the same bits as host-sim, outputs off when it ends",
@@ -205,6 +215,17 @@ version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit t
   --tag  which tag [default: that of what is checked out]
   --out  folder, in which a folder of the tag's name is made [default: out/release]",
         run: release::release,
+    },
+    Chore {
+        name: "wheel",
+        options: " [--out DIR]",
+        does: "Builds the Python module as a wheel for CPython 3.11 and later",
+        more: "With maturin, from host-sim/python, for this machine's system and processor. `pip install .` builds the same.
+  --out  folder [default: out/wheel]",
+        run: |given| {
+            let folder = run::root().join(given.value("--out").unwrap_or("out/wheel"));
+            python::wheel(&folder).map(|wheel| println!("{}", wheel.display()))
+        },
     },
 ];
 

@@ -1,15 +1,15 @@
 //! `cargo xtask recordings`: what host-sim records is read by a library that is not its own, Python's `mcap` from the registry, in the
 //! versions of tests/recordings/requirements.txt, in a virtual environment below target/.
 
-use std::path::PathBuf;
 use std::process::Command;
 
+use crate::python::environment;
 use crate::run::{self, Failure, cargo, command, run};
 
 /// Records a run in memory and two live peers, converts both, and has tests/recordings/check.py compare them.
 pub(crate) fn recordings() -> Result<(), Failure> {
     let folder = run::root().join("target/recordings");
-    let python = environment(&folder)?;
+    let python = environment(&folder, "tests/recordings/requirements.txt")?;
     run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
     let file = |name: &str| folder.join(name);
     for name in ["key", "memory.mcap", "peer-1.mcap", "peer-2.mcap"] {
@@ -41,21 +41,4 @@ pub(crate) fn recordings() -> Result<(), Failure> {
         run(check.arg(recording).arg(table).args(meanings.then_some("meanings")))?;
     }
     Ok(())
-}
-
-/// Python with what the requirements name; made anew when they have changed.
-fn environment(folder: &std::path::Path) -> Result<PathBuf, Failure> {
-    let (wanted, there) = (run::root().join("tests/recordings/requirements.txt"), folder.join("requirements.txt"));
-    let python = folder.join("python/bin/python");
-    let text = run::read(&wanted)?;
-    if std::fs::read_to_string(&there).is_ok_and(|there| there == text) {
-        return Ok(python);
-    }
-    let place = folder.join("python");
-    run(&mut command("python3", &["-m", "venv", "--clear", &place.to_string_lossy()]))?;
-    let mut pip =
-        command(&python.to_string_lossy(), &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-    run(pip.arg("--requirement").arg(&wanted))?;
-    std::fs::write(&there, text).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", there.display())))?;
-    Ok(python)
 }

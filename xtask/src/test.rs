@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, no_panic, page, qemu, recordings};
+use crate::{board, count, no_panic, page, python, qemu, recordings};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -36,6 +36,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     })?;
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
     step("README", || crate::readme::readme(true))?;
+    step("Python", python::python)?;
     step("instructions of one tick", || match count::obstacle() {
         None => count::ticks(false),
         Some(obstacle) => {

@@ -1,0 +1,36 @@
+"""Networked haptics: scenes, runs, stability and sweeps, computed by the code that flies (docs/python.md).
+
+Columns and figures of merit carry their unit at the end of their name: `_m`, `_mm`, `_n`, `_j`, `_s`.
+"""
+
+from ._native import (
+    Journal,
+    Pair,
+    Run,
+    Scene,
+    Stability,
+    Sweep,
+    add_law,
+    advice,
+    keys,
+    limit,
+    run,
+    scenes,
+    stability,
+)
+
+__all__ = [
+    "Journal",
+    "Pair",
+    "Run",
+    "Scene",
+    "Stability",
+    "Sweep",
+    "add_law",
+    "advice",
+    "keys",
+    "limit",
+    "run",
+    "scenes",
+    "stability",
+]

@@ -1,0 +1,279 @@
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Scalar = Literal["f32", "f64", "i32f32"]
+_Value = bool | int | float | str
+_Path = str | os.PathLike[str]
+_Runs = list[tuple[int, list[int]]]
+
+__all__ = [
+    "Journal",
+    "Pair",
+    "Run",
+    "Scene",
+    "Stability",
+    "Sweep",
+    "add_law",
+    "advice",
+    "keys",
+    "limit",
+    "run",
+    "scenes",
+    "stability",
+]
+
+@final
+class Scene:
+    """What two peers, their users, their devices and the network between them are told before a run.
+
+    Without a source it is the cooperation paper's section 5. A `str` is the name of a built-in scene (`scenes()`) or a file, a
+    `pathlib.Path` a file. Settings are then applied in their order. Keys, units and ranges are those of scene files (`keys()`).
+
+    Raises ValueError with the line that the command line prints, and OSError for a file that cannot be read.
+    """
+
+    def __new__(cls, source: Scene | _Path | None = None, settings: dict[str, _Value] | None = None) -> Scene: ...
+    @staticmethod
+    def from_toml(text: str) -> Scene:
+        """The scene that this TOML text says, as a scene file holds it."""
+
+    def to_toml(self) -> str:
+        """What differs from the default scene, as the text of a scene file. Traces are named by their whole path."""
+
+    def __getitem__(self, key: str, /) -> bool | float | str: ...
+    def __setitem__(self, key: str, value: _Value, /) -> None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __copy__(self) -> Scene: ...
+    def __deepcopy__(self, memo: object) -> Scene: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Run:
+    """What a run gave, as `host-sim cooperate` tells it."""
+
+    @property
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV."""
+
+    @property
+    def merits(self) -> dict[str, float | None]:
+        """Figures of merit by name; None where there is none, as of a run that failed."""
+
+    @property
+    def stable(self) -> bool:
+        """Nothing failed."""
+
+    @property
+    def verdict(self) -> Literal["stable", "apart", "NO"]:
+        """`stable`, `apart` or `NO`."""
+
+    @property
+    def reason(self) -> str | None:
+        """Why it is not stable."""
+
+    @property
+    def fault(self) -> tuple[int, str] | None:
+        """The peer (1 or 2) that stopped first, and its fault."""
+
+    @property
+    def fault_time_s(self) -> float | None:
+        """When, s."""
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest absolute eigenvalue of the scene over a packet period, both hands on."""
+
+    @property
+    def ticks(self) -> int:
+        """Ticks done."""
+
+    @property
+    def state_hash(self) -> str:
+        """Hash of both peers' states over every tick, the same bits wherever it is computed."""
+
+@final
+class Stability:
+    """The verdict on a scene in every mode that it can enter."""
+
+    @property
+    def stable(self) -> bool:
+        """Every mode is stable."""
+
+    @property
+    def spectral_radius(self) -> float:
+        """The largest absolute eigenvalue over a packet period, of the worst mode."""
+
+    @property
+    def modes(self) -> dict[str, float]:
+        """The spectral radius by who has hands on: both, one, none."""
+
+    @property
+    def not_judged(self) -> list[str]:
+        """What the scene has and the verdict leaves out, in words."""
+
+@final
+class Pair:
+    """Two peers in a scene, stepped by the tick; what the scene's users do, they do as well.
+
+    Forces are N toward the other peer, from -1000 to 1000. What a step gives is the 12 numbers that `COLUMNS` names, after the tick.
+    One thread at a time may step it.
+    """
+
+    COLUMNS: list[str]
+    def __new__(cls, scene: Scene, scalar: _Scalar = "f64") -> Pair: ...
+    def step(self, force_1_n: float, force_2_n: float) -> tuple[float, ...]:
+        """One tick: 12 numbers as a tuple."""
+
+    def step_into(self, force_1_n: float, force_2_n: float, out: NDArray[np.float64]) -> None:
+        """One tick into an array of 12 float64 that the caller keeps: nothing is allocated."""
+
+    def steps(self, forces_n: NDArray[np.float64]) -> NDArray[np.float64]:
+        """As many ticks as `forces_n` has rows of two (user 1, user 2): a row of 12 for each."""
+
+    def state_hash(self, before: int = ...) -> int:
+        """Hash of both peers' states, continued from the one before; after every tick of a run it is the run's `state_hash`."""
+
+    @property
+    def ticks(self) -> int:
+        """Ticks done so far."""
+
+    @property
+    def time_s(self) -> float:
+        """Time of the next tick, s."""
+
+    @property
+    def fault(self) -> tuple[int, str] | None:
+        """Which peer (1 or 2) stopped, and why."""
+
+@final
+class Sweep:
+    """A scene over its keys and over seeds, the question that `host-sim sweep` asks.
+
+    `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
+    `sample` is drawn, `points` of it at each point of the grid, evenly by `design` ("sobol" or "latin-hypercube"): for each key a range
+    ("0..0.3", "0.02..1:log", "1..9:whole") or values. Every point is run for `seconds` in f64 with the same `seeds`.
+
+    Raises ValueError for a key that there is not, and for a value or a combination that is not allowed at any point.
+    """
+
+    def __new__(
+        cls,
+        scene: Scene | _Path,
+        over: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        sample: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        points: int | None = None,
+        design: Literal["sobol", "latin-hypercube"] = "sobol",
+        sample_seed: int = 1,
+        seeds: int = 1,
+        seconds: float = 20.0,
+    ) -> Sweep: ...
+    @property
+    def points(self) -> int:
+        """How many points there are."""
+
+    @property
+    def runs(self) -> int:
+        """How many runs: points times seeds."""
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time of a run, s."""
+
+    @property
+    def keys(self) -> list[str]:
+        """The keys that are varied."""
+
+    @property
+    def made(self) -> list[str]:
+        """Version, commit, and the sums of traces: what must be alike wherever the sweep is run."""
+
+    def scene_at(self, point: int) -> Scene:
+        """The scene of a point, with the first seed."""
+
+    def run(self, folder: _Path | None = None, threads: int = 0) -> dict[str, NDArray[Any]]:
+        """Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
+
+        With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
+        `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
+        """
+
+    def open(self, folder: _Path) -> Journal:
+        """Goes on with the sweep in this folder, or begins it there; for who hands its runs to others."""
+
+    def rows(self, runs: _Runs, threads: int = 1) -> bytes:
+        """Does these runs, each a point with its seeds, and gives their rows as lines for `Journal.append`."""
+
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Journal:
+    """A folder of a sweep that is being filled; nobody else fills it until `close`, or the end of its `with`."""
+
+    def missing(self) -> _Runs:
+        """The runs that are not there yet: points, each with its seeds."""
+
+    def append(self, lines: bytes) -> None:
+        """Adds rows as `Sweep.rows` gives them."""
+
+    def finish(self) -> dict[str, NDArray[Any]]:
+        """The table by column, when every run is there; writes `sweep.csv` and `sweep.parquet`, and closes the journal."""
+
+    def close(self) -> None:
+        """Lets others fill the folder."""
+
+    def __enter__(self) -> Journal: ...
+    def __exit__(self, *_error: object) -> None: ...
+
+class _Law(Protocol):
+    """A coordination law in Python: everything it is told and answers is a tuple of floats (docs/python.md)."""
+
+    name: str
+    sends: Literal["motion", "waves"]
+    keys: Mapping[str, tuple[float, float, float, str, str]]
+    reads: Sequence[str]
+    gains: Sequence[str]
+    def start(self, values: tuple[float, ...], local: tuple[float, float], /) -> tuple[float, ...]: ...
+    def receive(self, values: tuple[float, ...], state: tuple[float, ...], packet: tuple[float, ...], /) -> tuple[float, ...]: ...
+    def couple(
+        self,
+        values: tuple[float, ...],
+        state: tuple[float, ...],
+        local: tuple[float, float],
+        contact_force_n: float,
+        age_ticks: int,
+        /,
+    ) -> tuple[Any, ...]: ...
+    def send(self, values: tuple[float, ...], state: tuple[float, ...], local: tuple[float, float], /) -> tuple[float, ...]: ...
+
+def add_law(law: _Law) -> None:
+    """Makes a law that is written in Python known: every scene can name it from then on, for the life of the process.
+
+    One of the same name takes the place of that law, if what it declares is the same.
+    """
+
+def advice(scene: Scene) -> str:
+    """What to change in a scene that is unstable, in one sentence."""
+
+def keys() -> dict[str, dict[str, Any]]:
+    """Every key of a scene: its default, what it accepts, its unit and its meaning."""
+
+def limit(scene: Scene, key: str, first: float, last: float) -> list[float]:
+    """The values of a key between two ends at which the scene becomes stable or unstable, every mode considered."""
+
+def run(scene: Scene, seconds: float = 20.0, scalar: _Scalar = "f64", every: int | None = None) -> Run:
+    """Runs a scene for so many simulated seconds.
+
+    `scalar` is the number type of the peers: f32 as the board, f64, or i32f32 (fixed point). Every `every`-th tick is recorded, 0 for
+    none; without it at most about 100,000 rows are, as the command line has it. Other Python threads go on meanwhile.
+    """
+
+def scenes() -> list[str]:
+    """The names of the built-in scenes."""
+
+def stability(scene: Scene) -> Stability:
+    """Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none."""

@@ -1,0 +1,275 @@
+//! A coordination law that is written in Python, for trying it out before it becomes a file in Rust.
+//!
+//! It has its name, its own keys and its gains as any law has, and whatever takes a scene takes it: runs, stability, sweeps, steps. Each
+//! peer asks Python once a tick, which makes a run some ten times slower, and only one thread at a time gets an answer. It is
+//! a law of explicit numbers: what it is told, its state and what it answers are tuples of floats, so that the analyser can see its state.
+
+use std::sync::{PoisonError, RwLock};
+
+use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::num::{Motion, Scalar, StateVector};
+use haptic_core::settings::{Allowed, Key, Refused, Settings, Value};
+use haptic_sim::{Family, Laws, Scene};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::raised::Raised;
+use crate::work::refused;
+
+/// Most numbers of a law's state.
+const MOST_NUMBERS: usize = 16;
+/// Most keys that a law reads.
+const MOST_READ: usize = 16;
+
+/// A law and its methods.
+struct Written {
+    kind: &'static Kind,
+    reads: &'static [&'static str],
+    start: Py<PyAny>,
+    receive: Py<PyAny>,
+    couple: Py<PyAny>,
+    send: Py<PyAny>,
+}
+
+static WRITTEN: RwLock<Vec<Written>> = RwLock::new(Vec::new());
+static LAWS: RwLock<Laws> = RwLock::new(Laws::built_in());
+
+/// The laws that a scene may name now.
+pub(crate) fn laws() -> Laws {
+    *LAWS.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The laws that are written in Python.
+struct FromPython;
+
+impl Family for FromPython {
+    type Of<S: Scalar> = AskPython;
+}
+
+/// One of them, with the values of the keys that it reads.
+#[derive(Clone, Copy, Debug)]
+struct AskPython {
+    at: usize,
+    sends: Sends,
+    values: [f64; MOST_READ],
+    count: usize,
+}
+
+/// Its state.
+#[derive(Clone, Copy, Debug)]
+struct Numbers<S> {
+    numbers: [S; MOST_NUMBERS],
+    count: usize,
+}
+
+impl<S: Scalar> StateVector<S> for Numbers<S> {
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.numbers[..self.count].iter_mut().for_each(each);
+    }
+}
+
+impl<S: Scalar> Numbers<S> {
+    fn of(given: &[f64]) -> Self {
+        let mut numbers = [S::ZERO; MOST_NUMBERS];
+        numbers.iter_mut().zip(given).for_each(|(number, given)| *number = S::from_f64(*given));
+        Self { numbers, count: given.len() }
+    }
+
+    fn tuple<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.numbers[..self.count].iter().map(|number| number.to_f64()))
+    }
+}
+
+fn pair<'py, S: Scalar>(py: Python<'py>, motion: Motion<S>) -> PyResult<Bound<'py, PyTuple>> {
+    (motion.position.to_f64(), motion.velocity.to_f64()).into_pyobject(py)
+}
+
+impl AskPython {
+    /// What the method answers, as `read` takes it; none, and what was raised is kept, if it did not.
+    fn ask<T>(
+        &self,
+        method: fn(&Written) -> &Py<PyAny>,
+        read: impl for<'py> FnOnce(Python<'py>, &Bound<'py, PyAny>, Bound<'py, PyTuple>) -> PyResult<T>,
+    ) -> Option<T> {
+        let answer = Python::attach(|py| {
+            // Nobody who waits for the interpreter holds the lock.
+            let method = method(&WRITTEN.read().unwrap_or_else(PoisonError::into_inner)[self.at]).clone_ref(py);
+            let values = PyTuple::new(py, &self.values[..self.count])?;
+            read(py, method.bind(py), values)
+        });
+        answer.map_err(Raised::put).ok()
+    }
+
+    fn packet<'py, S: Scalar>(&self, py: Python<'py>, packet: Packet<S>) -> PyResult<Bound<'py, PyTuple>> {
+        match self.sends {
+            Sends::Waves => (packet.wave.to_f64(),).into_pyobject(py),
+            _ => pair(py, packet.motion),
+        }
+    }
+}
+
+/// Numbers of a state, of which there may be so many.
+fn state(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let numbers: Vec<f64> = given.extract()?;
+    match numbers.len() {
+        0..=MOST_NUMBERS => Ok(numbers),
+        many => Err(refused(format!("a state of {many} numbers is not allowed: it must be 0 to {MOST_NUMBERS}"))),
+    }
+}
+
+impl<S: Scalar> Law<S> for AskPython {
+    const KINDS: &'static [Kind] = &[];
+    type State = Numbers<S>;
+
+    fn kind(settings: &Settings) -> Option<&'static Kind> {
+        laws().schema().kind(settings)
+    }
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let schema = laws().schema();
+        let written = WRITTEN.read().unwrap_or_else(PoisonError::into_inner);
+        let at = written.iter().position(|law| law.kind.name == settings.coordination.comm);
+        let at = at.ok_or(Refused {
+            key: "coordination.comm",
+            value: Value::Text(settings.coordination.comm),
+            allowed: Allowed::Kinds(schema.kinds()),
+            unit: "",
+        })?;
+        let mut values = [0.0; MOST_READ];
+        for (value, key) in values.iter_mut().zip(written[at].reads) {
+            *value = match schema.get(settings, key) {
+                Some(Value::Number(number)) => number,
+                Some(Value::Flag(flag)) => f64::from(u8::from(flag)),
+                _ => f64::NAN,
+            };
+        }
+        Ok(Self { at, sends: written[at].kind.sends, values, count: written[at].reads.len() })
+    }
+
+    fn start(&self, local: Motion<S>) -> Numbers<S> {
+        let answer = self.ask(|law| &law.start, |py, start, values| state(&start.call1((values, pair(py, local)?))?));
+        Numbers::of(&answer.unwrap_or_default())
+    }
+
+    fn receive(&self, numbers: &mut Numbers<S>, packet: Packet<S>) {
+        let answer = self.ask(
+            |law| &law.receive,
+            |py, receive, values| state(&receive.call1((values, numbers.tuple(py)?, self.packet(py, packet)?))?),
+        );
+        if let Some(answer) = answer {
+            *numbers = Numbers::of(&answer);
+        }
+    }
+
+    fn couple(&self, numbers: &mut Numbers<S>, seen: &Seen<S>) -> Coupled<S> {
+        let answer = self.ask(
+            |law| &law.couple,
+            |py, couple, values| {
+                let contact_n = seen.contact_force.to_f64();
+                let told = (values, numbers.tuple(py)?, pair(py, seen.local)?, contact_n, seen.age_ticks);
+                let answer = couple.call1(told)?;
+                let answer = answer.cast::<PyTuple>()?;
+                let number = |at: usize| answer.get_item(at)?.extract::<f64>();
+                let desired: (f64, f64) = answer.get_item(2)?.extract()?;
+                let (force, power) = (number(1)?, number(1)? * desired.1);
+                let powers = match answer.len() {
+                    3 => [power.max(0.0), (-power).max(0.0)],
+                    _ => [number(3)?, number(4)?],
+                };
+                Ok((state(&answer.get_item(0)?)?, force, desired, powers))
+            },
+        );
+        let Some((answer, force, (position, velocity), [power_in, power_out])) = answer else {
+            // No number: the peer stops with a fault, as it does with any law that has none.
+            return Coupled { force: S::from_f64(f64::NAN), ..Coupled::default() };
+        };
+        *numbers = Numbers::of(&answer);
+        Coupled {
+            desired: Motion { position: S::from_f64(position), velocity: S::from_f64(velocity) },
+            force: S::from_f64(force),
+            power_in: S::from_f64(power_in),
+            power_out: S::from_f64(power_out),
+        }
+    }
+
+    fn send(&self, numbers: &Numbers<S>, local: Motion<S>) -> Packet<S> {
+        let answer = self.ask(
+            |law| &law.send,
+            |py, send, values| send.call1((values, numbers.tuple(py)?, pair(py, local)?))?.extract::<Vec<f64>>(),
+        );
+        let number = |at: usize| S::from_f64(answer.as_ref().and_then(|all| all.get(at)).copied().unwrap_or(0.0));
+        match self.sends {
+            Sends::Waves => Packet { wave: number(0), ..Packet::default() },
+            _ => Packet { motion: Motion { position: number(0), velocity: number(1) }, ..Packet::default() },
+        }
+    }
+}
+
+/// Makes a law that is written in Python known: every scene can name it from then on, for the life of the process.
+///
+/// One of the same name takes the place of that law, if what it declares is the same.
+#[pyfunction]
+pub(crate) fn add_law(law: &Bound<'_, PyAny>) -> PyResult<()> {
+    let text = |name: &str| law.getattr(name)?.extract::<String>();
+    let leak = |text: String| -> &'static str { text.leak() };
+    let (name, sends) = (text("name")?, text("sends")?);
+    let sends = match sends.as_str() {
+        "motion" => Sends::Motion,
+        "waves" => Sends::Waves,
+        other => {
+            return Err(refused(format!(
+                "sends = \"{other}\" is not allowed: it must be one of \"motion\", \"waves\""
+            )));
+        }
+    };
+    let methods = ["start", "receive", "couple", "send"].map(|method| law.getattr(method).map(Bound::unbind));
+    let [start, receive, couple, send] = methods;
+    let reads: Vec<String> = law.getattr("reads")?.extract()?;
+    if reads.len() > MOST_READ {
+        return Err(refused(format!("{} keys are more than a law reads: {MOST_READ}", reads.len())));
+    }
+    let gains: Vec<String> = law.getattr("gains")?.extract()?;
+    let mut keys = Vec::new();
+    for (key, of) in law.getattr("keys")?.cast::<PyDict>()? {
+        let (default, min, max, unit, meaning): (f64, f64, f64, String, String) = of.extract()?;
+        let key: String = key.extract()?;
+        if !(key.starts_with(&format!("{name}.")) && min <= default && default <= max) {
+            let must = format!("a law's own key is {name}.…, its default between its ends");
+            return Err(refused(format!("{key} = {default} from {min} to {max} is not allowed: {must}")));
+        }
+        keys.push(Key::number(leak(key), default, [min, max], leak(unit), leak(meaning)));
+    }
+    let known = laws();
+    let mut written = WRITTEN.write().unwrap_or_else(PoisonError::into_inner);
+    let there = written.iter().position(|law| law.kind.name == name);
+    let own = |key: &String| keys.iter().any(|own| own.name == *key);
+    let scene = Scene::new(known);
+    if let Some(key) =
+        reads.iter().find(|key| !own(key) && !matches!(scene.get(key), Some(Value::Number(_) | Value::Flag(_))))
+    {
+        return Err(refused(format!(
+            "reads \"{key}\" is not allowed: it must be a key of a scene that is a number or a flag"
+        )));
+    }
+    let leak_all =
+        |all: Vec<String>| -> &'static [&'static str] { all.into_iter().map(leak).collect::<Vec<_>>().leak() };
+    let kind = Kind { name: leak(name.clone()), sends, keys: keys.leak(), gains: leak_all(gains) };
+    let methods = |kind: &'static Kind| -> PyResult<Written> {
+        Ok(Written { kind, reads: leak_all(reads), start: start?, receive: receive?, couple: couple?, send: send? })
+    };
+    if let Some(at) = there {
+        if *written[at].kind != kind {
+            return Err(refused(format!("there is a law {name} already, with other keys: give this one another name")));
+        }
+        let kind = written[at].kind;
+        written[at] = methods(kind)?;
+        return Ok(());
+    }
+    if known.kinds().iter().any(|known| known.name == name) {
+        return Err(refused(format!("there is a law {name} already: give this one another name")));
+    }
+    let kinds: &'static [Kind] = vec![kind].leak();
+    written.push(methods(&kinds[0])?);
+    *LAWS.write().unwrap_or_else(PoisonError::into_inner) = known.with_kinds::<FromPython>(kinds);
+    Ok(())
+}

@@ -1,0 +1,33 @@
+//! host-sim as a Python module. Nothing is computed here: scenes, runs, verdicts and sweeps are those of the command line, to the
+//! last bit.
+//!
+//! Whatever takes time runs detached from the interpreter, so that Python's other threads go on, and looks for Ctrl-C ([`work`]).
+//! Recorded columns become NumPy arrays without a copy. What is refused is a `ValueError` with the command line's own sentence.
+
+mod columns;
+mod law;
+mod pair;
+mod raised;
+mod run;
+mod scene;
+mod stability;
+mod sweep;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::law::add_law;
+    #[pymodule_export]
+    use super::pair::Pair;
+    #[pymodule_export]
+    use super::run::{Run, run};
+    #[pymodule_export]
+    use super::scene::{Scene, keys, scenes};
+    #[pymodule_export]
+    use super::stability::{Stability, advice, limit, stability};
+    #[pymodule_export]
+    use super::sweep::{Journal, Sweep};
+}

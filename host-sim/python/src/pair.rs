@@ -1,0 +1,209 @@
+//! Two peers, two devices and a network that Python steps, with forces of its own.
+
+use std::sync::{Mutex, PoisonError};
+
+use haptic_core::num::Fixed;
+use haptic_core::safety::Mode;
+use haptic_sim::pair::HASH_SEED;
+use haptic_sim::{Number, pair};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::raised::Raised;
+use crate::run::unknown_scalar;
+use crate::scene::Scene;
+use crate::work::{here, refused};
+
+/// What is seen of each peer after a tick.
+const SEEN: [&str; 6] = [
+    "device_{}_m",
+    "object_{}_m",
+    "desired_{}_m",
+    "object_velocity_{}_m_per_s",
+    "contact_force_{}_n",
+    "coordination_force_{}_n",
+];
+const WIDTH: usize = 2 * SEEN.len();
+type Row = [f64; WIDTH];
+
+/// As far as `user.1.push_n` goes, too.
+const LARGEST_N: f64 = 1000.0;
+
+/// A force that is no number is refused, and none that no hand has.
+fn check(forces: impl IntoIterator<Item = f64>) -> PyResult<()> {
+    let wrong = forces.into_iter().find(|force| force.is_nan() || force.abs() > LARGEST_N);
+    wrong.map_or(Ok(()), |force| {
+        let must = format!("it must be a number from -{LARGEST_N} to {LARGEST_N} N");
+        Err(refused(format!("force = {force} is not allowed: {must}")))
+    })
+}
+
+enum Any {
+    F32(pair::Pair<f32>),
+    F64(pair::Pair<f64>),
+    I32F32(pair::Pair<Fixed>),
+}
+
+macro_rules! with {
+    ($any:expr, $pair:ident => $body:expr) => {
+        match $any {
+            Any::F32($pair) => $body,
+            Any::F64($pair) => $body,
+            Any::I32F32($pair) => $body,
+        }
+    };
+}
+
+/// One tick with these forces, toward the other peer.
+fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
+    // Peer 2's hand pushes toward negative x.
+    for (side, force) in pair.sides_mut().zip([first, -second]) {
+        side.plant.pull(force);
+    }
+    pair.step();
+    let mut row = [0.0; WIDTH];
+    for (side, row) in pair.sides().iter().zip(row.chunks_exact_mut(SEEN.len())) {
+        let seen = side.peer.observed();
+        let numbers = [
+            seen.device.position,
+            seen.object.position,
+            seen.desired.position,
+            seen.object.velocity,
+            seen.contact_force,
+            seen.coordination_force,
+        ];
+        row.copy_from_slice(&numbers.map(S::to_f64));
+    }
+    row
+}
+
+/// Two peers in a scene, stepped by the tick; what the scene's users do, they do as well.
+///
+/// Forces are N toward the other peer, from -1000 to 1000. What a step gives is the 12 numbers that `COLUMNS` names, after the tick.
+/// One thread at a time may step it.
+#[pyclass(module = "haptic_sim", name = "Pair")]
+pub(crate) struct Pair {
+    pair: Mutex<Any>,
+}
+
+impl Pair {
+    fn own(&mut self) -> &mut Any {
+        self.pair.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn tick(&mut self, forces: [f64; 2]) -> PyResult<Row> {
+        check(forces)?;
+        let raised = Raised::default();
+        let row = raised.during(|| with!(self.own(), pair => tick(pair, forces)));
+        raised.take().map_or(Ok(row), Err)
+    }
+
+    fn look<T>(&self, at: impl FnOnce(&Any) -> T) -> T {
+        at(&self.pair.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+fn stopped<S: Number>(pair: &pair::Pair<S>) -> Option<(usize, String)> {
+    (1..).zip(pair.sides()).find_map(|(number, side)| match side.peer.mode() {
+        Mode::Faulted(fault) => Some((number, fault.explain().to_string())),
+        _ => None,
+    })
+}
+
+#[pymethods]
+impl Pair {
+    #[new]
+    #[pyo3(signature = (scene, scalar = "f64"))]
+    fn new(py: Python<'_>, scene: &Scene, scalar: &str) -> PyResult<Self> {
+        let pair = here(py, |_| {
+            let scene = scene.checked()?;
+            match scalar {
+                "f32" => pair::Pair::new(scene).map(Any::F32),
+                "f64" => pair::Pair::new(scene).map(Any::F64),
+                "i32f32" => pair::Pair::new(scene).map(Any::I32F32),
+                other => return Err(unknown_scalar(other)),
+            }
+            .map_err(refused)
+        })?;
+        Ok(Self { pair: Mutex::new(pair) })
+    }
+
+    /// The names of the 12 numbers, six of each peer; the unit is the end of the name.
+    #[classattr]
+    #[pyo3(name = "COLUMNS")]
+    fn columns() -> Vec<String> {
+        (1..=2).flat_map(|peer| SEEN.map(|name| name.replace("{}", &peer.to_string()))).collect()
+    }
+
+    /// One tick: 12 numbers as a tuple.
+    fn step<'py>(&mut self, py: Python<'py>, force_1_n: f64, force_2_n: f64) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.tick([force_1_n, force_2_n])?)
+    }
+
+    /// One tick into an array of 12 float64 that the caller keeps: nothing is allocated.
+    fn step_into(&mut self, force_1_n: f64, force_2_n: f64, out: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+        let mut out = out.try_readwrite().map_err(refused)?;
+        let mut out = out.as_array_mut();
+        if out.len() != WIDTH {
+            return Err(refused(format!("out of {} numbers is not allowed: it must have {WIDTH}", out.len())));
+        }
+        let row = self.tick([force_1_n, force_2_n])?;
+        out.iter_mut().zip(row).for_each(|(out, number)| *out = number);
+        Ok(())
+    }
+
+    /// As many ticks as `forces_n` has rows of two (user 1, user 2): a row of 12 for each.
+    fn steps<'py>(
+        &mut self,
+        py: Python<'py>,
+        forces_n: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        // Element by element: however it lies in memory.
+        let forces = forces_n.as_array();
+        if forces.ncols() != 2 {
+            let got = forces.ncols();
+            return Err(refused(format!(
+                "forces_n of {got} columns is not allowed: it must have 2, user 1 and user 2"
+            )));
+        }
+        let forces: Vec<f64> = forces.iter().copied().collect();
+        check(forces.iter().copied())?;
+        let pair = self.own();
+        let flat = here(py, |go_on| {
+            let mut flat = Vec::with_capacity(forces.len() / 2 * WIDTH);
+            for (at, of) in forces.chunks_exact(2).enumerate() {
+                if at % 1000 == 999 && !go_on() {
+                    break;
+                }
+                flat.extend(with!(&mut *pair, pair => tick(pair, [of[0], of[1]])));
+            }
+            Ok(flat)
+        })?;
+        PyArray1::from_vec(py, flat).reshape([forces.len() / 2, WIDTH])
+    }
+
+    /// Ticks done so far.
+    #[getter]
+    fn ticks(&self) -> u64 {
+        self.look(|any| with!(any, pair => pair.tick()))
+    }
+
+    /// Time of the next tick, s.
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.look(|any| with!(any, pair => pair.time_s()))
+    }
+
+    /// Which peer (1 or 2) stopped, and why.
+    #[getter]
+    fn fault(&self) -> Option<(usize, String)> {
+        self.look(|any| with!(any, pair => stopped(pair)))
+    }
+
+    /// Hash of both peers' states, continued from the one before; after every tick of a run it is the run's `state_hash`.
+    #[pyo3(signature = (before = HASH_SEED))]
+    fn state_hash(&self, before: u64) -> u64 {
+        self.look(|any| with!(any, pair => pair.hash(before)))
+    }
+}

@@ -1,0 +1,108 @@
+//! A run: what `host-sim cooperate` does.
+
+use haptic_core::num::Fixed;
+use haptic_sim::run::{Options, Outcome, run_while};
+use host_sim::studies::doubt;
+use host_sim::studies::sweep::MERITS;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::to_python;
+use crate::scene::Scene;
+use crate::work::{here, refused};
+
+/// Longest run, s.
+const LONGEST_S: f64 = 86_400.0;
+
+/// What Python says of a number type that there is not.
+pub(crate) fn unknown_scalar(name: &str) -> PyErr {
+    refused(format!("scalar = \"{name}\" is not allowed: it must be one of \"f32\", \"f64\", \"i32f32\""))
+}
+
+/// A run has a tick at least, and an end.
+pub(crate) fn check_seconds(seconds: f64, scene: &haptic_sim::Scene) -> PyResult<()> {
+    let period_s = scene.peer.timing.control_period_s;
+    if seconds >= period_s && seconds <= LONGEST_S {
+        return Ok(());
+    }
+    let must = format!("it must be a number from {period_s} (one control period) to {LONGEST_S} s");
+    Err(refused(format!("seconds = {seconds} is not allowed: {must}")))
+}
+
+/// What a run gave, as `host-sim cooperate` tells it.
+#[pyclass(module = "haptic_sim", frozen, get_all)]
+pub(crate) struct Run {
+    /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV.
+    columns: Py<PyDict>,
+    /// Figures of merit by name; None where there is none, as of a run that failed.
+    merits: Py<PyDict>,
+    /// Nothing failed.
+    stable: bool,
+    /// `stable`, `apart` or `NO`.
+    verdict: &'static str,
+    /// Why it is not stable.
+    reason: Option<String>,
+    /// The peer (1 or 2) that stopped first, and its fault.
+    fault: Option<(usize, String)>,
+    /// When, s.
+    fault_time_s: Option<f64>,
+    /// Largest absolute eigenvalue of the scene over a packet period, both hands on.
+    spectral_radius: f64,
+    /// Ticks done.
+    ticks: u64,
+    /// Hash of both peers' states over every tick, the same bits wherever it is computed.
+    state_hash: String,
+}
+
+#[pymethods]
+impl Run {
+    fn __repr__(&self) -> String {
+        let reason = self.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
+        format!("<Run of {} ticks, {}{reason}, state_hash {}>", self.ticks, self.verdict, self.state_hash)
+    }
+}
+
+/// Runs a scene for so many simulated seconds.
+///
+/// `scalar` is the number type of the peers: f32 as the board, f64, or i32f32 (fixed point). Every `every`-th tick is recorded, 0 for
+/// none; without it at most about 100,000 rows are, as the command line has it. Other Python threads go on meanwhile.
+#[pyfunction]
+#[pyo3(signature = (scene, seconds = 20.0, scalar = "f64", every = None))]
+pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, every: Option<i64>) -> PyResult<Run> {
+    let scene = here(py, |_| scene.checked().cloned())?;
+    check_seconds(seconds, &scene)?;
+    let mut options = Options::recorded(seconds, scene.peer.timing.control_period_s);
+    if let Some(every) = every {
+        options.record_every = u64::try_from(every).map_err(|_| {
+            refused(format!("every = {every} is not allowed: it must be a whole number of ticks from 0"))
+        })?;
+    }
+    let (outcome, spectral_radius) = here(py, |go_on| {
+        let go_on = |_| go_on();
+        let outcome = match scalar {
+            "f32" => run_while::<f32>(&scene, options, &go_on),
+            "f64" => run_while::<f64>(&scene, options, &go_on),
+            "i32f32" => run_while::<Fixed>(&scene, options, &go_on),
+            other => return Err(unknown_scalar(other)),
+        };
+        let verdict = haptic_analysis::verdict(&scene).map_err(refused)?;
+        Ok((outcome.map_err(refused)?.doubted(doubt(&scene, &verdict)), verdict.spectral_radius))
+    })?;
+    let merits = PyDict::new(py);
+    for merit in MERITS {
+        merits.set_item(merit.name(), (merit.of)(&outcome))?;
+    }
+    let Outcome { reason, fault, fault_time_s, ticks, hash, .. } = outcome;
+    Ok(Run {
+        merits: merits.unbind(),
+        stable: outcome.is_stable(),
+        verdict: outcome.verdict().name(),
+        reason: reason.map(|reason| reason.to_string()),
+        fault: fault.map(|(peer, fault)| (peer, fault.explain().to_string())),
+        fault_time_s,
+        spectral_radius,
+        ticks,
+        state_hash: format!("{hash:016x}"),
+        columns: to_python(py, outcome.table, &[])?.unbind(),
+    })
+}

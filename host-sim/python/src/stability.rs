@@ -1,0 +1,62 @@
+//! Stability, as `host-sim stability` computes it from the code that flies.
+
+use haptic_analysis::{Effort, Range};
+use haptic_core::names::Choice;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::scene::Scene;
+use crate::work::{here, refused};
+
+/// The verdict on a scene in every mode that it can enter.
+#[pyclass(module = "haptic_sim", frozen, get_all)]
+pub(crate) struct Stability {
+    /// Every mode is stable.
+    stable: bool,
+    /// The largest absolute eigenvalue over a packet period, of the worst mode.
+    spectral_radius: f64,
+    /// The spectral radius by who has hands on: both, one, none.
+    modes: Py<PyDict>,
+    /// What the scene has and the verdict leaves out, in words.
+    not_judged: Vec<&'static str>,
+}
+
+#[pymethods]
+impl Stability {
+    fn __repr__(&self) -> String {
+        format!("<Stability: {}stable, spectral radius {}>", if self.stable { "" } else { "un" }, self.spectral_radius)
+    }
+}
+
+/// Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none.
+#[pyfunction]
+pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
+    let judged = here(py, |_| haptic_analysis::judge(scene.checked()?).map_err(refused))?;
+    let modes = PyDict::new(py);
+    for mode in &judged.modes {
+        modes.set_item(mode.mode.name(), mode.verdict.spectral_radius)?;
+    }
+    Ok(Stability {
+        stable: judged.worst.stable,
+        spectral_radius: judged.worst.spectral_radius,
+        modes: modes.unbind(),
+        not_judged: judged.not_judged,
+    })
+}
+
+/// What to change in a scene that is unstable, in one sentence.
+#[pyfunction]
+pub(crate) fn advice(py: Python<'_>, scene: &Scene) -> PyResult<String> {
+    here(py, |_| haptic_analysis::advice(scene.checked()?).map_err(refused))
+}
+
+/// The values of a key between two ends at which the scene becomes stable or unstable, every mode considered.
+#[pyfunction]
+pub(crate) fn limit(py: Python<'_>, scene: &Scene, key: &str, first: f64, last: f64) -> PyResult<Vec<f64>> {
+    let range = Range { key: key.to_owned(), from: first, to: last };
+    here(py, |_| {
+        let effort = Effort { hands: None, ..Effort::default() };
+        let found = haptic_analysis::limit(scene.checked()?, range, effort).map_err(refused)?;
+        Ok(found.crossings)
+    })
+}

@@ -1,0 +1,32 @@
+"""The examples run, and say what they promise."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+EXAMPLES = pathlib.Path(__file__).parents[1] / "examples"
+
+
+def said(name: str, folder: pathlib.Path, *arguments: str) -> str:
+    command = [sys.executable, EXAMPLES / f"{name}.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=True).stdout
+
+
+def test_figure(tmp_path, host_sim):
+    told = said("figure", tmp_path, "figure.pdf")
+    assert (tmp_path / "figure.pdf").read_bytes().startswith(b"%PDF")
+    for comm in ("power", "wave", "passive-wave"):
+        run = host_sim("cooperate", "--scene", f"paper-5.2-{comm}-16ms")
+        assert run["state_hash"] in told and f"decoded {run['decoded_discrepancy_mm']:.3f} mm" in told
+
+
+def test_bursts(tmp_path):
+    lines = [line for line in said("bursts", tmp_path, "5").splitlines() if line.startswith("bursts of")]
+    assert len(lines) == 12
+    assert sum("±" in line for line in lines) >= 4 and any("rest" in line and "±" in line for line in lines)
+
+
+def test_own_user(tmp_path):
+    places = [float(place) for place in re.findall(r"is at (\S+) mm", said("own_user", tmp_path))]
+    assert len(places) == 2 and all(abs(place - 30.0) < 3.0 for place in places)

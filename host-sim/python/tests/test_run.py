@@ -1,0 +1,119 @@
+"""Runs and verdicts: the command line's bits."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import haptic_sim
+import numpy as np
+import pytest
+
+SECONDS = 3.0
+SCALARS = ["f32", "f64", "i32f32"]
+
+
+@pytest.mark.parametrize("name", haptic_sim.scenes())
+def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
+    scene = haptic_sim.Scene(name)
+    for scalar in SCALARS:
+        run = haptic_sim.run(scene, SECONDS, scalar, every=0)
+        told = host_sim("cooperate", "--scene", name, "--seconds", SECONDS, "--scalar", scalar)
+        assert run.state_hash == told["state_hash"], scalar
+        assert (run.stable, run.verdict, run.reason) == (told["stable"], told["verdict"], told["reason"])
+        assert run.spectral_radius == told["spectral_radius"]
+        assert run.ticks == told["ticks"]
+        for merit in ["true_discrepancy_mm", "true_discrepancy_mm_per_n", "decoded_discrepancy_mm", "energy_out_over_in"]:
+            assert run.merits[merit] == told[merit], (scalar, merit)
+        force = told["coordination_force_n"]
+        assert (run.merits["coordination_force_mean_n"], run.merits["coordination_force_sd_n"]) == (force["mean"], force["sd"])
+    judged, told = haptic_sim.stability(scene), host_sim("stability", "point", "--scene", name)
+    assert (judged.stable, judged.spectral_radius) == (told["stable"], told["spectral_radius"])
+    assert judged.modes == {mode["mode"]: mode["spectral_radius"] for mode in told["modes"]}
+    assert judged.not_judged == told["not_judged"]
+    assert haptic_sim.advice(scene) == told["advice"]
+
+
+def test_limits_are_the_command_lines(host_sim):
+    key = "coordination.stiffness_n_per_m"
+    told = host_sim("stability", "limit", "--scene", "paper-5.1-power-16ms", "--of", key, "--from", 10, "--to", 3000)
+    found = haptic_sim.limit(haptic_sim.Scene("paper-5.1-power-16ms"), key, 10, 3000)
+    assert found == told["crossings"] and len(found) == 1
+    above, below = ({key: factor * found[0]} for factor in (1.001, 0.999))
+    assert not haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", above)).stable
+    assert haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", below)).stable
+
+
+def test_a_faulted_run_has_a_reason_and_no_merits():
+    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.stiffness_n_per_m": 20_000})
+    run = haptic_sim.run(scene, 4.0)
+    assert not run.stable and run.verdict == "NO" and run.reason
+    assert run.merits["coordination_force_mean_n"] is None
+    assert run.fault is None or run.fault[0] in (1, 2) and 0 < run.fault_time_s < 4.0
+
+
+def test_columns_are_the_simulators_own_memory():
+    run = haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0)
+    assert len(run.columns) == 23 and all(len(column) == 2000 for column in run.columns.values())
+    assert not any(column.flags.owndata for column in run.columns.values())
+    apart = np.abs(run.columns["object_1_m"] - run.columns["object_2_m"])
+    assert np.array_equal(apart, run.columns["true_discrepancy_m"])
+    assert run.merits["true_discrepancy_mm"] == pytest.approx(1e3 * apart[1000:].mean(), rel=1e-12)
+    tenth = haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0, every=10)
+    assert np.array_equal(tenth.columns["object_1_m"], run.columns["object_1_m"][::10])
+    assert len(haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0, every=0).columns["time_s"]) == 0
+
+
+@pytest.mark.parametrize(
+    "wrong, says",
+    [
+        ({"seconds": 0.0}, "seconds = 0 is not allowed: it must be a number from 0.001 (one control period) to 86400 s"),
+        ({"seconds": float("nan")}, "seconds = NaN is not allowed"),
+        ({"scalar": "f16"}, 'scalar = "f16" is not allowed: it must be one of "f32", "f64", "i32f32"'),
+        ({"every": -1}, "every = -1 is not allowed"),
+    ],
+)
+def test_what_cannot_be_run_is_refused(wrong, says):
+    with pytest.raises(ValueError) as refused:
+        haptic_sim.run(haptic_sim.Scene(), **wrong)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize("work", ["haptic_sim.run(scene, 86_400.0, every=0)", "many.run()", "haptic_sim.Pair(scene).steps(forces)"])
+def test_ctrl_c_ends_whatever_takes_long(work):
+    code = f"""
+import os, signal, threading, time, haptic_sim, numpy
+scene = haptic_sim.Scene("paper-5.2-passive-wave-16ms")
+many = haptic_sim.Sweep(scene, {{"network.loss": "0..0.5:20000"}})
+forces = numpy.zeros((20_000_000, 2))
+pressed = []
+def press():
+    time.sleep(0.5)
+    pressed.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press).start()
+try:
+    {work}
+except KeyboardInterrupt:
+    print(time.perf_counter() - pressed[0])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert float(done.stdout) < 1.0
+
+
+def test_other_threads_go_on_while_rust_works():
+    ticks, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    start = time.perf_counter()
+    haptic_sim.run(haptic_sim.Scene("paper-5.2-passive-wave-16ms"), 3000.0, every=0)
+    took = time.perf_counter() - start
+    stop.set()
+    counter.join()
+    assert ticks[0] > 20 * took, f"{ticks[0]} times in {took} s"

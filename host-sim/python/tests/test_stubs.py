@@ -1,0 +1,29 @@
+"""The type stubs say what the module has, with the same words."""
+
+import ast
+import inspect
+import pathlib
+import subprocess
+import sys
+
+import haptic_sim
+import haptic_sim._native
+
+
+def test_stubs_are_the_modules_own():
+    check = [sys.executable, "-m", "mypy.stubtest", "haptic_sim._native", "--ignore-disjoint-bases"]
+    done = subprocess.run(check, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_docstrings_of_the_stubs_are_the_modules():
+    stub = ast.parse((pathlib.Path(haptic_sim.__file__).parent / "_native.pyi").read_text())
+    told = 0
+    for node in ast.walk(stub):
+        if not isinstance(node, (ast.ClassDef, ast.FunctionDef)) or node.name.startswith("_"):
+            continue
+        owners = [haptic_sim._native, *(getattr(haptic_sim, name) for name in haptic_sim.__all__)]
+        known = {inspect.getdoc(getattr(owner, node.name, None)) for owner in owners}
+        assert ast.get_docstring(node) in known, node.name
+        told += 1
+    assert told > 40

@@ -1,0 +1,120 @@
+"""A law in Python: the built-in law of the same equations, to the last bit; its own keys; what it raises."""
+
+import haptic_sim
+import numpy as np
+import pytest
+
+
+class Power:
+    """The built-in law `power`, written again."""
+
+    name = "power-again"
+    sends = "motion"
+    keys = {}
+    reads = ("coordination.stiffness_n_per_m", "coordination.damping_n_s_per_m")
+    gains = ("coordination.stiffness_n_per_m=310",)
+
+    def start(self, values, local):
+        return local
+
+    def receive(self, values, state, packet):
+        return packet
+
+    def couple(self, values, state, local, contact_force_n, age_ticks):
+        stiffness, damping = values
+        force = stiffness * (state[0] - local[0]) + damping * (state[1] - local[1])
+        return state, force, state
+
+    def send(self, values, state, local):
+        return local
+
+
+class Ahead(Power):
+    """The remote copy carried on along its velocity (examples/outside-law)."""
+
+    name = "ahead"
+    keys = {"ahead.ahead_s": (0.008, 0.0, 0.2, "s", "How far the remote copy is carried on.")}
+    reads = (*Power.reads, "ahead.ahead_s")
+
+    def receive(self, values, state, packet):
+        return packet[0] + values[2] * packet[1], packet[1]
+
+    def couple(self, values, state, local, contact_force_n, age_ticks):
+        return super().couple(values[:2], state, local, contact_force_n, age_ticks)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def laws():
+    haptic_sim.add_law(Power())
+    haptic_sim.add_law(Ahead())
+
+
+def test_the_same_equations_give_the_same_bits():
+    built_in = haptic_sim.Scene("paper-5.2-power-16ms", {"coordination.comm": "power"})
+    written = haptic_sim.Scene(built_in, {"coordination.comm": "power-again"})
+    one, other = (haptic_sim.run(scene, 2.0) for scene in (built_in, written))
+    assert all(np.array_equal(one.columns[name], other.columns[name]) for name in one.columns)
+    assert other.spectral_radius == one.spectral_radius
+    assert haptic_sim.stability(written).modes == haptic_sim.stability(built_in).modes
+    sweep = {"coordination.stiffness_n_per_m": [200, 400, 20_000]}
+    one, other = (haptic_sim.Sweep(scene, sweep, seconds=0.5).run() for scene in (built_in, written))
+    assert np.array_equal(one["true_discrepancy_mm"], other["true_discrepancy_mm"], equal_nan=True)
+    assert list(one["verdict"]) == list(other["verdict"])
+    pair = haptic_sim.Pair(written)
+    assert np.array_equal(pair.steps(np.ones((50, 2))), haptic_sim.Pair(built_in).steps(np.ones((50, 2))))
+
+
+def test_a_law_has_keys_of_its_own():
+    assert haptic_sim.keys()["ahead.ahead_s"]["unit"] == "s"
+    assert "ahead" in haptic_sim.keys()["coordination.comm"]["allowed"]
+    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.comm": "ahead", "ahead.ahead_s": 0.0})
+    radius = haptic_sim.stability(scene).spectral_radius
+    assert radius == haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms")).spectral_radius
+    scene["ahead.ahead_s"] = 0.05
+    assert haptic_sim.stability(scene).spectral_radius != radius
+    with pytest.raises(ValueError, match="ahead.ahead_s = 1 is not allowed: it must be a number from 0 to 0.2 s"):
+        scene["ahead.ahead_s"] = 1
+
+
+def test_what_a_law_raises_is_raised():
+    class Wrong(Power):
+        name = "wrong"
+
+        def couple(self, values, state, local, contact_force_n, age_ticks):
+            if age_ticks > 3:
+                raise ArithmeticError("no force today")
+            return super().couple(values, state, local, contact_force_n, age_ticks)
+
+    haptic_sim.add_law(Wrong())
+    scene = haptic_sim.Scene("paper-5.1-power-16ms", {"coordination.comm": "wrong"})
+    pair = haptic_sim.Pair(scene)
+    for use in (
+        lambda: haptic_sim.run(scene, 1.0),
+        lambda: haptic_sim.stability(scene),
+        lambda: [pair.step(0.0, 0.0) for _ in range(10)],
+        lambda: haptic_sim.Pair(scene).steps(np.zeros((10, 2))),
+        lambda: haptic_sim.Sweep(scene, {"network.loss": [0, 0.1]}, seconds=1.0).run(),
+    ):
+        with pytest.raises(ArithmeticError, match="no force today"):
+            use()
+    # Run again in a notebook, with the mistake mended.
+    Wrong.couple = Power.couple
+    haptic_sim.add_law(Wrong())
+    haptic_sim.run(scene, 0.1)
+
+
+@pytest.mark.parametrize(
+    "wrong, says",
+    [
+        ({"name": "wave"}, "there is a law wave already"),
+        ({"name": "other", "sends": "smoke"}, 'sends = "smoke" is not allowed'),
+        ({"name": "other", "reads": ("no.key",)}, 'reads "no.key" is not allowed'),
+        ({"name": "other", "keys": {"third.x": (0.0, 0.0, 1.0, "", "")}}, "a law's own key is other"),
+        ({"name": "other", "keys": {"other.x": (2.0, 0.0, 1.0, "", "")}}, "its default between its ends"),
+        ({"name": "ahead", "keys": {}, "reads": Power.reads}, "there is a law ahead already, with other keys"),
+    ],
+)
+def test_a_law_that_cannot_be_one_is_refused(wrong, says):
+    with pytest.raises(ValueError) as refused:
+        haptic_sim.add_law(type("Law", (Power,), wrong)())
+    assert says in str(refused.value)

@@ -1,0 +1,66 @@
+//! `cargo xtask wheel` and `cargo xtask python`: host-sim as a Python module, built with maturin and tested as it is installed.
+//!
+//! What both need of Python comes from the registry, in the versions of host-sim/python/requirements.txt, into a virtual environment
+//! below target/.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::board::target;
+use crate::run::{self, Failure, cargo, command, run};
+
+/// Python in a virtual environment of this folder, with what the requirements name; made anew when they have changed.
+pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, Failure> {
+    let (wanted, there) = (run::root().join(requirements), folder.join("requirements.txt"));
+    let python = folder.join("python/bin/python");
+    let text = run::read(&wanted)?;
+    if fs::read_to_string(&there).is_ok_and(|there| there == text) {
+        return Ok(python);
+    }
+    let place = folder.join("python");
+    run(&mut command("python3", &["-m", "venv", "--clear", &place.to_string_lossy()]))?;
+    run(pip(&python).arg("--requirement").arg(&wanted))?;
+    fs::write(&there, text).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", there.display())))?;
+    Ok(python)
+}
+
+fn pip(python: &Path) -> std::process::Command {
+    command(&python.to_string_lossy(), &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+}
+
+/// What the wheel is built and tested with.
+fn own_environment() -> Result<PathBuf, Failure> {
+    environment(&run::root().join("target/python"), "host-sim/python/requirements.txt")
+}
+
+/// Builds the wheel into this folder, and says where it is.
+pub(crate) fn wheel(folder: &Path) -> Result<PathBuf, Failure> {
+    let python = own_environment()?;
+    let built = folder.join(".new");
+    let _ = fs::remove_dir_all(&built);
+    let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--release", "--locked"]);
+    // What the workspace has built is not built again.
+    maturin.env("CARGO_TARGET_DIR", target()).arg("--interpreter").arg(&python).arg("--out").arg(&built);
+    run(&mut maturin).map_err(|failure| {
+        let lock = "if the lock is what failed, `cargo metadata --manifest-path host-sim/python/Cargo.toml` renews it";
+        Failure::new(format!("{failure}; {lock}"))
+    })?;
+    let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
+    let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
+    let new = files.next().ok_or_else(|| Failure::new("maturin made no wheel"))?.path();
+    let wheel = folder.join(new.file_name().unwrap_or_default());
+    fs::rename(&new, &wheel).and_then(|()| fs::remove_dir(&built)).map_err(failed)?;
+    Ok(wheel)
+}
+
+/// Builds the wheel, installs it, and has host-sim/python/tests compare what it gives with the command line's word.
+pub(crate) fn python() -> Result<(), Failure> {
+    run(&mut cargo(&["fmt", "--check", "--manifest-path", "host-sim/python/Cargo.toml"]))?;
+    let wheel = wheel(&run::root().join("target/python"))?;
+    let python = own_environment()?;
+    run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(wheel))?;
+    run(&mut cargo(&["build", "--locked", "--release", "--package", "host-sim"]))?;
+    let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
+    tests.env("HOST_SIM", target().join("release/host-sim"));
+    run(tests.arg("host-sim/python/tests"))
+}
