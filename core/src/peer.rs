@@ -109,53 +109,53 @@ struct Moved<S> {
 /// settings.coordination.comm = "power";
 /// assert!(Peer::<f32, Power<f32>>::new(&settings, [Motion::REST; AXES]).is_ok());
 /// ```
+// Laid out as written: what every tick reads or writes as a float comes first, for a Cortex-M reaches 1020 bytes with one instruction.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Peer<S: Scalar, L: Law<S>> {
-    // What does not change.
+    coordination: L::State,
+    object: Motion<S>,
+    device: [Motion<S>; AXES],
+    forces: [S; AXES],
+    observed: Observed<S>,
+    ledger: Ledger<S>,
+    load: Load<S>,
     /// T_c, s.
-    period: S,
-    ticks_per_packet: u32,
-    /// Axes, and joints, in use.
-    axes: usize,
+    period_s: S,
+    /// Where the axes are when the encoders read zero, m.
+    home: [S; AXES],
     encoder: Encoder<S>,
-    kinematics: AnyKinematics<S>,
-    hold: Hold<S>,
-    motor: Motor<S>,
-    contact: AnyRendering<S>,
-    law: L,
-    ladder: Ladder<S>,
     guard: Guard<S>,
     watch: Watch<S>,
     envelope: Envelope<S>,
-    stage_watch: StageWatch<S>,
-    /// Where the axes are when the encoders read zero, m.
-    home: [S; AXES],
-    // What does.
+    hold: Hold<S>,
+    motor: Motor<S>,
+    /// The packet that stands.
+    standing: Packet<S>,
+    integrator: AnyIntegrator<S>,
+    contact: AnyRendering<S>,
+    kinematics: AnyKinematics<S>,
+    joints: [Joint<S>; AXES],
+    ticks_per_packet: u32,
+    /// Axes, and joints, in use.
+    axes: usize,
     mode: Mode,
     until_packet: u32,
-    joints: [Joint<S>; AXES],
-    device: [Motion<S>; AXES],
-    object: Motion<S>,
-    strikes: Strikes<S>,
-    integrator: AnyIntegrator<S>,
-    coordination: L::State,
-    forces: [S; AXES],
-    ledger: Ledger<S>,
-    saturated: Patience,
-    load: Load<S>,
     engagement: Engagement,
     /// Since the newest packet came.
     age_ticks: u32,
     /// Packets come and are too old to be taken.
     delayed: bool,
-    probing: Probing<S>,
-    still: [Still; AXES],
+    saturated: Patience,
     /// What the last tick asked of the motors.
     asked: [Duty; AXES],
+    still: [Still; AXES],
+    law: L,
+    ladder: Ladder<S>,
+    strikes: Strikes<S>,
+    stage_watch: StageWatch<S>,
     stage: StageState<S>,
-    /// The packet that stands.
-    standing: Packet<S>,
-    observed: Observed<S>,
+    probing: Probing<S>,
 }
 
 impl Settings {
@@ -184,7 +184,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         let [free, ..] = device;
         let object = Motion::at(contact.clear_of(free.position));
         Ok(Self {
-            period: S::from_f64(settings.timing.control_period_s),
+            period_s: S::from_f64(settings.timing.control_period_s),
             ticks_per_packet: settings.timing.ticks_per_packet,
             axes: settings.axis.count as usize,
             encoder: Encoder::build(settings),
@@ -351,21 +351,17 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// What [`Peer::exchange`] would send now. Only a network without delay needs to ask beforehand.
     pub fn outgoing(&self) -> Packet<S> {
-        let packet =
+        let mut packet =
             Packet { energy_j: self.ledger.sent_j().to_f64(), ..self.law.send(&self.coordination, self.object) };
-        if self.is_engaged() && packet.is_finite() { packet } else { self.at_rest(packet) }
-    }
-
-    /// At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
-    #[cold]
-    #[inline(never)]
-    fn at_rest(&self, packet: Packet<S>) -> Packet<S> {
-        let resting = Packet { motion: Motion::at(self.object.position), wave: S::ZERO, ..packet };
-        if packet.is_finite() {
-            resting
-        } else {
-            Packet { energy_j: 0.0, wave_integral: 0.0, live_ticks: 0, ..resting }
+        let finite = packet.is_finite();
+        if !(self.is_engaged() && finite) {
+            // At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
+            (packet.motion, packet.wave) = (Motion::at(self.object.position), S::ZERO);
+            if !finite {
+                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (0.0, 0.0, 0);
+            }
         }
+        packet
     }
 
     /// Takes in a packet of the other peer: it acts at the next tick, and stands until another one comes.
@@ -385,14 +381,18 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.standing = packet;
         self.age_ticks = 0;
         self.delayed = false;
-        self.receive();
+        if self.ladder.is_whole(&self.engagement) {
+            self.law.receive(&mut self.coordination, packet);
+        } else {
+            self.fade();
+        }
     }
 
     /// Gives the law the packet that stands, as far as it still counts.
-    fn receive(&mut self) {
+    #[inline(never)]
+    fn fade(&mut self) {
         let share = self.ladder.share(&self.engagement);
-        let whole = share == S::ONE;
-        let packet = if whole { self.standing } else { self.law.fade(share, self.standing, self.object) };
+        let packet = if share == S::ONE { self.standing } else { self.law.fade(share, self.standing, self.object) };
         self.law.receive(&mut self.coordination, packet);
     }
 
@@ -404,7 +404,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         if self.mode == Mode::Armed {
             self.ladder.pass(&mut self.engagement);
             if self.engagement.is_fading() {
-                self.receive();
+                self.fade();
             }
             if self.engagement.silent() >= self.guard.silent_packets {
                 self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
@@ -414,12 +414,26 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     }
 
     /// One control period: sensors in, forces out.
+    #[inline(always)]
     pub fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
+        // One by one, so that what is not there need not be put into memory either.
+        let Sensors { reading, overrun, stage, marks } = *sensors;
+        self.period(reading, overrun, stage, marks)
+    }
+
+    fn period(
+        &mut self,
+        reading: Reading<S>,
+        overrun: bool,
+        stage: Option<Measured>,
+        marks: Option<[Marks; AXES]>,
+    ) -> Actuators<S> {
         self.until_packet = match self.until_packet {
             0 => self.ticks_per_packet - 1,
             more => more - 1,
         };
-        let pose = match self.sense(sensors) {
+        let sensed = if overrun { Err(Fault::TickOverrun) } else { self.sense(reading, marks) };
+        let pose = match sensed {
             Ok(pose) => pose,
             Err(fault) => {
                 self.trip(fault);
@@ -428,14 +442,14 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         };
         self.device = pose.axes;
         let [free, ..] = pose.axes;
-        if let Some(measured) = &sensors.stage {
+        if let Some(measured) = stage {
             self.judge(measured);
         }
         if self.mode != Mode::Armed {
             self.envelope.rest(&mut self.load);
             let object = Motion::at(self.object.position);
             self.observed = Observed { device: free, object, desired: object, ..Observed::default() };
-            return if self.mode == Mode::Probing { self.push(sensors.stage) } else { Actuators::default() };
+            return if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() };
         }
 
         let Moved { next, felt, coupled } = self.advance(free);
@@ -483,7 +497,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             let next = self.integrator.step(object, touch.pushing + coupled.force);
             Moved { next, felt: touch.felt, coupled }
         };
-        self.ledger.book(&moved.coupled, self.period);
+        self.ledger.book(&moved.coupled, self.period_s);
         self.age_ticks = self.age_ticks.saturating_add(1);
         self.observed = Observed {
             device,
@@ -497,7 +511,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// Whether the power stage says that something is wrong. Not where it is called: what has no stage would pay for its registers.
     #[inline(never)]
-    fn judge(&mut self, measured: &Measured) {
+    fn judge(&mut self, measured: Measured) {
         let [first, ..] = &self.joints;
         let driven = match self.mode {
             Mode::Armed if first.encoder.primed => Driven::Whole,
@@ -507,7 +521,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         };
         let joints = &self.joints;
         let counts = || joints.each_ref().map(|joint| joint.encoder.total);
-        if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
+        if let Some(fault) = self.stage_watch.step(&mut self.stage, &measured, self.asked, driven, counts) {
             self.trip(fault);
         }
     }
@@ -526,11 +540,8 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// Where the device is on its axes, or why that cannot be said.
     #[inline]
-    fn sense(&mut self, sensors: &Sensors<S>) -> Result<Pose<S>, Fault> {
-        if sensors.overrun {
-            return Err(Fault::TickOverrun);
-        }
-        let pose = match sensors.reading {
+    fn sense(&mut self, reading: Reading<S>, marks: Option<[Marks; AXES]>) -> Result<Pose<S>, Fault> {
+        let pose = match reading {
             Reading::Exact(mut axes) => {
                 for (axis, joint) in axes.iter_mut().zip(&mut self.joints).take(self.axes) {
                     if !axis.is_finite() {
@@ -542,17 +553,21 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
             Reading::Counts(counts) => {
                 let mut joints = [Motion::REST; AXES];
-                for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(counts).take(self.axes) {
+                for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(&counts).take(self.axes) {
                     let first = !joint.encoder.primed;
-                    let position = self.encoder.step(&mut joint.encoder, counts).ok_or(Fault::EncoderJump)?;
+                    let position = self.encoder.step(&mut joint.encoder, *counts).ok_or(Fault::EncoderJump)?;
                     *motion = Motion::at(position);
                     if first {
                         joint.velocity.start(*motion);
                     }
                     motion.velocity = joint.velocity.step(*motion);
                 }
-                if let Some(marks) = &sensors.marks {
-                    self.heed(marks)?;
+                if let Some(marks) = marks {
+                    let joints = self.joints.each_ref().map(|joint| &joint.encoder);
+                    if Encoder::<S>::heeds(joints, marks) {
+                        let [one, two] = marks;
+                        self.heed(one, two)?;
+                    }
                 }
                 let mut pose = self.kinematics.forward(joints);
                 for (axis, home) in pose.axes.iter_mut().zip(self.home) {
@@ -574,9 +589,9 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// What encoders show beside their counts: whether it fits, and while disarmed where the index says the joint is.
     #[inline(never)]
-    fn heed(&mut self, marks: &[Marks; AXES]) -> Result<(), Fault> {
+    fn heed(&mut self, one: Marks, two: Marks) -> Result<(), Fault> {
         let may_move = self.mode == Mode::Disarmed;
-        for (joint, marks) in self.joints.iter_mut().zip(marks).take(self.axes) {
+        for (joint, marks) in self.joints.iter_mut().zip(&[one, two]).take(self.axes) {
             if self.encoder.heed(&mut joint.encoder, marks, may_move)? {
                 joint.velocity.start(Motion::at(self.encoder.position(&joint.encoder)));
             }

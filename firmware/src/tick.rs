@@ -174,7 +174,9 @@ impl Loop {
             self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
         }
 
-        let sensors = Sensors { overrun: self.overrun, stage, ..Sensors::of(Reading::Counts(counts)) };
+        // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
+        let marks = (!due || self.peer.ticks_per_packet() == 1).then(encoders::marks);
+        let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun, stage, marks };
         let actuators = self.peer.tick(&sensors);
         if actuators.enable || actuators.open {
             self.drive(&actuators, counts);
@@ -196,10 +198,8 @@ impl Loop {
         if self.record_due() {
             let (tick, peer) = (self.tick, &mut self.peer);
             // Without room it is lost: whoever misses it sees it by the numbers.
-            let _ = self
-                .side
-                .records
-                .put(|record| record.fill(tick, (counts, sensors.stage), incoming, flags, peer, &actuators));
+            let _ =
+                self.side.records.put(|record| record.fill(tick, (counts, stage), incoming, flags, peer, &actuators));
         }
         self.overrun = pace::due();
         if self.overrun {
@@ -221,6 +221,9 @@ impl Loop {
             None => bridges::drive(actuators.duties),
         }
         bridges::enable(actuators.enable);
+        if actuators.enable && self.outputs && self.awake > bridges::WAKE_TICKS {
+            return;
+        }
         self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
         let outputs = !actuators.enable || self.awake > bridges::WAKE_TICKS;
         if outputs != self.outputs {

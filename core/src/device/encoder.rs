@@ -12,6 +12,7 @@
 //! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
 //! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
 
+use crate::device::AXES;
 use crate::device::kinematics::{Joints, KinematicsName};
 use crate::num::Scalar;
 use crate::safety::{Fault, Patience};
@@ -25,7 +26,8 @@ pub struct Encoder<S> {
     counts_per_unit: S,
     resolution: S,
     max_step_counts: i32,
-    reversed: bool,
+    /// 1, or −1 where it counts against the joint.
+    along: i32,
     /// With an index: counts from one to the next, of a slide more than there are; and those that the joint is at where it is.
     revolution: Option<S>,
     index_at: i32,
@@ -34,10 +36,18 @@ pub struct Encoder<S> {
 /// What an encoder showed beside its count since the tick before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// Rising edges of its channels A and B: none, one, or 2 for two and more.
-    pub edges: [u8; 2],
+    /// One of its channels rose twice or more, and the other did not.
+    pub lone: bool,
     /// What the counter said when the index came, if it came.
     pub index: Option<Counts>,
+}
+
+impl Marks {
+    /// Of an encoder whose channels A and B rose `once` at least, and `again` after that.
+    #[inline(always)]
+    pub fn of(once: [bool; 2], again: [bool; 2], index: Option<Counts>) -> Self {
+        Self { lone: again[0] & !once[1] | again[1] & !once[0], index }
+    }
 }
 
 /// What one encoder has seen so far.
@@ -90,7 +100,7 @@ impl<S: Scalar> Encoder<S> {
             resolution: S::from_f64(1.0 / counts_per_unit),
             // A float-to-integer cast saturates, and takes NaN to 0.
             max_step_counts: ((max_step + ROUNDING_COUNTS) as i32).min(i32::from(i16::MAX)),
-            reversed: settings.encoder.reversed,
+            along: if settings.encoder.reversed { -1 } else { 1 },
             revolution: settings.encoder.index.then(|| S::from_f64(revolution)),
             index_at: (settings.encoder.index_at_m_or_rad * counts_per_unit) as i32,
         }
@@ -103,9 +113,8 @@ impl<S: Scalar> Encoder<S> {
             (state.last, state.primed) = (counts, true);
         }
         let raw = i32::from(counts.0.wrapping_sub(state.last.0).cast_signed());
-        let step_counts = if self.reversed { -raw } else { raw };
-        match state.total.checked_add(step_counts) {
-            Some(total) if step_counts.abs() <= self.max_step_counts => {
+        match state.total.checked_add(raw * self.along) {
+            Some(total) if raw.abs() <= self.max_step_counts => {
                 (state.total, state.last) = (total, counts);
                 Some(S::from_i32(total).ratio(self.counts_per_unit))
             }
@@ -118,6 +127,13 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
+    /// Whether what both showed is to be heeded: most of the time it changes nothing.
+    #[inline(always)]
+    pub fn heeds([one, two]: [&EncoderState; AXES], [first, second]: [Marks; AXES]) -> bool {
+        let calm = Patience::default();
+        first.lone | second.lone | first.index.or(second.index).is_some() | (one.lone != calm) | (two.lone != calm)
+    }
+
     /// What it showed beside the reading just taken. The first index is where the joint is said to be there (`encoder.index_at`), if it
     /// `may_move`: true if that moved it.
     ///
@@ -126,13 +142,12 @@ impl<S: Scalar> Encoder<S> {
     /// [`Fault::LostCounts`] if the index is not a whole number of revolutions (of a slide: none) from where it was first seen, to
     /// [`INDEX_COUNTS`].
     pub fn heed(&self, state: &mut EncoderState, marks: &Marks, may_move: bool) -> Result<bool, Fault> {
-        let lone = marks.edges.contains(&0) && marks.edges.iter().any(|edges| *edges > 1);
-        if state.lone.spent(lone, LONE_TICKS) {
+        if state.lone.spent(marks.lone, LONE_TICKS) {
             return Err(Fault::EncoderWire);
         }
         let (Some(index), Some(revolution)) = (marks.index, self.revolution) else { return Ok(false) };
         let back = i32::from(state.last.0.wrapping_sub(index.0).cast_signed());
-        let at = state.total.wrapping_sub(if self.reversed { -back } else { back });
+        let at = state.total.wrapping_sub(back * self.along);
         let Some(first) = state.index else {
             state.index = Some(if may_move { self.index_at } else { at });
             if may_move {

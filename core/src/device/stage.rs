@@ -37,7 +37,9 @@ impl Flow {
 }
 
 /// What the power stage measured since the tick before.
+// Of halves: it is copied in words all the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(align(4))]
 pub struct Measured {
     /// Each motor.
     pub motors: [Flow; AXES],

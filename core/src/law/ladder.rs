@@ -73,9 +73,15 @@ impl<S: Scalar> Ladder<S> {
         }
     }
 
+    /// Engaged, without anything left to regain: [`Ladder::share`] is 1.
+    #[inline]
+    pub fn is_whole(&self, at: &Engagement) -> bool {
+        at.level >= self.steps
+    }
+
     /// How far the coordination may act, from 0, disengaged, to exactly 1, engaged.
     pub fn share(&self, at: &Engagement) -> S {
-        if at.level >= self.steps { S::ONE } else { S::from_f64(f64::from(at.level)) * self.step }
+        if self.is_whole(at) { S::ONE } else { S::from_f64(f64::from(at.level)) * self.step }
     }
 }
 

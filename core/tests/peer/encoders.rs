@@ -26,7 +26,8 @@ fn bench(settings: &Settings) -> Bench<f32> {
 /// A tick of the first joint; the second's encoder says the same of its edges.
 fn tick<S: Scalar>(bench: &mut Bench<S>, counts: i32, edges: [u8; 2], index: Option<i32>) -> Mode {
     let wrapped = |counts: i32| Counts(counts as u16);
-    let marks = Some([Marks { edges, index: index.map(wrapped) }, Marks { edges, index: None }]);
+    let [once, again] = [0, 1].map(|rises| edges.map(|edges| edges > rises));
+    let marks = Some([index.map(wrapped), None].map(|index| Marks::of(once, again, index)));
     let reading = Reading::Counts([wrapped(counts), Counts(0)]);
     bench.peer.tick(&Sensors { marks, ..Sensors::of(reading) });
     bench.peer.mode()

@@ -12,7 +12,6 @@
 //!
 //! Clock of the converter: the chip's 64 MHz oscillator, halved; three conversions of 17 clocks (8.5 to sample, 16 bits) last 1.6 µs.
 
-use core::f64::consts::TAU;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -23,9 +22,9 @@ use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
 use embassy_stm32::pac::timer::vals::Mms2;
 use firmware_parts::exchange::{Reader, Writer};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
+use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
-use haptic_core::names::KinematicsName;
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Refused, Settings};
 
@@ -282,12 +281,8 @@ impl Power {
     /// # Errors
     /// What [`CurrentLoop::build`] refuses.
     pub(crate) fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let encoder = &settings.encoder;
-        let unit_per_count = match settings.kinematics.model {
-            KinematicsName::Direct => 1.0 / encoder.counts_per_m,
-            KinematicsName::Capstan | KinematicsName::FiveBar => TAU / encoder.counts_per_rev,
-        };
-        let unit_per_count = if encoder.reversed { -unit_per_count } else { unit_per_count };
+        let unit_per_count = 1.0 / Joints::of(settings).counts_per_unit;
+        let unit_per_count = if settings.encoder.reversed { -unit_per_count } else { unit_per_count };
         Ok(Self {
             design: CurrentLoop::build(settings, bridges::COUNTS)?,
             sensor: Sensor::build(settings, BITS),
@@ -352,8 +347,8 @@ impl Stage {
         for (joint, (flow, zero)) in motors.iter_mut().zip(&mut self.zeros).enumerate() {
             let read = pac::ADC1.jdr(joint).read().jdata() as u16;
             zero.see(read);
-            let codes = code(power.sensor.codes(read));
-            *flow = Flow { mean: codes, last: codes, voltage: 0 };
+            let codes = power.sensor.codes(read);
+            *flow = Flow::of(codes, 0, codes, 1);
         }
         self.said(motors, pac::ADC1.jdr(AXES).read().jdata())
     }
@@ -446,10 +441,4 @@ impl Zero {
             (self.left, self.sum) = (Self::READS, 0);
         }
     }
-}
-
-/// What does not fit is at the end of the numbers.
-#[inline(always)]
-fn code(number: i32) -> i16 {
-    number.max(-i32::from(i16::MAX)).min(i16::MAX.into()) as i16
 }

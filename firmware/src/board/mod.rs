@@ -91,7 +91,7 @@ pub(crate) fn init() -> Board {
     current::init();
     uptime::put_right();
     memory::protect();
-    encoders::init(p.TIM3, (p.PC6, p.PC7), p.TIM4, (p.PD12, p.PD13));
+    encoders::init(p.TIM3, (p.PC6, p.PC7, p.PC8), p.TIM4, (p.PD12, p.PD13, p.PD14));
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
     interrupt::ETH.set_priority(Priority::P5);

@@ -107,19 +107,20 @@ impl Maths {
     }
 }
 
-/// What encoders and estimators need to know about a mechanism's joints.
-pub(crate) struct Joints {
+/// What encoders, estimators and current loops need to know about a mechanism's joints.
+#[derive(Clone, Copy, Debug)]
+pub struct Joints {
     /// Encoder counts per m of a slide, or per rad of a joint that turns.
-    pub(crate) counts_per_unit: f64,
+    pub counts_per_unit: f64,
     /// The most that a joint moves (m or rad) when the hand moves by one metre, for plausibility limits.
-    pub(crate) most_per_m: f64,
+    pub most_per_m: f64,
     /// The same in a usual pose.
-    pub(crate) usual_per_m: f64,
+    pub usual_per_m: f64,
 }
 
 impl Joints {
     /// Of the mechanism that the settings name.
-    pub(crate) fn of(settings: &Settings) -> Self {
+    pub fn of(settings: &Settings) -> Self {
         let kinematics = &settings.kinematics;
         let slide = settings.encoder.counts_per_m;
         let turning = settings.encoder.counts_per_rev / core::f64::consts::TAU;

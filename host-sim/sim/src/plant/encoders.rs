@@ -98,7 +98,8 @@ impl Encoders {
                 let [was, is] = [before, at].map(|at| (at - place).div_euclid(turn));
                 (was != is).then(|| Counts(self.counter(joint, was.max(is) * turn + place) as u16))
             });
-            Marks { edges, index }
+            let [once, again] = [0, 1].map(|rises| edges.map(|edges| edges > rises));
+            Marks::of(once, again, index)
         })
     }
 }

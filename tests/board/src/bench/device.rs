@@ -14,6 +14,10 @@ use crate::part::motors::{Motors, has_loop};
 /// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
 pub const PWM_STEPS: u32 = 6000;
 
+/// What a scene is told for devices with windings, their motors in current loops.
+pub const CURRENT_LOOP: [&str; 4] =
+    ["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current"];
+
 /// The scene as boards can run it: encoders for sensors, duties for motors, PWM in the board's steps.
 pub fn for_boards(scene: &Scene) -> Scene {
     let mut scene = scene.clone();

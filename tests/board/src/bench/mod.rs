@@ -25,7 +25,7 @@ use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use crate::twin::Armed;
 use crate::wire::{Line, PC, Wire};
 
-pub use device::{PWM_STEPS, duties, for_boards};
+pub use device::{CURRENT_LOOP, PWM_STEPS, duties, for_boards};
 
 use crate::part::motors::has_loop;
 use device::Device;

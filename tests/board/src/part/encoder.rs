@@ -30,12 +30,23 @@ pub struct EncoderTimer {
     pending: VecDeque<i64>,
     every_ns: u64,
     next: Option<EventId>,
+    /// Edges that are left when the index comes, and whether it is there.
+    index: Option<usize>,
+    at_index: bool,
 }
 
 impl EncoderTimer {
     /// The encoder on the `nth` of [`TIMERS`], at 0.
     pub fn new(nth: usize) -> Self {
-        Self { timer: Inner::new(TIMERS[nth]), position: 0, pending: VecDeque::new(), every_ns: 0, next: None }
+        Self {
+            timer: Inner::new(TIMERS[nth]),
+            position: 0,
+            pending: VecDeque::new(),
+            every_ns: 0,
+            next: None,
+            index: None,
+            at_index: false,
+        }
     }
 
     /// Where the encoder will be once all its edges are out, counts.
@@ -61,6 +72,12 @@ impl EncoderTimer {
         }
     }
 
+    /// On the way the counter's 16 bits pass this index, if any.
+    pub fn pass(&mut self, index: Option<u16>) {
+        self.index =
+            index.map(|index| usize::from((self.target() as u16).wrapping_sub(index).cast_signed().unsigned_abs()));
+    }
+
     fn schedule(&mut self, context: &mut DeviceContext<'_>) {
         self.next = Some(context.schedule(VirtualNanos(context.now().0 + self.every_ns)));
     }
@@ -82,6 +99,13 @@ impl EncoderTimer {
         let Some(step) = self.pending.pop_front() else { return };
         let before = Self::levels(self.position);
         self.position += step;
+        // Channel 3 is where the index goes; it is there for one count.
+        let at_index = self.index.take_if(|left| self.pending.len() <= *left).is_some();
+        if at_index != core::mem::replace(&mut self.at_index, at_index) {
+            let (third, level) =
+                (Channel::new(3).expect("four channels"), if at_index { Level::High } else { Level::Low });
+            self.timer.drive_input(third, level, registers, context);
+        }
         for (nth, (before, now)) in (1..).zip(before.into_iter().zip(Self::levels(self.position))) {
             if before != now {
                 let channel = Channel::new(nth).expect("timers have channels 1 and 2");

@@ -268,15 +268,17 @@ impl Part {
     /// What hangs at the bridges goes on by a PWM period, which begins now.
     pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
         let bridges = self.bridges(at);
-        let (reads, counts) = motors.period(at.0, &bridges);
+        let (reads, counts, indexes) = motors.period(at.0, &bridges);
         let triggers = self.chip.advanced[0].trigger2_output().1;
         if triggers != core::mem::replace(&mut self.triggers, triggers) {
             let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
             self.converter.sample(reads, &mut context);
         }
-        for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
+        let moves = counts.into_iter().zip(indexes);
+        for ((encoder, slot), (counts, index)) in self.encoders.iter_mut().zip(self.slots.encoders).zip(moves) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn_within(counts, PERIOD_SPREAD_NS, &mut context);
+            encoder.pass(index);
         }
     }
 

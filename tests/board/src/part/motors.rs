@@ -65,8 +65,9 @@ impl Motors {
         self.next = Some((begins_ns, time_s));
     }
 
-    /// The PWM period that begins now: what the converter's three inputs read at its beginning, and where the encoders are at its end.
-    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; AXES]) {
+    /// The PWM period that begins now: what the converter's three inputs read at its beginning, where the encoders are at its end, and
+    /// what their counters say at the index if they pass it.
+    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; AXES], [Option<u16>; AXES]) {
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {
             self.held = self.plant.begin(time_s);
         }
@@ -74,7 +75,9 @@ impl Motors {
         let on = bridges.on() || bridges.outputs && self.plant.ignores_enable();
         let voltages = bridges.voltages().map(|voltage| on.then_some(voltage));
         let [one, two] = self.plant.period(self.held.as_ref(), voltages);
-        ([one, two, supply.round().clamp(0.0, 65535.0) as u16], self.turn())
+        let marks = self.plant.sensors::<f32>().marks.unwrap_or_default();
+        let indexes = marks.map(|marks| marks.index.map(|Counts(index)| index));
+        ([one, two, supply.round().clamp(0.0, 65535.0) as u16], self.turn(), indexes)
     }
 }
 

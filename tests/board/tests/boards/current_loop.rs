@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, PERIOD_NS, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP, PERIOD_NS, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -20,16 +20,7 @@ use crate::budgets::within;
 /// The paper's cube, both devices with windings. Without noise: the converter's steps are in both, and a board measures its sensors' zeros.
 pub(crate) fn scene(set: &[&str]) -> Scene {
     let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    for set in [
-        "plant.encoder=true",
-        "plant.motor=true",
-        "plant.winding=true",
-        "plant.drive=current",
-        "plant.current_noise_a=0",
-    ]
-    .iter()
-    .chain(set)
-    {
+    for set in CURRENT_LOOP.iter().chain(&["plant.current_noise_a=0"]).chain(set) {
         scene.apply_override(set).expect("a good override");
     }
     for_boards(&scene)

@@ -1,9 +1,9 @@
-//! Encoders that fail while the device moves, at the force limits of a board that was told nothing: what motors in current loops show of
-//! their speed tells. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
+//! Encoders that fail while the device moves, at the force limits of a board that was told nothing: their edges and index tell, and what
+//! motors in current loops show of their speed. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
@@ -11,11 +11,7 @@ use haptic_sim::Laws;
 use haptic_sim::scene::{PlantFault, Scene};
 
 /// A device whose user pushes it with 3 N at 3 Hz, with motors in current loops and the limits of a board that was told nothing.
-const DEVICE: [&str; 9] = [
-    "plant.encoder=true",
-    "plant.motor=true",
-    "plant.winding=true",
-    "plant.drive=current",
+const DEVICE: [&str; 5] = [
     "axis.velocity=adaptive",
     "user.1.sine_n=3",
     "user.1.sine_rad_per_s=19",
@@ -26,24 +22,30 @@ const DEVICE: [&str; 9] = [
 /// Faster than this a failing encoder is to be told, m/s.
 const SPEED: f64 = 0.15;
 
-/// What failed, how, and within how many ms the outputs go off.
-const FAULTS: [(&str, PlantFault, u64); 6] = [
-    ("stuck", PlantFault::EncoderStuck, 20),
-    ("wire of channel A cut", PlantFault::EncoderWithoutA, 20),
-    ("wire of channel B cut", PlantFault::EncoderWithoutB, 20),
-    ("goes to and fro by one count", PlantFault::EncoderDithers, 20),
-    ("counts the wrong way", PlantFault::EncoderReversed, 20),
+/// An index that the device passes again and again.
+const INDEX: [&str; 3] = ["encoder.index=true", "encoder.index_at_m_or_rad=0.002", "user.1.arm_stiffness_n_per_m=100"];
+
+/// What failed, how, within how many ms the outputs go off, and by which fault.
+const FAULTS: [(&str, PlantFault, u64, u8); 7] = [
+    ("stuck", PlantFault::EncoderStuck, 20, 21),
+    ("wire of channel A cut", PlantFault::EncoderWithoutA, 20, 22),
+    ("wire of channel B cut", PlantFault::EncoderWithoutB, 20, 22),
+    ("goes to and fro by one count", PlantFault::EncoderDithers, 20, 22),
+    ("counts the wrong way", PlantFault::EncoderReversed, 20, 21),
     // Half of what it is at its fastest is just beyond what is tolerated.
-    ("counts half", PlantFault::EncoderHalved, 400),
+    ("counts half", PlantFault::EncoderHalved, 400, 21),
+    ("lost 40 counts (`encoder.index`)", PlantFault::EncoderLoses, 400, 20),
 ];
 
 #[test]
-fn encoders_that_fail_are_told_by_the_motors() {
+fn encoders_that_fail_are_told() {
     let firmware = Arc::new(Firmware::release());
-    let scene = for_boards(&Scene::load(Laws::built_in(), None, &DEVICE.map(str::to_owned)).expect("a good scene"));
     let mut rows = Vec::new();
-    for (what, fault, within_ms) in FAULTS {
-        let mut bench = Bench::start(&firmware, 2, Line::default());
+    for (what, fault, within_ms, number) in FAULTS {
+        let index = &INDEX[if fault == PlantFault::EncoderLoses { 0 } else { INDEX.len() }..];
+        let keys: Vec<String> = [&CURRENT_LOOP[..], &DEVICE, index].concat().into_iter().map(str::to_owned).collect();
+        let scene = for_boards(&Scene::load(Laws::built_in(), None, &keys).expect("a good scene"));
+        let mut bench = Bench::start(&firmware, 1, Line::default());
         bench.set_up(&scene).expect("the boards take it");
         bench.arm();
         let waited = (0..500).find(|_| {
@@ -59,10 +61,10 @@ fn encoders_that_fail_are_told_by_the_motors() {
         bench.run_for_ms(2);
         let status = bench.ask(1, "status");
         println!("{what}: {off:?}, {status}");
-        let Some(ms) = off.filter(|_| status.contains(" faulted fault 21 ")) else {
+        let Some(ms) = off.filter(|_| status.contains(&format!(" faulted fault {number} "))) else {
             panic!("{what}: {off:?}, {status}")
         };
-        rows.push(format!("| {what} | {ms} ms | fault 21 |"));
+        rows.push(format!("| {what} | {ms} ms | fault {number} |"));
         bench.finish();
     }
     docs::table(

@@ -4,7 +4,7 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -295,8 +295,7 @@ fn outputs_go_off_and_stay_off() {
     campaign.break_code("tick hangs", &restarted(2, "no tick came"), "TIM6_DAC", &[FOR_EVER]);
 
     // With windings and the current loop, noise included.
-    const LOOP: &[&str] = &["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current"];
-    campaign.set = LOOP;
+    campaign.set = &CURRENT_LOOP;
     let fails = |fault: PlantFault| {
         move |bench: &mut Bench, _: &Firmware, ms: u64| {
             if ms == 1 {
