@@ -39,7 +39,7 @@ class Rest:
 
 
 # A gain at which each is stable without loss.
-GAINS = {"power": 200.0, "wave": 1500.0, "passive-wave": 6000.0, "rest": 200.0}
+GAINS = {"power": 200.0, "wave": 1500.0, "passive-wave": 4000.0, "rest": 200.0}
 # Student's t at 97.5 % for 4, 9, 19 degrees of freedom.
 STUDENT = {5: 2.776, 10: 2.262, 20: 2.093}
 
@@ -67,6 +67,8 @@ def main(seeds: int = 10) -> None:
             # A run that failed has no figure: its point has no mean, and says why.
             reasons = {reason for reason in table["reason"][here] if reason}
             told = f"{difference.mean():+8.3f} ± {half:.3f}" if not np.isnan(difference).any() else min(reasons, default="no pair")
+            came_apart = int((table["verdict"][here] == "apart").sum())
+            told += f"  ({came_apart} of {seeds} runs came apart)" if came_apart else ""
             print(f"bursts of {burst:2}  {law:13} {apart_mm.mean():8.3f}  {told}")
 
 

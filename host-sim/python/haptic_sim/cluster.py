@@ -6,7 +6,7 @@ die or come at any time, and the runs that a dead one had are done by others.
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from ._native import Sweep
@@ -49,7 +49,7 @@ def _size(sweep: Sweep, runs: int, workers: int) -> int:
     return max(1, min(math.ceil(runs / (10 * workers)), round(_TICKS / ticks)))
 
 
-def _tasks(runs: "Runs", size: int):
+def _tasks(runs: "Runs", size: int) -> "Iterator[Runs]":
     """The runs in their order, so many at a time; a point with many seeds is divided."""
     task: Runs = []
     room = size
