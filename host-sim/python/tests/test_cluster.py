@@ -98,3 +98,32 @@ def test_a_batch_systems_job_is_made_as_the_page_says(tmp_path):
     )
     script = job.job_script()
     assert "#SBATCH --requeue" in script and "dask" in script and "--no-dashboard" in script
+
+
+def test_a_result_that_died_with_its_worker_is_waited_for(monkeypatch, tmp_path):
+    class Lost:
+        """As a future is whose worker died after it had told that it was done."""
+
+        status = "pending"
+
+        def __init__(self, key, task):
+            self.key, self.task = key, task
+
+        def result(self):
+            return SWEEP.rows(self.task)
+
+        def exception(self):
+            return None
+
+        def release(self):
+            pass
+
+    class Workers:
+        def nthreads(self):
+            return {"one": 1}
+
+        def map(self, _, tasks, **__):
+            return [Lost(key, task) for key, task in enumerate(tasks)]
+
+    monkeypatch.setattr(distributed, "as_completed", iter)
+    equal(haptic_sim.cluster.run(Workers(), SWEEP, tmp_path), SWEEP.run())
