@@ -1,6 +1,6 @@
 """Reads recordings of host-sim with the registry's own `mcap`, and compares them with what `host-sim convert` made of them.
 
-check.py RECORDING TABLE [MEANINGS]: MEANINGS says that every column must have one. Fails with what differs.
+check.py RECORDING TABLE. Fails with what differs.
 """
 
 import csv
@@ -15,7 +15,7 @@ UNITS = ("_s", "_m", "_n", "_j", "_m_per_s", "_ppm")
 NO_UNIT = {"tick", "mode", "fault", "live", "session", "live_share", "missing"}
 
 
-def check(recording: str, table: str, meanings: bool) -> None:
+def check(recording: str, table: str) -> None:
     with open(recording, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         summary = reader.get_summary()
@@ -31,7 +31,7 @@ def check(recording: str, table: str, meanings: bool) -> None:
         names = [field.name for field in rows[channel.topic][0][1].DESCRIPTOR.fields] if channel.topic in rows else []
         for name in names:
             assert name.endswith(UNITS) or name in NO_UNIT, f"{channel.topic}: {name} has no unit"
-            assert not meanings or channel.metadata.get(name), f"{channel.topic}: {name} has no meaning"
+            assert channel.metadata.get(name), f"{channel.topic}: {name} has no meaning"
     first = min(summary.channels.values(), key=lambda channel: channel.id).topic
     with open(table, newline="") as file:
         lines = list(csv.DictReader(file))
@@ -48,4 +48,4 @@ def check(recording: str, table: str, meanings: bool) -> None:
     print(f"{recording}: {len(rows)} channels, {len(lines)} rows of {first} are those of {table}")
 
 
-check(sys.argv[1], sys.argv[2], len(sys.argv) > 3)
+check(*sys.argv[1:])

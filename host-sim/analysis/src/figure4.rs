@@ -79,9 +79,14 @@ pub fn table(curves: &[(Curve, Map)]) -> Columns {
     }
     Columns::of(&rows)
         .value("panel", |row| row.0)
+        .means("how the peers communicate: 0 power, 1 wave, 2 passive wave")
         .value("one_way_delay_packets", |row| row.1)
+        .means("one-way delay n_t, in packet periods")
         .value("contact_n_per_m", |row| row.2)
+        .means("contact stiffness K_LC")
         .value("coordination_n_per_m", |row| row.3)
+        .means("coordination stiffness K_T at which stability ends or begins")
         .value("stable_below", |row| row.4)
+        .means("whether K_T just below is stable")
         .done()
 }

@@ -102,9 +102,13 @@ impl Map {
         let [x, y] = self.axes.each_ref().map(|axis| axis.range.key.as_str());
         Columns::of(&rows)
             .value(x, |row| row.0)
+            .means("value of the key of x")
             .value(y, |row| row.1)
+            .means("value of the key of y at which stability ends or begins; nothing where it does neither")
             .value("stable_below", |row| row.2)
+            .means("whether the scene is stable just below")
             .value("stable_above", |row| row.3)
+            .means("whether the scene is stable just above")
             .done()
     }
 

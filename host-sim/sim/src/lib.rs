@@ -13,6 +13,7 @@ pub mod node;
 pub mod pair;
 pub mod peers;
 pub mod plant;
+pub mod quantities;
 pub mod report;
 pub mod rng;
 pub mod run;

@@ -13,7 +13,7 @@ use super::{Failure, SceneArgs, Ui};
 use crate::studies::{doubt, figures};
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::Columns;
-use haptic_sim::run::{Account, EachRow, Options, Outcome, Run, run, run_seen};
+use haptic_sim::run::{EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
@@ -55,7 +55,7 @@ impl Cooperate {
         };
         let steps = (self.time.seconds / period_s / 1e4) as usize;
         let made = ui.made().settings(scene.settings());
-        let recorder = self.record.simulated(&made, Account::columns())?;
+        let recorder = self.record.simulated(&made)?;
         let each = |row: &[f64]| {
             if let Some(recorder) = &recorder {
                 recorder.put_all(0, (1e9 * row[0]).round() as u64, row);
@@ -157,10 +157,8 @@ fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall
         .head("decoded discrepancy |x_o - x_d|, peer 2")
         .number("coordination_force_n.mean", 4, |()| outcome.merit(|o| o.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .shown_in("N", 1.0)
         .number("coordination_force_n.sd", 4, |()| outcome.merit(|o| o.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .shown_in("N", 1.0)
         .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)
         .head("apparent mass of the shared object")

@@ -8,6 +8,7 @@ use clap::{Arg, ArgAction, Args};
 use haptic_core::names::Choice;
 use haptic_protocol::key::{Key, Role};
 use haptic_sim::report::Made;
+use haptic_sim::run::Account;
 use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
 
 pub(super) use super::number::number;
@@ -198,8 +199,8 @@ pub(super) struct RecordTo {
 
 impl RecordTo {
     /// Begins a recording of both peers in simulated time, if one is wanted.
-    pub(super) fn simulated(&self, made: &Made, columns: Vec<String>) -> Result<Option<Recorder>, String> {
-        let channel = || Channel::new("/both/ticks", "Tick", columns.into_iter().map(|name| (name, "")));
+    pub(super) fn simulated(&self, made: &Made) -> Result<Option<Recorder>, String> {
+        let channel = || Channel::new("/both/ticks", "Tick", Account::columns());
         let create = |file: &PathBuf| Recorder::create(file, &Origin::simulated(made, "both peers"), vec![channel()]);
         self.record.as_ref().map(create).transpose()
     }

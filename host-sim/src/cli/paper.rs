@@ -34,7 +34,7 @@ impl Paper {
             "Distributed haptic cooperation (Rakhsha & Constantinescu 2012), section 5: means over 10 s, mm and N\n"
         );
         ui.table(&table);
-        ui.table(&table.meanings());
+        ui.table(&table.meanings(&["decoded_discrepancy_mm", "true_discrepancy_mm", "apparent_object_mass_kg"]));
         writeln!(ui, "Largest coordination gain at 16 ms round trip\n");
         ui.table(&gains);
         if !pictures.is_empty() {

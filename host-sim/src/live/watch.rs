@@ -127,21 +127,9 @@ impl HubWatch {
         start: Instant,
         packets: u64,
     ) -> Result<Self, String> {
-        let of_line = |line: usize| {
-            [("force_n", "force at the hub's end"), ("taken_j", "taken out of it"), ("sent_j", "sent back into it")]
-                .map(|(name, meaning)| (format!("line_{line}_{name}"), format!("line {line}: {meaning}")))
-        };
-        let own = [("time_s", ticks::TICK[0].1), ("tick", ticks::TICK[1].1), ("object_m", "where the lines meet")];
-        let own = own.map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
-        let line = ("line", "which line");
-        let channels = vec![
-            Channel::new("/hub/ticks", "Tick", own.into_iter().chain((1..=lines).flat_map(of_line))),
-            Channel::new("/hub/exchanges", "Exchange", ticks::EXCHANGE.into_iter().chain([line])),
-            Channel::new("/hub/seconds", "Second", HUB_SECOND),
-        ];
         let timing = &scene.peer.timing;
         Ok(Self {
-            recorder: wanted.recorder("hub", start, channels)?,
+            recorder: wanted.recorder("hub", start, ticks::hub_channels(lines))?,
             teller: Teller::new(wanted.manner),
             period_s: timing.control_period_s,
             packet_s: timing.packet_period_s(),
@@ -262,19 +250,6 @@ impl HubWatch {
         Seen::of(&self.of_half, &self.of_all, None, recorded)
     }
 }
-
-/// Columns of a hub's second.
-const HUB_SECOND: [(&str, &str); 6] = [
-    ("time_s", ticks::TICK[0].1),
-    ("lines_up", "lines with a session"),
-    (
-        "true_discrepancy_m",
-        "root of the mean square of the largest distance of two copies at one instant, from telemetry",
-    ),
-    ("largest_true_discrepancy_m", "its largest"),
-    ("true_discrepancy_error_m", "the largest that clocks and the time between two tellings make of it"),
-    ("clock_error_s", "of the line whose clock is known least"),
-];
 
 /// Watches a peer.
 pub(crate) struct Watch {

@@ -9,13 +9,14 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+use haptic_sim::quantities::Named;
 use haptic_sim::report::{Column, Columns};
 
 use super::mcap::{MAGIC, op};
 use super::origin::Origin;
 
-/// Column of converted tables that every row begins with: its number, which counts rows that were lost as well.
-const ROW: &str = "row";
+/// Column that every row of a converted table begins with.
+pub const ROW: Named = ("row", "number of the row, from 0; one that is left out was lost while it was recorded");
 
 /// A recording.
 #[derive(Debug)]
@@ -90,10 +91,9 @@ impl Rows {
     /// As a table: the number of each row, and its values.
     pub fn table(&self) -> Columns {
         let mut table = Columns::default();
-        table
-            .push(Column::numbers(ROW, self.sequences.clone()).meaning_is("counts from 0; a number left out was lost"));
+        table.push(Column::numbers(ROW.0, ROW.1, self.sequences.clone()));
         for (name, values) in self.names.iter().zip(&self.columns) {
-            table.push(Column::numbers(name.as_str(), values.clone()).meaning_is(self.meaning(name)));
+            table.push(Column::numbers(name.as_str(), self.meaning(name), values.clone()));
         }
         table
     }

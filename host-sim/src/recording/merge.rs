@@ -12,6 +12,7 @@
 //! **At one instant**: for every tick of the first, the second's copy at that time, on the straight line between two ticks; or the
 //! copy of one tick, where the clock cannot tell that it was another instant.
 
+use haptic_sim::quantities::{self, Named};
 use haptic_sim::report::Columns;
 use serde::Serialize;
 
@@ -27,6 +28,15 @@ const LATE_TICKS: f64 = 1000.0;
 const INSTANT_S: f64 = 1e-9;
 /// What is armed, in a column of modes.
 const ARMED: f64 = 1.0;
+
+/// Columns of the table of every instant.
+pub const COLUMNS: [Named; 5] = [
+    ("time_s", "since the clock of the first recording began"),
+    ("object_1_m", "position of the copy of the object in the first recording"),
+    ("object_2_m", "position of the copy of the object in the second recording, at this instant"),
+    quantities::TRUE_DISCREPANCY,
+    ("clock_error_m", "what the clock's error may have made of it: speed of the copies times that"),
+];
 
 /// A copy at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -236,7 +246,7 @@ pub fn both(recording: &Recording) -> Result<Merged, String> {
 /// Instants, one after the other.
 #[derive(Default)]
 struct Sum {
-    rows: Vec<[f64; 5]>,
+    rows: Vec<[f64; COLUMNS.len()]>,
     clock_error_s: f64,
 }
 
@@ -255,7 +265,7 @@ impl Sum {
             |column: usize| (self.rows.iter().map(|row| row[column] * row[column]).sum::<f64>() / count as f64).sqrt();
         let largest = |column: usize| self.rows.iter().map(|row| row[column]).fold(0.0, f64::max);
         let half = &self.rows[count / 2..];
-        let mut table = Columns::named(["time_s", "object_1_m", "object_2_m", "true_discrepancy_m", "clock_error_m"]);
+        let mut table = Columns::named(COLUMNS);
         self.rows.iter().for_each(|row| table.push_row(row));
         Ok(Merged {
             ends,

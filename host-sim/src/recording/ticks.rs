@@ -5,31 +5,35 @@ use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 
 use haptic_protocol::{link::Link, wire::Sample};
+use haptic_sim::quantities::{self, Named};
 
 use super::common_clock::{Exchange, Relation, Watched};
 use super::mcap::Channel;
 
+/// Since when a recording's times count.
+pub const TIME: Named = ("time_s", "since the recording's clock began");
+
 /// Columns of a tick; those that a board tells as well are called as in its recordings.
-pub const TICK: [(&str, &str); 15] = [
-    ("time_s", "since the recording's clock began"),
-    ("tick", "control periods since then"),
-    ("mode", "0 disarmed, 1 armed, 2 faulted"),
-    ("fault", "number of the fault, 0 none"),
-    ("device_m", "position of the device"),
-    ("device_m_per_s", "its velocity"),
-    ("object_m", "position of this peer's copy of the object"),
-    ("object_m_per_s", "its velocity"),
-    ("decoded_m", "where the peer believes the other copy to be, x_d"),
-    ("decoded_m_per_s", "its velocity"),
-    ("contact_n", "contact force F_LC on the copy"),
-    ("coordination_n", "coordination force F_T on the copy"),
-    ("energy_received_j", "energy that came in from the network, since arming"),
-    ("energy_sent_j", "energy that went out to the network, since arming"),
+pub const TICK: [Named; 15] = [
+    TIME,
+    quantities::TICK,
+    quantities::MODE,
+    quantities::FAULT,
+    quantities::DEVICE,
+    quantities::DEVICE_SPEED,
+    quantities::OBJECT,
+    quantities::OBJECT_SPEED,
+    quantities::DECODED,
+    quantities::DECODED_SPEED,
+    quantities::CONTACT,
+    quantities::COORDINATION,
+    quantities::ENERGY_RECEIVED,
+    quantities::ENERGY_SENT,
     ("live", "1 while what is heard is fresh, or the line lives; 0 while it stands"),
 ];
 
 /// Columns of an exchange: times of a probe and its answer.
-pub const EXCHANGE: [(&str, &str); 5] = [
+pub const EXCHANGE: [Named; 5] = [
     ("sent_s", "t1: the probe left here"),
     ("there_s", "t2: it came there, by the other clock"),
     ("answered_s", "t3: its answer left there, by the other clock"),
@@ -38,21 +42,34 @@ pub const EXCHANGE: [(&str, &str); 5] = [
 ];
 
 /// Columns of a second.
-pub const SECOND: [(&str, &str); 11] = [
-    ("time_s", "since the recording's clock began"),
+pub const SECOND: [Named; 11] = [
+    TIME,
     ("clock_offset_s", "the other end's clock less this one"),
-    ("clock_error_s", "by how much that may be wrong: half of the smallest round trip, and twice the standard error"),
-    ("clock_drift_ppm", "how much faster the other clock runs"),
-    ("clock_drift_error_ppm", "by how much that may be wrong"),
-    ("smallest_round_trip_s", "of the last minute"),
     (
-        "true_discrepancy_m",
-        "root of the mean square distance of the two copies at one instant, as far as telemetry came",
+        "clock_error_s",
+        "by how much the offset may be wrong: half of the smallest round trip, and twice the standard error",
     ),
-    ("largest_true_discrepancy_m", "its largest"),
+    ("clock_drift_ppm", "how much faster the other clock runs"),
+    ("clock_drift_error_ppm", "by how much the drift may be wrong"),
+    ("smallest_round_trip_s", "smallest round trip of the last minute"),
+    ("true_discrepancy_m", "root of the mean square of |x_o1 - x_o2| in this second, as far as telemetry came"),
+    ("largest_true_discrepancy_m", "largest distance of the two copies at one instant of this second"),
     ("true_discrepancy_error_m", "the largest that the clock's error makes of it: speed of the copy times that"),
     ("live_share", "share of the second in which the line lived"),
     ("missing", "datagrams of the other end that never came, since the start"),
+];
+
+/// Columns of a hub's second.
+const HUB_SECOND: [Named; 6] = [
+    TIME,
+    ("lines_up", "lines with a session"),
+    (
+        "true_discrepancy_m",
+        "root of the mean square in this second of the largest distance of two copies, from telemetry",
+    ),
+    ("largest_true_discrepancy_m", "largest distance of two copies at one instant of this second"),
+    ("true_discrepancy_error_m", "the largest that clocks and the time between two tellings make of it"),
+    ("clock_error_s", "by how much the clock may be wrong of the line whose clock is known least"),
 ];
 
 /// The three channels of a peer, in this order: ticks, exchanges, seconds.
@@ -75,10 +92,27 @@ pub const SECONDS: u16 = 2;
 /// [`EXCHANGES`].
 pub fn board_channels(number: u8) -> Vec<Channel> {
     let sealed = ("sealed_s", "when the record was sealed, by the board's clock");
-    let ticks = haptic_sim::board::recording::COLUMNS.map(|name| (name, ""));
+    let ticks = haptic_sim::board::recording::COLUMNS;
     vec![
         Channel::new(format!("/board_{number}/ticks"), "Tick", ticks.into_iter().chain([sealed])),
         Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE),
+    ]
+}
+
+/// The channels of a hub with so many lines, in the order of [`channels`].
+pub fn hub_channels(lines: usize) -> Vec<Channel> {
+    let own = [TIME, quantities::TICK, ("object_m", "where the lines meet")];
+    let own = own.map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
+    let of_line = |line: usize| {
+        let told =
+            [("force_n", "force at the hub's end"), ("taken_j", "energy taken out"), ("sent_j", "energy sent into it")];
+        told.map(|(name, meaning)| (format!("line_{line}_{name}"), format!("line {line}: {meaning}")))
+    };
+    let line = ("line", "which line, from 1");
+    vec![
+        Channel::new("/hub/ticks", "Tick", own.into_iter().chain((1..=lines).flat_map(of_line))),
+        Channel::new("/hub/exchanges", "Exchange", EXCHANGE.into_iter().chain([line])),
+        Channel::new("/hub/seconds", "Second", HUB_SECOND),
     ]
 }
 

@@ -86,7 +86,7 @@ impl Comparison {
     /// Every run as a table.
     pub fn runs(&self, rows: &[Row]) -> Columns {
         let columns = Columns::of(rows).value("number", |row| row.point + 1).means("which scene, from 1");
-        of_runs(columns.value("scene", |row| self.entrants[row.point].name.as_str()))
+        of_runs(columns.value("scene", |row| self.entrants[row.point].name.as_str()).means("name of the scene or law"))
     }
 
     /// The differences as a table; in text these figures of merit.
@@ -98,20 +98,29 @@ impl Comparison {
         };
         Columns::of(&shown)
             .value("number", |one| one.entrant + 1)
+            .means("which scene, from 1")
             .data_only()
             .value("scene", |one| self.entrants[one.entrant].name.as_str())
+            .means("name of the scene or law")
             .value("merit", |one| MERITS[one.merit].name())
+            .means("figure of merit; what follows is in its unit")
             .significant("first", 4, |one| one.means[0])
+            .means("mean over the seeds, of the first scene")
             .significant("this", 4, |one| one.means[1])
+            .means("mean over the seeds, of this scene")
             .significant("difference", 3, |one| one.difference.map(|found| found.mean))
+            .means("this scene less the first, mean over the seeds")
             .significant("difference_95", 2, |one| one.difference?.within_95)
             .head("±")
             .means("half of the 95 % interval of the mean of the paired differences (Student)")
             .number("relative_percent", 1, relative)
-            .head("%")
+            .means("the difference, of the first scene's mean")
+            .head("")
+            .shown_in("%", 1.0)
             .value("differs", |one| one.differs())
             .means("whether the interval leaves out 0")
             .value("reason", |one| one.reason.clone())
+            .means("why there is no difference: the first run of either that failed")
             .done()
     }
 

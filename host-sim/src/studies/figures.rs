@@ -71,8 +71,8 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
     let zero = at_start(&local);
     let place = |name: String| from_there(over_time(outcome, &name, 1e3), zero);
     let [hand, decoded, remote] =
-        [format!("device_{peer}_m"), format!("desired_{peer}_m"), format!("object_{other}_m")].map(place);
-    let force = |name: &str| over_time(outcome, &format!("{name}_force_{peer}_n"), 1.0);
+        [format!("device_{peer}_m"), format!("decoded_{peer}_m"), format!("object_{other}_m")].map(place);
+    let force = |name: &str| over_time(outcome, &format!("{name}_{peer}_n"), 1.0);
     let energy = |name: &str| over_time(outcome, &format!("energy_{name}_{peer}_j"), 1e3);
     let net: Vec<_> = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
     let net = from_there(net.clone(), at_start(&net));
@@ -191,7 +191,7 @@ fn forces(runs: &[&Experiment]) -> Figure {
     let series = runs
         .iter()
         .enumerate()
-        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, "coordination_force_2_n", 1.0)))
+        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, "coordination_2_n", 1.0)))
         .collect();
     Figure {
         title: "Figure 8: coordination force on the local copy at peer 2, 16 ms round trip".to_owned(),

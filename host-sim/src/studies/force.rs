@@ -230,13 +230,21 @@ pub fn response_columns(rows: &[Row]) -> Columns {
     let share = |made: f64, row: &Row| 100.0 * made / row.command_n;
     Columns::of(rows)
         .value("command", |row| row.command.label())
+        .means("what is commanded: constant, a sine, a band of noise")
         .number("open.gain", 3, |row| row.open.gain)
+        .means("force over command with an open-loop duty")
         .number("open.phase_deg", 1, |row| row.open.phase)
+        .means("phase of the force less that of the command, open loop")
         .number("loop.gain", 3, |row| row.closed.gain)
+        .means("force over command with the current loop")
         .number("loop.phase_deg", 1, |row| row.closed.phase)
+        .means("phase of the force less that of the command, current loop")
         .number("open.error_percent", 1, move |row| share(row.open.error_n, row))
+        .means("error of the force, of the command, open loop")
         .number("loop.error_percent", 1, move |row| share(row.closed.error_n, row))
+        .means("error of the force, of the command, current loop")
         .number("loop.late_error_percent", 1, move |row| share(row.closed.delayed_error_n, row))
+        .means("the same against the command as late as the loop is")
         .done()
 }
 
@@ -244,11 +252,17 @@ pub fn response_columns(rows: &[Row]) -> Columns {
 pub fn moving_columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
         .value("command", |row| row.command.label())
+        .means("what is commanded: constant, a sine, a band of noise")
         .number("command_n", 2, |row| row.command_n)
+        .means("root mean square of the command")
         .number("open.error_n", 3, |row| row.open.error_n)
+        .means("root mean square error of the force, open loop")
         .number("loop.error_n", 3, |row| row.closed.error_n)
+        .means("root mean square error of the force, current loop")
         .number("loop.late_error_n", 3, |row| row.closed.delayed_error_n)
+        .means("the same against the command as late as the loop is")
         .number("allowed_n", 3, |row| row.allowed_n())
+        .means("the most that may be wrong")
         .done()
 }
 
@@ -300,7 +314,10 @@ pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Failure> {
 pub fn stiffest_columns(rows: &[Stiffest]) -> Columns {
     Columns::of(rows)
         .value("force", |row| row.force.as_str())
+        .means("how the force is made")
         .number("delay_ticks", 3, |row| row.delay_ticks)
+        .means("control periods from sensing to the force")
         .number("contact_n_per_m", 0, |row| row.contact_n_per_m)
+        .means("stiffest contact that is stable with both hands on; nothing where all are, up to 10 kN/m")
         .done()
 }

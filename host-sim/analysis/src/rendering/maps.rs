@@ -183,10 +183,16 @@ pub fn table(curves: &[Curve]) -> Columns {
     };
     Columns::of(&rows)
         .value("place", |row| place(row.0))
+        .means("where the delay is: 1 to 4, in the order of the paper; 0 where the sampling period is swept")
         .value("wall", |row| row.0.wall)
+        .means("whether the object is a wall")
         .value("time_s", |row| row.1.time_s)
+        .means("delay or sampling period")
         .value("stiffness_n_per_m", |row| row.3)
+        .means("contact stiffness at which stability ends or begins; 0 where even the softest contact is unstable")
         .value("stable_below", |row| row.2 % 2 == 0)
+        .means("whether softer contacts, down to the crossing before, are stable")
         .value("closed_form_n_per_m", |row| row.1.closed_form_n_per_m)
+        .means("largest stable stiffness in closed form")
         .done()
 }

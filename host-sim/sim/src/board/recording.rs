@@ -6,34 +6,39 @@
 
 use haptic_core::device::AXES;
 
+use crate::quantities::{self, Named};
 use crate::report::Columns;
 
-/// Columns, with their units; duties, currents and voltages are shares of all there is.
-pub const COLUMNS: [&str; 24] = [
-    "time_s",
-    "tick",
-    "mode",
-    "fault",
-    "flags",
-    "encoder_1_counts",
-    "encoder_2_counts",
-    "duty_1",
-    "duty_2",
-    "device_m",
-    "device_m_per_s",
-    "object_m",
-    "object_m_per_s",
-    "decoded_m",
-    "decoded_m_per_s",
-    "contact_n",
-    "coordination_n",
-    "energy_received_j",
-    "energy_sent_j",
-    "current_1",
-    "current_2",
-    "voltage_1",
-    "voltage_2",
-    "supply_v",
+/// Columns; duties, currents and voltages are shares of all there is, currents and voltages 0 without a current loop.
+pub const COLUMNS: [Named; 24] = [
+    ("time_s", "control periods as time: since the first record in CSV, since the board started in a recording"),
+    quantities::TICK,
+    quantities::MODE,
+    quantities::FAULT,
+    (
+        "flags",
+        "sum of 1 bridges enabled, 2 a packet went out, 4 one came in, 8 the tick before overran, 16 let go of the other peer, 32 \
+         the coordination acts",
+    ),
+    ("encoder_1_counts", "counter of encoder 1, modulo 65536"),
+    ("encoder_2_counts", "counter of encoder 2, modulo 65536"),
+    ("duty_1", "command to motor 1, -1 to 1"),
+    ("duty_2", "command to motor 2, -1 to 1"),
+    quantities::DEVICE,
+    quantities::DEVICE_SPEED,
+    quantities::OBJECT,
+    quantities::OBJECT_SPEED,
+    quantities::DECODED,
+    quantities::DECODED_SPEED,
+    quantities::CONTACT,
+    quantities::COORDINATION,
+    quantities::ENERGY_RECEIVED,
+    quantities::ENERGY_SENT,
+    ("current_1", "mean current of motor 1 since the tick before, of full scale"),
+    ("current_2", "mean current of motor 2 since the tick before, of full scale"),
+    ("voltage_1", "mean voltage of motor 1 since the tick before, of the supply"),
+    ("voltage_2", "mean voltage of motor 2 since the tick before, of the supply"),
+    ("supply_v", "supply of the bridges"),
 ];
 
 /// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.

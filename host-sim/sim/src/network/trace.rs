@@ -13,6 +13,16 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::quantities::Named;
+
+/// Columns of the file.
+pub const COLUMNS: [Named; 4] = [
+    ("direction", "who sent the packet: 1 or 2"),
+    ("packet", "which packet of this direction, from 0; one with two rows arrives twice"),
+    ("delay_s", "what is added to the constant delay; empty of a packet that is lost"),
+    ("fate", "arrives, corrupt or lost"),
+];
+
 /// Nanoseconds as seconds.
 pub fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
@@ -106,7 +116,7 @@ impl NetworkTrace {
     pub fn write(&self, path: &Path) -> Result<(), String> {
         let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
         let mut writer = csv::Writer::from_path(path).map_err(failed)?;
-        writer.write_record(["direction", "packet", "delay_s", "fate"]).map_err(failed)?;
+        writer.write_record(COLUMNS.map(|(name, _)| name)).map_err(failed)?;
         for (direction, half) in (1..).zip(&self.packets) {
             for (packet, copies) in half.iter().enumerate() {
                 let mut row = |delay: String, fate: &str| {

@@ -7,9 +7,9 @@
 //! struct Cell { comm: &'static str, stable: bool, true_discrepancy_mm: f64, mass_kg: Option<f64> }
 //! let cells = [Cell { comm: "power", stable: true, true_discrepancy_mm: 3.2407, mass_kg: None }];
 //! let columns = Columns::of(&cells)
-//!     .value("comm", |cell| cell.comm)
-//!     .value("stable", |cell| cell.stable)
-//!     .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm).head("true")
+//!     .value("comm", |cell| cell.comm).means("how the copies are held together")
+//!     .value("stable", |cell| cell.stable).means("nobody stopped, nothing grew")
+//!     .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm).head("true").means("|x_o1 - x_o2|")
 //!     .number("mass_kg", 3, |cell| cell.mass_kg).means("what the hands feel")
 //!     .done();
 //! assert_eq!(columns.to_string(), "\
@@ -25,9 +25,12 @@
 //! ```
 //!
 //! The **name** is the field of JSON, the heading of CSV and the column of Parquet; it ends with the unit
-//! (`true_discrepancy_mm`). A dot in it nests in JSON (`force_n.mean`, `energy.0.sent_j`), as pandas' `json_normalize`
-//! undoes it. In text the **heading** is the name in words, or what [`Rows::head`] says, and the unit; numbers have the
-//! digits asked for. JSON, CSV and Parquet keep every number exactly.
+//! (`true_discrepancy_mm`), or that of the parts between its dots does which is the last to have one. A dot nests in JSON
+//! (`force_n.mean`, `energy.0.sent_j`), as pandas' `json_normalize` undoes it. In text the **heading** is the name in words, or
+//! what [`Rows::head`] says, and the unit; numbers have the digits asked for. JSON, CSV and Parquet keep every number exactly.
+//!
+//! Every column that is written to a file has a **meaning**: Parquet carries it beside the unit, and `host-sim columns` prints
+//! both from the same declarations, made over no rows.
 //!
 //! | cell | text | JSON | CSV | Parquet |
 //! |---|---|---|---|---|
@@ -136,7 +139,9 @@ const UNITS: &[(&str, &str)] = &[
     ("m_per_s", "m/s"),
     ("per_s", "/s"),
     ("n_s", "N·s"),
+    ("percent", "percent"),
     ("rad", "rad"),
+    ("deg", "deg"),
     ("ppm", "ppm"),
     ("khz", "kHz"),
     ("hz", "Hz"),
@@ -151,14 +156,24 @@ const UNITS: &[(&str, &str)] = &[
     ("s", "s"),
     ("n", "N"),
     ("j", "J"),
+    ("v", "V"),
 ];
 
-/// What is before the unit of a name, and the unit.
-fn apart(name: &str) -> (&str, &'static str) {
-    let of = |(end, unit): &(&str, &'static str)| {
-        Some((name.strip_suffix(end)?.strip_suffix(['_', '.'])?, *unit)).filter(|(rest, _)| !rest.is_empty())
+/// A name without its unit, and the unit: at the end, or before a dot (`force_n.mean`).
+fn apart(name: &str) -> (String, &'static str) {
+    let without = |part: &str| {
+        let of = |(end, unit): &(&str, &'static str)| Some((part.strip_suffix(end)?.strip_suffix(['_', '.'])?, *unit));
+        let (rest, unit) = UNITS.iter().find_map(of).filter(|(rest, _)| !rest.is_empty())?;
+        Some((rest.to_owned() + &name[part.len()..], unit))
     };
-    UNITS.iter().find_map(of).unwrap_or((name, ""))
+    let ends = std::iter::once(name.len()).chain(name.rmatch_indices('.').map(|(dot, _)| dot));
+    ends.map(|end| &name[..end]).find_map(without).unwrap_or_else(|| (name.to_owned(), ""))
+}
+
+/// The name of what there is several of, with a number before its unit: `object_m` of peer 2 is `object_2_m`.
+pub fn numbered(name: &str, number: usize) -> String {
+    let (rest, _) = apart(name);
+    format!("{rest}_{number}{}", &name[rest.len()..])
 }
 
 /// What stands in a column.
@@ -201,9 +216,9 @@ impl Column {
         }
     }
 
-    /// A column of numbers.
-    pub fn numbers(name: impl Into<String>, values: Vec<f64>) -> Self {
-        Self::new(name.into(), Digits::All, Values::Numbers(values))
+    /// A column of numbers, and what it means.
+    pub fn numbers(name: impl Into<String>, meaning: impl Into<String>, values: Vec<f64>) -> Self {
+        Self { meaning: meaning.into(), ..Self::new(name.into(), Digits::All, Values::Numbers(values)) }
     }
 
     /// Its name, with the unit at the end.
@@ -211,10 +226,9 @@ impl Column {
         &self.name
     }
 
-    /// The same with what it means.
-    #[must_use]
-    pub fn meaning_is(self, meaning: &str) -> Self {
-        Self { meaning: meaning.to_owned(), ..self }
+    /// The unit of what is written to files; empty of what has none: a count, a ratio, a flag, words.
+    pub fn unit(&self) -> &'static str {
+        apart(&self.name).1
     }
 
     /// What it means, in words; may be empty.
@@ -373,9 +387,17 @@ impl Columns {
         Self { columns: names.into_iter().map(column).collect() }
     }
 
-    /// Columns of numbers without rows yet, to be filled with [`Self::push_row`].
-    pub fn named<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
-        Self { columns: names.into_iter().map(|name| Column::numbers(name, Vec::new())).collect() }
+    /// Columns of numbers without rows yet, by name and meaning, to be filled with [`Self::push_row`].
+    pub fn named<N: Into<String>, M: Into<String>>(columns: impl IntoIterator<Item = (N, M)>) -> Self {
+        let column = |(name, meaning)| Column::numbers(name, meaning, Vec::new());
+        Self { columns: columns.into_iter().map(column).collect() }
+    }
+
+    /// The same without the column of this name.
+    #[must_use]
+    pub fn without(mut self, name: &str) -> Self {
+        self.columns.retain(|column| column.name != name);
+        self
     }
 
     /// One column more, cell by cell. Not generic: compiled once and not for each of hundreds of columns.
@@ -469,9 +491,9 @@ impl Columns {
         aligned(&std::iter::once(titles).chain(lines).collect::<Vec<_>>())
     }
 
-    /// A line for every column that has a meaning: its heading and what it means.
-    pub fn meanings(&self) -> String {
-        let told = self.shown().filter(|column| !column.meaning.is_empty());
+    /// A line for each of these columns: its heading and what it means.
+    pub fn meanings(&self, names: &[&str]) -> String {
+        let told = self.shown().filter(|column| names.contains(&column.name()));
         told.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
     }
 }

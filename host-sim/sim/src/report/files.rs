@@ -258,7 +258,7 @@ fn number(cell: &Cell) -> Option<f64> {
     }
 }
 
-/// A table as Parquet, with what made it and what its columns mean.
+/// A table as Parquet, with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
 fn parquet(columns: &Columns, made: &str) -> Result<Vec<u8>, ParquetError> {
     let data = distinct(columns).map_err(ParquetError::General)?;
     let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
@@ -272,12 +272,13 @@ fn parquet(columns: &Columns, made: &str) -> Result<Vec<u8>, ParquetError> {
     };
     let fields = data.iter().map(field).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let meanings = data.iter().filter(|column| !column.meaning().is_empty());
-    let meanings =
-        meanings.map(|column| KeyValue::new(format!("meaning.{}", column.name()), column.meaning().to_owned()));
-    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.to_owned())).chain(meanings).collect();
+    let told = |column: &&Column| {
+        let about = [("unit", column.unit()), ("meaning", column.meaning())];
+        about.map(|(what, text)| KeyValue::new(format!("{what}.{}", column.name()), text.to_owned()))
+    };
+    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.to_owned())).chain(data.iter().flat_map(told));
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
-    let properties = properties.set_key_value_metadata(Some(metadata)).build();
+    let properties = properties.set_key_value_metadata(Some(metadata.collect())).build();
     let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
     for start in (0..columns.len()).step_by(ROW_GROUP_ROWS) {
         let mut group = writer.next_row_group()?;

@@ -7,6 +7,6 @@
 mod columns;
 pub mod files;
 
-pub use columns::{Cell, Column, Columns, Rows, Values, word};
+pub use columns::{Cell, Column, Columns, Rows, Values, numbered, word};
 pub use files::{Files, Made};
 pub use haptic_plot::{ReportError, significant};

@@ -9,24 +9,27 @@ use super::reason::{APART_MM, Reason};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::ObjectPort;
 use crate::measure::{LastHalf, Statistics};
-use crate::{peers::DynPeer, report::Columns, scene::Scene};
+use crate::quantities::{self, Named};
+use crate::report::{Columns, numbered};
+use crate::{peers::DynPeer, scene::Scene};
 
-/// The columns that are recorded, each peer's by its number.
-const PEER_COLUMNS: [&str; 10] = [
-    "device_{}_m",
-    "object_{}_m",
-    "desired_{}_m",
-    "object_velocity_{}_m_per_s",
-    "contact_force_{}_n",
-    "coordination_force_{}_n",
-    "energy_received_{}_j",
-    "energy_sent_{}_j",
-    "energy_to_object_{}_j",
-    "energy_from_object_{}_j",
+/// What is recorded of each peer.
+const OF_PEER: [Named; 10] = [
+    quantities::DEVICE,
+    quantities::OBJECT,
+    quantities::DECODED,
+    quantities::OBJECT_SPEED,
+    quantities::CONTACT,
+    quantities::COORDINATION,
+    quantities::ENERGY_RECEIVED,
+    quantities::ENERGY_SENT,
+    quantities::ENERGY_TO_OBJECT,
+    quantities::ENERGY_FROM_OBJECT,
 ];
 
-/// The last columns, of both.
-const COMMON_COLUMNS: [&str; 2] = ["true_discrepancy_m", "decoded_discrepancy_2_m"];
+/// And of both.
+const OF_BOTH: [Named; 2] =
+    [quantities::TRUE_DISCREPANCY, ("decoded_discrepancy_2_m", "distance of peer 2's copy from its x_d, |x_o2 - x_d|")];
 
 /// A peer after a tick.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,10 +107,12 @@ impl Account {
         }
     }
 
-    /// Names of the columns of a row.
-    pub fn columns() -> Vec<String> {
-        let peers = (1..=2).flat_map(|peer| PEER_COLUMNS.map(|name| name.replace("{}", &peer.to_string())));
-        [["time_s".to_owned()].to_vec(), peers.collect(), COMMON_COLUMNS.map(str::to_owned).to_vec()].concat()
+    /// The columns of a row, by name and meaning; each peer's with its number before the unit.
+    pub fn columns() -> impl Iterator<Item = (String, String)> {
+        let owned = |(name, meaning): Named| (name.to_owned(), meaning.to_owned());
+        let of = |peer| OF_PEER.map(|(name, meaning)| (numbered(name, peer), format!("peer {peer}: {meaning}")));
+        let time = ("time_s", "since the start of the run");
+        std::iter::once(owned(time)).chain((1..=2).flat_map(of)).chain(OF_BOTH.map(owned))
     }
 
     /// A tick of peer `at`, 0 or 1.

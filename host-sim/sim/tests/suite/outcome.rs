@@ -180,7 +180,7 @@ fn work_on_a_copy_is_its_kinetic_energy() {
         assert_eq!(outcome.fault, None);
         let column = |name: &str| outcome.table.column(name).expect("a column");
         for peer in [1, 2] {
-            let [velocity, contact] = [format!("object_velocity_{peer}_m_per_s"), format!("contact_force_{peer}_n")];
+            let [velocity, contact] = [format!("object_{peer}_m_per_s"), format!("contact_{peer}_n")];
             let (velocity, contact) = (column(&velocity), column(&contact));
             let pushed: f64 = velocity.windows(2).zip(contact).map(|(v, f)| 1e-3 * f * 0.5 * (v[0] + v[1])).sum();
             let last = velocity.last().expect("a tick");

@@ -1,7 +1,7 @@
 //! Columns as text, JSON, CSV and Parquet; files of a run, and what they say of it.
 
 use haptic_plot::Figure;
-use haptic_sim::report::files::{ROW_GROUP_ROWS, write_csv};
+use haptic_sim::report::files::{ROW_GROUP_ROWS, write_csv, write_parquet};
 use haptic_sim::report::{Column, Columns, Files, Made, ReportError};
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -45,7 +45,7 @@ power       310  357.0           1000.00
 a|b           -  1.0, 2.5              -
 ";
     assert_eq!(gains().to_string(), expected);
-    assert_eq!(gains().meanings(), "gain: the largest.\n");
+    assert_eq!(gains().meanings(&["gain_n_per_m"]), "gain: the largest.\n");
 }
 
 #[test]
@@ -89,7 +89,7 @@ line  energy sent J  log  names  up   score
 
 #[test]
 fn curves_are_columns_over_another() {
-    let mut columns = Columns::named(["time_s", "x_m"]);
+    let mut columns = Columns::named([("time_s", "since the start"), ("x_m", "a place")]);
     columns.push_row(&[0.5, 2.0]);
     assert_eq!(columns.points("time_s", "x_m", 1e3), [(0.5, 2000.0)]);
     assert_eq!(columns.points("time_s", "y_m", 1e3), []);
@@ -97,7 +97,7 @@ fn curves_are_columns_over_another() {
 
 #[test]
 fn rows_of_numbers_are_added_and_found() {
-    let mut columns = Columns::named(["time_s", "x_m"]);
+    let mut columns = Columns::named([("time_s", "since the start"), ("x_m", "a place")]);
     assert!(columns.is_empty());
     columns.push_row(&[0.0, 1.5]);
     columns.push_row(&[1.0, f64::NAN]);
@@ -108,20 +108,27 @@ fn rows_of_numbers_are_added_and_found() {
 #[test]
 #[should_panic(expected = "one value for each column")]
 fn a_row_that_does_not_fit_is_a_mistake() {
-    Columns::named(["time_s", "x_m"]).push_row(&[1.0]);
+    Columns::named([("time_s", "since the start"), ("x_m", "a place")]).push_row(&[1.0]);
 }
 
 #[test]
 fn names_end_with_their_unit() {
-    let text = Columns::named(["true_discrepancy_mm_per_n", "drag_n_s_per_m", "loss", "s"]).to_string();
-    assert_eq!(text.lines().next(), Some("true discrepancy mm/N  drag N·s/m  loss  s"));
+    let names =
+        ["true_discrepancy_mm_per_n", "drag_n_s_per_m", "loss", "s", "force_n.mean", "energy.0.sent_j", "rests_mm.1"];
+    let columns = Columns::named(names.map(|name| (name, "")));
+    let heads = "true discrepancy mm/N  drag N·s/m  loss  s  force mean N  energy 0 sent J  rests 1 mm";
+    assert_eq!(columns.to_string().lines().next(), Some(heads));
+    let units: Vec<&str> = columns.data().map(Column::unit).collect();
+    assert_eq!(units, ["mm/N", "N·s/m", "", "", "N", "J", "mm"]);
+    let numbered = ["object_m", "object_m_per_s", "loss"].map(|name| haptic_sim::report::numbered(name, 2));
+    assert_eq!(numbered, ["object_2_m", "object_2_m_per_s", "loss_2"]);
 }
 
 fn awkward() -> Columns {
     let values = vec![0.0, -0.0, 0.1 + 0.2, 1e300, f64::MIN_POSITIVE / 8.0, -1.0 / 3.0, f64::INFINITY, f64::NAN];
-    let mut columns = Columns::named(["time_s"]);
+    let mut columns = Columns::named([("time_s", "since the start")]);
     (0..values.len()).for_each(|i| columns.push_row(&[i as f64 * 1e-3]));
-    columns.push(Column::numbers("force, \"odd\"_n", values));
+    columns.push(Column::numbers("force, \"odd\"_n", "what is felt", values));
     columns
 }
 
@@ -145,7 +152,7 @@ fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ReportError> {
 
 fn read_csv(bytes: &[u8]) -> Columns {
     let mut reader = csv::Reader::from_reader(bytes);
-    let mut columns = Columns::named(reader.headers().unwrap());
+    let mut columns = Columns::named(reader.headers().unwrap().iter().map(|name| (name, "")));
     for record in reader.records() {
         columns.push_row(&record.unwrap().iter().map(|v| v.parse().unwrap()).collect::<Vec<f64>>());
     }
@@ -162,7 +169,7 @@ fn read_parquet(bytes: &[u8]) -> (Columns, Option<Vec<KeyValue>>) {
         (reader.metadata().file_metadata().num_rows() as usize).div_ceil(ROW_GROUP_ROWS)
     );
     let about = reader.metadata().file_metadata();
-    let mut columns = Columns::named(about.schema_descr_ptr().columns().iter().map(|c| c.name().to_owned()));
+    let mut columns = Columns::named(about.schema_descr_ptr().columns().iter().map(|c| (c.name().to_owned(), "")));
     for row in reader.get_row_iter(None).unwrap() {
         let row = row.unwrap();
         let values = row.get_column_iter().map(|(name, field)| match field {
@@ -188,9 +195,9 @@ fn csv_round_trips_every_bit() {
 
 #[test]
 fn parquet_round_trips_every_bit_and_says_what_made_it() {
-    let mut long = Columns::named(["x_m"]);
+    let mut long = Columns::named([("x_m", "a place")]);
     (0..ROW_GROUP_ROWS + 3).for_each(|i| long.push_row(&[(i as f64).sin()]));
-    for columns in [awkward(), long, Columns::named(["time_s"]), Columns::default()] {
+    for columns in [awkward(), long, Columns::named([("time_s", "since the start")]), Columns::default()] {
         let (read, about) = read_parquet(&parquet(&columns, &made()).unwrap());
         assert_eq!(bits(&read), bits(&columns));
         let told = about.unwrap().into_iter().find(|entry| entry.key == "made").and_then(|entry| entry.value).unwrap();
@@ -200,6 +207,23 @@ fn parquet_round_trips_every_bit_and_says_what_made_it() {
             (Some(7), Some("wave"))
         );
     }
+}
+
+#[test]
+fn parquet_says_unit_and_meaning_of_every_column() {
+    let columns = gains();
+    let folder = tempdir().unwrap();
+    let path = folder.path().join("gains.parquet");
+    write_parquet(&columns, &path, "").unwrap();
+    let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    let told = reader.metadata().file_metadata().key_value_metadata().unwrap();
+    let about = |key: String| told.iter().find(|entry| entry.key == key)?.value.clone();
+    for (column, unit) in columns.data().zip(["", "N/m", "N/m", "N", "N"]) {
+        // In text one of them is in mN; the file keeps what its name says.
+        assert_eq!(about(format!("unit.{}", column.name())).as_deref(), Some(unit));
+        assert_eq!(about(format!("meaning.{}", column.name())).as_deref(), Some(column.meaning()));
+    }
+    assert_eq!(about("meaning.gain_n_per_m".to_owned()).as_deref(), Some("the largest"));
 }
 
 #[test]
@@ -214,7 +238,9 @@ fn words_and_nothing_are_written_too() {
 #[test]
 fn two_columns_of_one_name_are_refused() {
     let folder = tempdir().unwrap();
-    let text = write_csv(&Columns::named(["x_m", "x_m"]), &folder.path().join("x.csv")).unwrap_err().to_string();
+    let text = write_csv(&Columns::named([("x_m", "a place"), ("x_m", "another")]), &folder.path().join("x.csv"))
+        .unwrap_err()
+        .to_string();
     assert!(text.contains("two columns are named `x_m`: every column needs a name of its own"), "{text}");
 }
 
@@ -223,7 +249,7 @@ fn two_columns_of_one_name_are_refused() {
 fn nothing_is_overwritten() {
     let folder = tempdir().unwrap();
     let write = |value: f64| {
-        let mut columns = Columns::named(["x_m"]);
+        let mut columns = Columns::named([("x_m", "a place")]);
         columns.push_row(&[value]);
         let mut files = Files::new(&folder.path().join("new folder"), "a.b", made());
         files.csv(&columns).unwrap();

@@ -375,7 +375,7 @@ function mean(of, ticks = 200) {
   return sum / ticks;
 }
 const apart = (/** @type {number} */ ago) => 1e3 * Math.abs(value("object_1", ago) - value("object_2", ago));
-const decoded = (/** @type {number} */ ago) => 1e3 * Math.abs(value(`object_${me}`, ago) - value(`desired_${me}`, ago));
+const decoded = (/** @type {number} */ ago) => 1e3 * Math.abs(value(`object_${me}`, ago) - value(`decoded_${me}`, ago));
 
 function writeNumbers() {
   const text = (/** @type {number} */ number, /** @type {number} */ digits) =>

@@ -10,6 +10,7 @@ use super::client::Client;
 use super::world::{World, WorldError};
 use super::{Engine, Setup};
 use haptic_sim::measure::{LastHalf, growth::Forces};
+use haptic_sim::quantities::Named;
 use haptic_sim::report::Columns;
 
 /// What a run gave.
@@ -48,7 +49,15 @@ pub struct Outcome {
 }
 
 /// Columns of the record.
-const COLUMNS: [&str; 7] = ["time_s", "object_m", "view_1_m", "view_last_m", "force_1_n", "force_last_n", "engine"];
+pub const COLUMNS: [Named; 7] = [
+    ("time_s", "since the start of the run"),
+    ("object_m", "position of the object where it is moved"),
+    ("view_1_m", "position of the object as the first client renders it"),
+    ("view_last_m", "position of the object as the last client renders it"),
+    ("force_1_n", "contact force of the first client"),
+    ("force_last_n", "contact force of the last client"),
+    ("engine", "who moves the object: 0 the server, else the number of a client; nothing while it is handed over"),
+];
 
 /// Runs the environment for `duration_s`.
 pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {

@@ -17,6 +17,7 @@
 use haptic_core::object::{Before, Integrator};
 use haptic_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
 use haptic_protocol::world::Shape;
+use haptic_sim::quantities::Named;
 use haptic_sim::report::Columns;
 use serde::Serialize;
 
@@ -64,8 +65,17 @@ pub const ARM: (f64, f64) = (2000.0, 20.0);
 /// Corners of the polygon along which the arm's far end goes around a disc.
 const AROUND: usize = 360;
 
-const COLUMNS: [&str; 8] =
-    ["way_m", "hand_x_m", "hand_y_m", "force_x_n", "force_y_n", "depth_m", "object_x_m", "object_y_m"];
+/// Columns of the record, one row a control period.
+pub const COLUMNS: [Named; 8] = [
+    ("way_m", "how far the arm's far end has gone"),
+    ("hand_x_m", "position of the hand beside the object, along x"),
+    ("hand_y_m", "position of the hand beside the object, along y"),
+    ("force_x_n", "contact force on the hand, along x"),
+    ("force_y_n", "contact force on the hand, along y"),
+    ("depth_m", "how far the hand is below the surface"),
+    ("object_x_m", "how far the object was pushed along x"),
+    ("object_y_m", "how far the object was pushed along y"),
+];
 
 /// What was felt while the arm went along one side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -25,13 +25,21 @@ pub(crate) use self::cooperation::{Computed, claims as cooperation};
 pub(crate) fn columns(claims: &[Claim]) -> Columns {
     Columns::of(claims)
         .value("paper", |claim| claim.paper)
+        .means("cooperation or architectures")
         .value("place", |claim| claim.place)
+        .means("section, figure or equation")
         .value("claim", |claim| claim.claim.as_str())
+        .means("what the paper says")
         .value("verdict", |claim| claim.verdict.name())
+        .means("matched, not matched, not testable")
         .value("found", |claim| claim.found.as_str())
+        .means("what was computed, in words")
         .number("off_percent", 1, |claim| claim.off.map(|off| 100.0 * off))
-        .head("off %")
+        .means("what was computed less the paper's number, of the paper's")
+        .head("off")
+        .shown_in("%", 1.0)
         .value("why", |claim| Some(claim.why.as_str()).filter(|why| !why.is_empty()))
+        .means("why it is not matched or not testable; the reading that would match")
         .done()
 }
 

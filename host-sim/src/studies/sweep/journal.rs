@@ -16,52 +16,12 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use haptic_sim::report::{Columns, Files, Made};
-use serde::{Deserialize, Serialize};
 
-use super::merits::MERITS;
+use super::row::Row;
 use crate::studies::Failure;
 
 /// Longest that a row waits for the disk while others come, if the machine itself stops.
 const SYNC: Duration = Duration::from_secs(1);
-
-/// What one run gave. What is no number there is NaN.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Row {
-    /// Which point, from 0; in a grid the last key varies fastest.
-    pub point: usize,
-    /// The seed of the run.
-    pub seed: u32,
-    /// `stable`, `apart` or `NO`.
-    pub verdict: String,
-    /// Why it is not stable; empty where it is.
-    pub reason: String,
-    /// Largest |eigenvalue| of a packet period.
-    pub spectral_radius: f64,
-    /// Figures of merit; NaN where there is none.
-    pub merits: [f64; MERITS.len()],
-    /// Hash of both peers' states over every tick.
-    pub state_hash: String,
-}
-
-impl Row {
-    /// Heading of a file of rows.
-    fn heading() -> String {
-        let merits: Vec<String> = MERITS.iter().map(|merit| merit.name()).collect();
-        format!("point,seed,verdict,reason,spectral_radius,{},state_hash\n", merits.join(","))
-    }
-
-    /// Rows as lines of a file of rows.
-    pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        rows.iter().try_for_each(|row| writer.serialize(row))?;
-        Ok(writer.into_inner()?)
-    }
-
-    /// And back: the rows that these lines say, each as it is read.
-    pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
-        csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
-    }
-}
 
 /// A file of rows that is being written.
 #[derive(Debug)]

@@ -14,6 +14,7 @@
 mod axis;
 mod journal;
 mod merits;
+mod row;
 mod sample;
 
 use std::collections::BTreeSet;
@@ -26,11 +27,14 @@ use haptic_sim::report::{Columns, Made, Rows};
 use haptic_sim::run::{Options, Verdict, run};
 use haptic_sim::scene::{Scene, SceneError};
 
+use self::row::POINT;
 use super::{Failure, doubt, estimate::Estimate};
 
 pub use self::axis::Axis;
-pub use self::journal::{Journal, Row, write};
+pub use self::journal::{Journal, write};
 pub use self::merits::{MERITS, Merit};
+pub use self::row::Row;
+pub(crate) use self::row::of_runs;
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 
 /// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
@@ -223,15 +227,17 @@ impl Sweep {
 
     /// One column for every key.
     fn of_keys<'a, R>(&self, mut rows: Rows<'a, R>, point: impl Fn(&R) -> usize + Copy) -> Rows<'a, R> {
+        let known = self.scene.keys();
         for (at, key) in self.keys().enumerate() {
-            rows = rows.value(key, |row| axis::cell(&self.values(point(row))[at]));
+            let meaning = known.iter().find(|(name, _)| name == key).map_or("a key that is varied", |(_, key)| key.doc);
+            rows = rows.value(key, |row| axis::cell(&self.values(point(row))[at])).means(meaning);
         }
         rows
     }
 
     /// Every run as a table.
     pub fn columns(&self, rows: &[Row]) -> Columns {
-        let columns = Columns::of(rows).value("point", |row| row.point).means("which of them, from 0");
+        let columns = Columns::of(rows).value("point", |row| row.point).means(POINT);
         of_runs(self.of_keys(columns, |row| row.point))
     }
 
@@ -239,22 +245,29 @@ impl Sweep {
     pub fn summary(&self, rows: &[Row]) -> Columns {
         let points: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
         let count = |runs: &[Row], verdict: Verdict| runs.iter().filter(|run| run.verdict == verdict.name()).count();
-        let mut columns = Columns::of(&points).value("point", |runs| runs[0].point);
-        columns = self.of_keys(columns, |runs| runs[0].point).value("runs", |runs| runs.len());
-        columns = columns.value("unstable_runs", |runs| count(runs, Verdict::Unstable)).head("unstable");
-        columns = columns.value("apart_runs", |runs| count(runs, Verdict::Apart)).head("apart");
+        let mut columns = Columns::of(&points).value("point", |runs| runs[0].point).means(POINT);
+        columns = self
+            .of_keys(columns, |runs| runs[0].point)
+            .value("runs", |runs| runs.len())
+            .means("runs of the point")
+            .value("unstable_runs", |runs| count(runs, Verdict::Unstable))
+            .means("how many of them are not stable")
+            .head("unstable")
+            .value("apart_runs", |runs| count(runs, Verdict::Apart))
+            .means("in how many of them the copies came apart")
+            .head("apart");
         for (at, merit) in MERITS.iter().enumerate() {
             let of = |runs: &&[Row]| estimate(runs, at);
             columns = columns.significant(merit.name(), 4, move |runs| of(runs).map(|found| found.mean));
-            columns = merit.in_text(columns);
+            columns = merit.in_text(columns.means(merit.meaning));
             columns = columns.significant(merit.name_95(), 2, move |runs| of(runs)?.within_95).head("±");
-            columns = merit.in_text(columns);
+            columns = merit.in_text(columns.means("half of its 95 % interval over the seeds (Student)"));
         }
         let worst = |runs: &&[Row]| {
             let of = |verdict: Verdict| runs.iter().find(|run| run.verdict == verdict.name());
             of(Verdict::Unstable).or(of(Verdict::Apart)).map(|run| run.reason.clone())
         };
-        columns.value("reason", worst).done()
+        columns.value("reason", worst).means("why the first of the worst runs is not stable").done()
     }
 }
 
@@ -281,24 +294,6 @@ impl Row {
             state_hash: format!("{:016x}", outcome.hash),
         })
     }
-}
-
-/// What every run has, after the columns that say which it is.
-pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
-    let mut columns = columns
-        .value("seed", |row| row.seed)
-        .value("stable", |row| row.verdict == Verdict::Stable.name())
-        .value("verdict", |row| row.verdict.as_str())
-        .value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()))
-        .number("spectral_radius", 6, |row| row.spectral_radius);
-    for (at, merit) in MERITS.iter().enumerate() {
-        let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
-        columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
-    }
-    columns
-        .value("state_hash", |row| row.state_hash.as_str())
-        .means("hash of both peers' states over every tick")
-        .done()
 }
 
 /// Whether every seed gave the same run.
