@@ -201,10 +201,11 @@ circle, on an import that climbs against the order in xtask/rooms.txt, and on a 
     },
     Chore {
         name: "readme",
-        options: " [--check]",
+        options: " [--check] [--page FILE]",
         does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
-        more: "  --check   change nothing; fail if a text would change",
-        run: |given| readme::readme(given.flag("--check")),
+        more: "  --check   change nothing; fail if a text would change
+  --page    this one only: README.md, docs/data.md",
+        run: |given| readme::readme(given.flag("--check"), given.value("--page")),
     },
     Chore {
         name: "release",

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `<!-- host-sim ARGUMENTS -->` | before a fenced block: the command's standard output |
 //! | `<!-- first N lines of host-sim ARGUMENTS -->` | before a fenced block: where its output begins |
+//! | `<!-- table of host-sim ARGUMENTS -->` | before a Markdown table: the first table of its output |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
 //! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to docs/ |
 //!
@@ -16,10 +17,11 @@ use std::path::{Path, PathBuf};
 
 use crate::run::{self, Failure, cargo, output};
 
-/// Refreshes the pages, or checks that they are fresh.
-pub(crate) fn readme(check: bool) -> Result<(), Failure> {
+/// Refreshes all pages or one, or checks that they are fresh.
+pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
     let empty = run::root().join("target/pages");
-    let stale = pages()?.iter().map(|page| refresh(page, &empty, check)).collect::<Result<Vec<_>, _>>()?;
+    let pages = page.map_or_else(pages, |page| Ok(vec![run::root().join(page)]))?;
+    let stale = pages.iter().map(|page| refresh(page, &empty, check)).collect::<Result<Vec<_>, _>>()?;
     match stale.into_iter().flatten().collect::<Vec<_>>() {
         stale if check && !stale.is_empty() => Err(Failure::new(format!(
             "{} does not say what its commands print; `cargo xtask readme` mends it",
@@ -54,7 +56,7 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
     let old = run::read(page)?;
     let mut fresh = String::new();
-    let mut lines = old.lines();
+    let mut lines = old.lines().peekable();
     while let Some(line) = lines.next() {
         fresh += line;
         fresh += "\n";
@@ -71,6 +73,10 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
                 std::fs::copy(&from, run::root().join("docs").join(name))
                     .map_err(|cause| failed("copy", &from, &cause))?;
             }
+        } else if let Some(arguments) = command.strip_prefix("table of host-sim ") {
+            let table = markdown(&host_sim(empty, arguments)?);
+            fresh += &table.ok_or_else(|| Failure::new(format!("{name}: `{line}` prints no table")))?;
+            while lines.next_if(|line| line.starts_with('|')).is_some() {}
         } else if command.starts_with("host-sim ") || command.starts_with("file ") {
             let printed = match command.strip_prefix("file ") {
                 Some(path) => run::read(&run::root().join(path))?,
@@ -93,6 +99,32 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
     Ok(Some(name))
 }
 
+/// The first table of a text in Markdown, the cells of its first column as code. In the text a line of dashes below the headings
+/// says how wide the columns are.
+fn markdown(printed: &str) -> Option<String> {
+    let lines: Vec<&str> = printed.lines().collect();
+    let is_rule = |line: &&str| line.starts_with('-') && line.chars().all(|sign| matches!(sign, '-' | ' '));
+    let rule = lines.iter().position(is_rule)?;
+    let widths: Vec<usize> = lines[rule].split("  ").map(str::len).collect();
+    let row = |line: &str, first: &str| {
+        let mut signs = line.chars();
+        let cell = |(at, width): (usize, &usize)| {
+            let last = at + 1 == widths.len();
+            let text: String = signs.by_ref().take(if last { usize::MAX } else { width + 2 }).collect();
+            let text = text.trim().replace('|', "\\|");
+            let text = if text == "-" { "–" } else { &text };
+            if at == 0 { format!("{first}{text}{first}") } else { text.to_owned() }
+        };
+        format!("| {} |\n", widths.iter().enumerate().map(cell).collect::<Vec<_>>().join(" | "))
+    };
+    let rows = lines[rule + 1..].iter().take_while(|line| !line.is_empty()).map(|line| row(line, "`"));
+    Some(
+        row(lines[rule.checked_sub(1)?], "")
+            + &format!("|{}\n", "---|".repeat(widths.len()))
+            + &rows.collect::<String>(),
+    )
+}
+
 /// Standard output of host-sim, run in this folder after it was emptied, blanks at line ends removed.
 fn host_sim(empty: &Path, arguments: &str) -> Result<String, Failure> {
     if empty.exists() {
@@ -104,4 +136,18 @@ fn host_sim(empty: &Path, arguments: &str) -> Result<String, Failure> {
     command.arg(run::root().join("Cargo.toml")).arg("--").args(arguments.split_whitespace());
     let printed = output(command.current_dir(empty))?;
     Ok(printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::markdown;
+
+    #[test]
+    fn an_aligned_table_becomes_markdown() {
+        let printed =
+            "a run\n\nname  unit  meaning\n----  ----  -------\nx_m   m     |x|, µm\nlong     -  \n\nname\n----\n";
+        let expected = "| name | unit | meaning |\n|---|---|---|\n| `x_m` | m | \\|x\\|, µm |\n| `long` | – |  |\n";
+        assert_eq!(markdown(printed).as_deref(), Some(expected));
+        assert_eq!(markdown("no table\n- here\n"), None);
+    }
 }

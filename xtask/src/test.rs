@@ -35,7 +35,7 @@ pub(crate) fn test() -> Result<(), Failure> {
         run(&mut cargo(&["test", "--locked", "--release", "--package", "haptic-sim", "--test", "golden"]))
     })?;
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
-    step("README", || crate::readme::readme(true))?;
+    step("README", || crate::readme::readme(true, None))?;
     step("Python", python::python)?;
     step("instructions of one tick", || match count::obstacle() {
         None => count::ticks(false),

@@ -6,10 +6,7 @@
 //! all that is seen of it; numbers have seven digits that count.
 
 use super::range::Axes;
-use super::{Figure, Panel, Series, Shape, trace};
-
-/// Heading of the table.
-const COLUMNS: [&str; 7] = ["panel", "series", "name", "x", "y", "low", "high"];
+use super::{DATA_COLUMNS, Figure, Panel, Series, Shape, trace};
 
 /// A row but for panel and series.
 type Row = (String, [Option<f64>; 4]);
@@ -19,7 +16,7 @@ pub(crate) fn csv(figure: &Figure, axes: &[Axes], widths: &[f64]) -> Result<Stri
     let mut about = String::new();
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut line = |cells: &[&str]| writer.write_record(cells).map_err(|cause| cause.to_string());
-    line(&COLUMNS)?;
+    line(&DATA_COLUMNS.map(|(name, _)| name))?;
     let mut rows_in_all = 0;
     for (number, ((panel, axes), width)) in figure.panels.iter().zip(axes).zip(widths).enumerate() {
         let said = [&panel.title, &panel.x_label, &panel.y_label]

@@ -35,6 +35,17 @@ use std::path::{Path, PathBuf};
 pub use scale::significant;
 pub use sheet::{Dash, PALETTE, Print, WIDTH};
 
+/// Columns of the table that a figure carries, by name and meaning.
+pub const DATA_COLUMNS: [(&str, &str); 7] = [
+    ("panel", "number of the panel, from 1; what its axes are stands above the table"),
+    ("series", "what the legend calls it"),
+    ("name", "name of a dot or a category"),
+    ("x", "in the unit of the horizontal axis"),
+    ("y", "in the unit of the vertical axis"),
+    ("low", "lower edge of an interval or a region, in the unit of y"),
+    ("high", "upper edge of an interval or a region, in the unit of y"),
+];
+
 /// A sheet of panels with a title above and a caption below.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {

@@ -9,6 +9,7 @@ mod accuracy;
 mod architectures;
 mod board;
 mod campaign;
+mod columns;
 mod compare;
 mod cooperate;
 mod flags;
@@ -101,6 +102,8 @@ commands! {
         Convert(recordings::Convert),
         /// True discrepancy of a live run: the recordings of both ends on a common clock, with the error that the clock leaves.
         Merge(recordings::Merge),
+        /// What is in the files: every column of every kind of table, with unit and meaning.
+        Columns(columns::Args),
         /// Keys of sealed lines: make one, or turn it into a board's.
         #[command(subcommand)]
         Key(key::Key),

@@ -73,7 +73,7 @@ pub(super) fn run(
 }
 
 /// What a recording holds: of every environment that a page can show the time, and every sample while it is shown.
-pub(super) fn channels(topic: &str) -> Vec<Channel> {
+pub(crate) fn channels(topic: &str) -> Vec<Channel> {
     let named = |(name, unit, meaning): &(&str, &str, &str)| {
         let name = if unit.is_empty() { (*name).to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
         (name, (*meaning).to_owned())

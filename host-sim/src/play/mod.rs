@@ -44,6 +44,7 @@ mod turns;
 mod visit;
 mod web;
 
+pub(crate) use beat::channels;
 pub(crate) use boards::{Boards, Place};
 pub(crate) use far::End;
 pub(crate) use kinds::Kind;

@@ -6,6 +6,7 @@ mod architectures;
 mod bad_input;
 mod campaign;
 mod collaborate;
+mod columns;
 mod command_line;
 mod compare;
 mod cooperative;

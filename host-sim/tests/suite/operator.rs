@@ -16,6 +16,8 @@ use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
 use haptic_sim::key_file;
 use host_sim::live::operator::Operator;
 
+use crate::program::has_columns_of;
+
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -180,6 +182,7 @@ fn a_recording_outlives_the_cable() {
     let (status, why) = said(child);
     assert_eq!((status, why.lines().count()), (Some(0), 1), "{why}");
     assert!(why.contains(" ticks written to ") && why.contains("; none came from "), "{why}");
+    has_columns_of("board", &file);
     let times = times();
     let gap = times.windows(2).map(|two| two[1] - two[0]).fold(0.0, f64::max);
     assert!(gap > 0.7, "{gap} s without a tick");

@@ -11,7 +11,7 @@ use haptic_sim::network::{link::Route, rule::Direction};
 use haptic_sim::{node::Node, scenes};
 use serde_json::Value;
 
-use crate::program::{Keys, free, host_sim};
+use crate::program::{Keys, free, has_columns_of, host_sim};
 
 /// The scene of a person's first try on a bad network: both hold still for a second and a half, then push; one of them to and fro. So
 /// it does not matter which of them is armed some milliseconds before the other.
@@ -135,7 +135,10 @@ fn killed(keys: &Keys) -> Value {
         let text = std::fs::read_to_string(&table).expect("a table");
         let last = text.lines().last().and_then(|line| line.split(',').nth(1)?.parse::<f64>().ok()).expect("a time");
         assert!(last > SECONDS - 1.5, "the last tick is of {last} s");
-        assert!(text.starts_with("row,time_s,tick,mode,fault,device_m,"), "{text:.200}");
+        for (kind, name) in [("peer-ticks", ""), ("peer-exchanges", "-exchanges"), ("peer-seconds", "-seconds")] {
+            let stem = recording.file_stem().expect("a name").to_string_lossy();
+            has_columns_of(kind, &recording.with_file_name(format!("{stem}{name}.csv")));
+        }
         assert!(std::fs::read_to_string(recording.with_extension("toml")).expect("a scene").contains("self-timed"));
     }
     let table = file("merged.parquet");

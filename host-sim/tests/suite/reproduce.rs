@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{host_sim, report};
+use crate::program::{has_columns_of, host_sim, report};
 
 /// Every claim has a verdict, every one that is not matched says why, and those that the theory page knows come out as it says.
 #[test]
@@ -45,6 +45,16 @@ fn every_claim_has_a_verdict_and_a_reason() {
     }
     assert_eq!(claim("1000 N/m need at least 200 Hz").0, "not testable");
     assert!(claim("30 ms are enough").1.contains("N/m"));
+    for (kind, name) in [
+        ("reproduce", "reproduce"),
+        ("paper", "reproduce-experiments"),
+        ("paper-gains", "reproduce-gains"),
+        ("stability-paper", "reproduce-figure-4"),
+        ("architectures", "reproduce-architectures"),
+        ("stability-rendering", "reproduce-rendering"),
+    ] {
+        has_columns_of(kind, &folder.join(format!("{name}.csv")));
+    }
     let page = fs::read_to_string(folder.join("reproduce.md")).expect("a page");
     let pictures: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
     assert!(pictures.len() == 8 && pictures.iter().all(|picture| folder.join(picture).exists()), "{pictures:?}");

@@ -1,0 +1,187 @@
+//! `host-sim columns`: what is in the files, column by column, from the declarations that write them.
+//!
+//! A kind of table is listed here with the function that makes it, called without rows. Where a table depends on what was asked,
+//! it is that of an example: a sweep over `TABLE.KEY`, a hub of two lines.
+
+use haptic_analysis::{Axis, Map, Range, figure4, rendering::maps};
+use haptic_plot::DATA_COLUMNS;
+use haptic_sim::network::trace;
+use haptic_sim::report::{Column, Columns};
+use haptic_sim::{board, run::Account, scene::Scene};
+use serde_json::{Value, json};
+
+use super::{Failure, Ui};
+use crate::play;
+use crate::recording::mcap::Channel;
+use crate::recording::{file::ROW, merge, ticks};
+use crate::shared::{cooperative::run, world::stroke};
+use crate::studies::compare::Comparison;
+use crate::studies::sweep::{self, Row, Sweep};
+use crate::studies::{accuracy, architectures, campaign, force, paper, precision, reproduce};
+
+/// The key of an example.
+const KEY: &str = "TABLE.KEY";
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Args {
+    /// One kind of table; without it, all of them.
+    #[arg(value_name = "KIND", value_parser = kind)]
+    kind: Option<String>,
+}
+
+/// A kind of table.
+struct Kind {
+    name: String,
+    /// Which files it is in, or which command prints it.
+    place: String,
+    /// What a row is.
+    row: &'static str,
+    columns: Columns,
+}
+
+impl Kind {
+    fn new(name: &str, place: &str, row: &'static str, columns: Columns) -> Self {
+        Self { name: name.to_owned(), place: place.to_owned(), row, columns }
+    }
+
+    /// What `convert` makes of a channel of a recording.
+    fn of(recorded: &str, channel: Channel) -> Self {
+        let leaf = channel.topic.rsplit('/').next().unwrap_or_default();
+        let place = format!("channel {} of a recording, converted", channel.topic.replace("_1/", "_N/"));
+        let row = match leaf {
+            "exchanges" => "a question to another clock, and its answer",
+            "seconds" => "a second",
+            _ => "a tick",
+        };
+        let fields = channel.fields.iter().map(|field| (field.name.as_str(), field.meaning.as_str()));
+        Self::new(&format!("{recorded}-{leaf}"), &place, row, Columns::named(std::iter::once(ROW).chain(fields)))
+    }
+
+    /// Its columns as a table.
+    fn table(&self) -> Columns {
+        let columns: Vec<&Column> = self.columns.data().collect();
+        Columns::of(&columns)
+            .value("column", |column| column.name())
+            .value("unit", |column| Some(column.unit()).filter(|unit| !unit.is_empty()))
+            .value("meaning", |column| column.meaning())
+            .done()
+    }
+}
+
+/// All kinds of tables, in the order of docs/data.md.
+fn kinds(ui: &Ui) -> Vec<Kind> {
+    let scene = Scene::new(ui.laws);
+    let axes = vec![sweep::Axis { key: KEY.to_owned(), values: Vec::new() }];
+    let swept = Sweep { scene, axes, sample: None, seeds: 1, seconds: 0.0 };
+    let compared = Comparison { entrants: Vec::new(), seeds: 1, seconds: 0.0 };
+    let axis = |of: &str| Axis { range: Range { key: format!("{KEY} of {of}"), from: 0.0, to: 0.0 }, count: 0 };
+    let map = Map { axes: [axis("x"), axis("y")], units: [""; 2], columns: Vec::new() };
+    let both = Channel::new("/both/ticks", "Tick", Account::columns());
+    let simulated = "a control period; in a long run one of several";
+    let crossing = "a crossing from stable to unstable or back";
+    let mut kinds = vec![
+        Kind::new("cooperate", "SCENE.csv, SCENE.parquet", simulated, Columns::named(Account::columns())),
+        Kind::new("sweep", "sweep.csv, sweep.parquet", "a run", swept.columns(&[])),
+        Kind::new("sweep-rows", "rows-I-of-N.csv", "a run, as they ended", Row::columns()),
+        Kind::new("sweep-points", "`sweep --json`, points", "a point", swept.summary(&[])),
+        Kind::new(
+            "compare",
+            "compare.csv, compare.parquet",
+            "a figure of merit of a scene after the first",
+            compared.columns(&[], &[]),
+        ),
+        Kind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
+        Kind::new(
+            "campaign",
+            "`campaign --json`",
+            "a way to hold the copies together, and a network",
+            campaign::columns(&[]),
+        ),
+        Kind::new(
+            "campaign-costs",
+            "`campaign --costs --json`",
+            "a network, and a way to hold the copies together",
+            campaign::cost_columns(&[]),
+        ),
+        Kind::new("paper", "paper.csv, reproduce-experiments.csv", "an experiment", paper::experiment_columns(&[])),
+        Kind::new(
+            "paper-gains",
+            "reproduce-gains.csv; `paper --json`, gains",
+            "a way to hold the copies together",
+            paper::gain_columns(&[]),
+        ),
+        Kind::new("reproduce", "reproduce.csv", "a claim", reproduce::columns(&[])),
+        Kind::new(
+            "architectures",
+            "architectures.csv, reproduce-architectures.csv",
+            "an architecture at a delay",
+            architectures::columns(&[]),
+        ),
+        Kind::new("stability-paper", "figure4.csv, reproduce-figure-4.csv", crossing, figure4::table(&[])),
+        Kind::new("stability-map", "map-SCENE-KEY-KEY.csv", crossing, map.table()),
+        Kind::new("stability-rendering", "rendering.csv, reproduce-rendering.csv", crossing, maps::table(&[])),
+        Kind::new("accuracy", "accuracy.csv", "a choice", accuracy::columns([], true)),
+        Kind::new(
+            "accuracy-precision",
+            "`accuracy precision --json`",
+            "a scene, until a time",
+            precision::columns(&[]),
+        ),
+        Kind::new("force-response", "`accuracy force --json`, response", "a frequency", force::response_columns(&[])),
+        Kind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
+        Kind::new(
+            "force-stiffest",
+            "`accuracy force --json`, stiffest",
+            "a way to make a force",
+            force::stiffest_columns(&[]),
+        ),
+        Kind::new("shared-cooperative", "cooperative.csv", simulated, Columns::named(run::COLUMNS)),
+        Kind::new("shared-stroke", "shape.csv", "a control period", Columns::named(stroke::COLUMNS)),
+        Kind::new(
+            "network-trace",
+            "the FILE of `network trace`",
+            "a copy of a packet, or a packet that is lost",
+            Columns::named(trace::COLUMNS),
+        ),
+        Kind::new("merge", "the OUT of `merge`", "an instant", Columns::named(merge::COLUMNS)),
+        Kind::new(
+            "board",
+            "the FILE.csv of `board operator --record`",
+            "a tick that came",
+            Columns::named(board::recording::COLUMNS),
+        ),
+        Kind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
+        Kind::of("cooperate", both),
+    ];
+    let channels = [
+        ("peer", ticks::channels("peer_1")),
+        ("hub", ticks::hub_channels(2)),
+        ("board", ticks::board_channels(1)),
+        ("play", play::channels("/both/ticks")),
+    ];
+    let recorded = channels.into_iter().flat_map(|(of, all)| all.into_iter().map(move |channel| Kind::of(of, channel)));
+    kinds.extend(recorded);
+    kinds
+}
+
+/// The name of a kind.
+fn kind(text: &str) -> Result<String, String> {
+    let kinds = kinds(&Ui::new(false, haptic_sim::Laws::built_in()));
+    let names: Vec<&str> = kinds.iter().map(|kind| kind.name.as_str()).collect();
+    if names.contains(&text) { Ok(text.to_owned()) } else { Err(format!("they are {}", names.join(", "))) }
+}
+
+impl Args {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let asked = |kind: &Kind| self.kind.as_ref().is_none_or(|name| *name == kind.name);
+        let kinds: Vec<Kind> = kinds(ui).into_iter().filter(asked).collect();
+        let document =
+            |kind: &Kind| (kind.name.clone(), json!({ "in": kind.place, "row": kind.row, "columns": kind.table() }));
+        ui.document(&kinds.iter().map(document).collect::<serde_json::Map<String, Value>>())?;
+        for kind in &kinds {
+            writeln!(ui, "{}: {}; a row is {}\n", kind.name, kind.place, kind.row);
+            ui.table(&kind.table());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,179 @@
+//! `host-sim columns`, the files that it tells of, and docs/data.md.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde_json::Value;
+
+use crate::program::{declared, has_columns_of, host_sim, report};
+
+/// An empty folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("columns").join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Runs a command line, its words apart by blanks, that writes into the folder.
+fn run(folder: &Path, words: &str) -> Value {
+    let folder = folder.display().to_string();
+    let words: Vec<String> = words.split(' ').map(|word| word.replace("DIR", &folder)).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    report(host_sim(&[&words[..], &["--json"]].concat()).spawn().expect("host-sim runs"))
+}
+
+/// The one file of the folder whose name begins and ends so.
+fn file(folder: &Path, begins: &str, ends: &str) -> PathBuf {
+    let names = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").file_name());
+    let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    let mut found = names.iter().filter(|name| name.starts_with(begins) && name.ends_with(ends));
+    let name = found.next().unwrap_or_else(|| panic!("no {begins}…{ends} among {names:?}"));
+    assert_eq!(found.next(), None);
+    folder.join(name)
+}
+
+/// This Parquet file has just the columns of its kind, and says unit and meaning of each; `but` has another name and meaning there.
+fn parquet_says(kind: &str, file: &Path, but: Option<&str>) {
+    let reader = SerializedFileReader::new(File::open(file).expect("a file")).expect("Parquet");
+    let about = reader.metadata().file_metadata();
+    let names: Vec<&str> = about.schema_descr().columns().iter().map(|column| column.name()).collect();
+    let told = about.key_value_metadata().expect("metadata");
+    let told = |key: String| told.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone());
+    let declared = declared(kind);
+    assert_eq!(names.len(), declared.len(), "{kind}");
+    for (name, [column, unit, meaning]) in names.into_iter().zip(declared) {
+        let [said_unit, said] = ["unit", "meaning"].map(|what| told(format!("{what}.{name}")).expect("it is told"));
+        if but == Some(name) {
+            assert!(column == "TABLE.KEY" && !said.is_empty() && said != meaning, "{kind}: {name} {said}");
+        } else {
+            assert_eq!([name, &said_unit, &said], [&column, &unit, &meaning], "{kind}");
+        }
+    }
+}
+
+#[test]
+fn every_column_has_a_meaning_and_every_kind_a_place_on_the_page() {
+    let told = report(host_sim(&["columns", "--json"]).spawn().expect("host-sim runs"));
+    let page = include_str!("../../../docs/data.md");
+    let kinds = told.as_object().expect("kinds");
+    for (kind, about) in kinds {
+        let columns = about["columns"].as_array().expect("columns");
+        let names: BTreeSet<&str> = columns.iter().filter_map(|column| column["column"].as_str()).collect();
+        assert_eq!(names.len(), columns.len(), "{kind}: each has a name of its own");
+        for column in columns {
+            let meaning = column["meaning"].as_str().unwrap_or_default();
+            assert!(meaning.len() > 2 && !meaning.ends_with('.'), "{kind}: {column}");
+        }
+        assert!(
+            !columns.is_empty()
+                && ["in", "row"].iter().all(|field| about[field].as_str().is_some_and(|text| !text.is_empty()))
+        );
+        assert!(page.contains(&format!("<!-- table of host-sim columns {kind} -->")), "docs/data.md has no {kind}");
+    }
+    let on_page = page.lines().filter(|line| line.starts_with("<!-- table of host-sim columns ")).count();
+    assert_eq!((on_page, kinds.len()), (kinds.len(), 41));
+}
+
+/// One name for one quantity: what a live peer or a board tells, the simulator tells of both peers with their numbers.
+#[test]
+fn the_same_quantity_has_the_same_name() {
+    let of = |kind: &str| declared(kind).into_iter().map(|[name, unit, _]| (name, unit)).collect::<Vec<_>>();
+    let (simulated, live, board) = (of("cooperate"), of("peer-ticks"), of("board-ticks"));
+    let shared = ["device", "object", "decoded", "contact", "coordination", "energy_received", "energy_sent"];
+    for quantity in shared {
+        let named = |columns: &[(String, String)], stem: &str| {
+            let of = |(name, unit): &&(String, String)| unit != "m/s" && name.starts_with(&format!("{stem}_"));
+            columns.iter().find(of).map(|(name, unit)| (name.replacen(stem, "", 1), unit.clone()))
+        };
+        let found = named(&board, quantity);
+        assert!(found.is_some() && found == named(&live, quantity), "{quantity}");
+        for peer in 1..=2 {
+            assert_eq!(named(&simulated, &format!("{quantity}_{peer}")), found, "{quantity}");
+        }
+    }
+    assert!(simulated.contains(&("object_1_m_per_s".to_owned(), "m/s".to_owned())));
+    assert!([live, board].iter().all(|columns| columns.contains(&("object_m_per_s".to_owned(), "m/s".to_owned()))));
+}
+
+#[test]
+fn a_run_writes_what_is_declared() {
+    let folder = folder("run");
+    run(&folder, "cooperate --scene paper-5.2-wave-16ms --seconds 0.1 --out DIR --record DIR/run.mcap");
+    has_columns_of("cooperate", &file(&folder, "paper", ".csv"));
+    parquet_says("cooperate", &file(&folder, "paper", ".parquet"), None);
+    let picture = fs::read_to_string(file(&folder, "paper", ".svg")).expect("a figure");
+    let names: Vec<String> = declared("figure").into_iter().map(|[name, ..]| name).collect();
+    assert!(picture.lines().any(|line| line == names.join(",")), "the data in a figure");
+    run(&folder, "convert DIR/run.mcap DIR/ticks.csv");
+    has_columns_of("cooperate-ticks", &folder.join("ticks.csv"));
+    run(&folder, "convert DIR/run.mcap DIR/ticks.parquet");
+    parquet_says("cooperate-ticks", &folder.join("ticks.parquet"), None);
+    run(&folder, "merge DIR/run.mcap DIR/apart.csv");
+    has_columns_of("merge", &folder.join("apart.csv"));
+    run(&folder, "merge DIR/run.mcap DIR/apart.parquet");
+    parquet_says("merge", &folder.join("apart.parquet"), None);
+    run(&folder, "network trace --seconds 0.1 DIR/trace.csv");
+    has_columns_of("network-trace", &folder.join("trace.csv"));
+}
+
+#[test]
+fn sweep_and_comparison_write_what_is_declared() {
+    let folder = folder("sweep");
+    run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0,0.1 --seconds 0.1 --out DIR");
+    parquet_says("sweep", &folder.join("sweep.parquet"), Some("network.loss"));
+    has_columns_of("sweep-rows", &folder.join("rows-1-of-1.csv"));
+    let heading = fs::read_to_string(folder.join("sweep.csv")).expect("a table");
+    let heading: Vec<&str> = heading.lines().next().unwrap_or_default().split(',').collect();
+    let names: Vec<String> =
+        declared("sweep").into_iter().map(|[name, ..]| name.replace("TABLE.KEY", "network.loss")).collect();
+    assert_eq!(heading, names);
+    run(&folder, "compare power wave --seeds 2 --seconds 0.1 --out DIR");
+    for kind in ["compare", "compare-runs"] {
+        has_columns_of(kind, &folder.join(format!("{kind}.csv")));
+        parquet_says(kind, &folder.join(format!("{kind}.parquet")), None);
+    }
+}
+
+#[test]
+fn stability_and_shared_environments_write_what_is_declared() {
+    let folder = folder("others");
+    let keys = "--x contact.stiffness_n_per_m=100..2000:2 --y coordination.stiffness_n_per_m=100..2000:2";
+    run(&folder, &format!("stability map --scene paper-5.2-wave-16ms {keys} --out DIR"));
+    let heading = fs::read_to_string(file(&folder, "map-", ".csv")).expect("a table");
+    let example = declared("stability-map").into_iter().map(|[name, ..]| match name.as_str() {
+        "TABLE.KEY of x" => "contact.stiffness_n_per_m".to_owned(),
+        "TABLE.KEY of y" => "coordination.stiffness_n_per_m".to_owned(),
+        _ => name,
+    });
+    assert!(heading.lines().next().unwrap_or_default().split(',').eq(example), "{heading}");
+    run(&folder, "shared cooperative --delay-ms 10 --seconds 0.1 --out DIR");
+    has_columns_of("shared-cooperative", &folder.join("cooperative.csv"));
+    run(&folder, "shared world stroke --out DIR");
+    has_columns_of("shared-stroke", &folder.join("shape.csv"));
+}
+
+/// What is printed as JSON and in no file has these columns as its fields.
+#[test]
+fn rows_in_json_have_what_is_declared() {
+    let folder = folder("json");
+    let sweep = run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0 --seconds 0.1 --out DIR");
+    let force = run(&folder, "accuracy force");
+    let precision = run(&folder, "accuracy precision --seconds 0.1");
+    let rows = [
+        ("sweep-points", &sweep["points"][0]),
+        ("force-response", &force["response"][0]),
+        ("force-moving", &force["moving"][0]),
+        ("force-stiffest", &force["stiffest"][0]),
+        ("accuracy-precision", &precision[0]),
+    ];
+    for (kind, row) in rows {
+        for [name, ..] in declared(kind) {
+            let keys = if name == "TABLE.KEY" { "network.loss" } else { &name };
+            let found = keys.split('.').try_fold(row, |at, key| at.as_object()?.get(key));
+            assert!(found.is_some(), "{kind}: {name} in {row}");
+        }
+    }
+}
