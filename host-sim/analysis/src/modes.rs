@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::delays::delays;
 use super::lifted::delay::delays_ticks;
-use super::verdict::{Analyser, Verdict};
+use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::AnalysisError;
 use haptic_sim::scene::{DriveName, Jitter, Scene};
 
@@ -114,6 +114,11 @@ impl Analyser {
             }
         }
         Ok(worst)
+    }
+
+    /// What is left of the lifted matrices of a mode, one for every part.
+    pub(crate) fn matrices(&mut self, scene: &Scene, mode: Hands) -> Result<Vec<Reduced>, AnalysisError> {
+        self.reduced(|analyser| analyser.modes(scene, Some(mode)).map(drop))
     }
 
     /// The largest spectral radius of the modes.

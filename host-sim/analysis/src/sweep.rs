@@ -21,6 +21,14 @@ pub struct Range {
     pub to: f64,
 }
 
+/// Keys that enter forces as a factor.
+const GAINS: [&str; 4] = [
+    "contact.stiffness_n_per_m",
+    "contact.damping_n_s_per_m",
+    "coordination.stiffness_n_per_m",
+    "coordination.damping_n_s_per_m",
+];
+
 /// A scene in which one key changes.
 #[derive(Clone, Debug)]
 pub(crate) struct Sweep {
@@ -64,6 +72,11 @@ impl Sweep {
         self.whole
     }
 
+    /// The key enters forces as a factor, and nothing else: delays and times stay as they are.
+    pub(crate) fn is_gain(&self) -> bool {
+        GAINS.contains(&self.range.key.as_str())
+    }
+
     /// The scene with this value of the key (the nearest whole one, for a key that takes no others).
     pub(crate) fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
         let mut scene = self.scene.clone();
@@ -91,25 +104,48 @@ impl Sweep {
         entered(only)
     }
 
-    /// Values to look at first, ascending, both ends included: half of them equally spaced, half by equal ratios (down to
-    /// a millionth of the far end, where the near end is 0), or every whole number where there are few enough.
+    /// Values of a scan, ascending, both ends included: half of them equally spaced and half by equal ratios, but that the one goes
+    /// over into the other (down to a millionth of the far end, where the near end is 0); or every whole number where there are few
+    /// enough.
     pub(crate) fn points(&self, count: usize) -> Vec<f64> {
         let Range { from, to, .. } = self.range;
         let share = |at: usize, of: usize| at as f64 / of as f64;
-        let mut points: Vec<f64> = if self.whole {
+        let count = count.max(2);
+        if self.whole {
             let (first, last) = (from.round(), to.round());
-            let steps = ((last - first) as usize).clamp(1, count.max(1));
-            (0..=steps).map(|at| (first + (last - first) * share(at, steps)).round()).collect()
-        } else {
-            let half = (count / 2).max(1);
-            let near = if from > 0.0 { from } else { 1e-6 * to };
-            let linear = (0..=half).map(|at| from + (to - from) * share(at, half));
-            let ratios =
-                (0..half).map(|at| near * (to / near).powf(share(at, half))).filter(|_| to > 0.0 && from >= 0.0);
-            linear.chain(ratios).filter(|value| *value >= from && *value <= to).collect()
-        };
-        points.sort_by(f64::total_cmp);
-        points.dedup();
+            let steps = ((last - first) as usize).clamp(1, count);
+            let mut points: Vec<f64> =
+                (0..=steps).map(|at| (first + (last - first) * share(at, steps)).round()).collect();
+            points.dedup();
+            return points;
+        }
+        if from < 0.0 || to <= 0.0 {
+            return (0..=count).map(|at| from + (to - from) * share(at, count)).collect();
+        }
+        let near = if from > 0.0 { from } else { 1e-6 * to };
+        let ratio = (to / near).ln();
+        // How far along a value e^log is, from 0 to 1, and how fast that grows with log.
+        let along = |log: f64| 0.5 * (log / ratio + (log.exp() - 1.0) * near / (to - near));
+        let speed = |log: f64| 0.5 * (1.0 / ratio + log.exp() * near / (to - near));
+        let mut log = ratio;
+        let mut points: Vec<f64> = (1..count)
+            .rev()
+            .map(|at| {
+                // Newton's method from above on a function that curves upwards does not overshoot.
+                for _ in 0..50 {
+                    let step = (along(log) - share(at, count)) / speed(log);
+                    log -= step;
+                    if step < 1e-9 {
+                        break;
+                    }
+                }
+                near * log.exp()
+            })
+            .collect();
+        points.insert(0, to);
+        points.push(near);
+        points.extend((from < near).then_some(from));
+        points.reverse();
         points
     }
 }

@@ -9,8 +9,8 @@ use super::error::AnalysisError;
 use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
 use super::lifted::pair::{Joined, is_apart, same_arms, seat};
-use super::lifted::{Lifted, prune, rest};
-use super::spectrum;
+use super::lifted::{Lifted, Matrix, prune, rest};
+use super::spectrum::{Polar, Spectrum, radius};
 use haptic_sim::scene::Scene;
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
@@ -71,6 +71,20 @@ pub struct Analyser {
     whole: Lifted,
     /// For no, one and two hands on: along a sweep each keeps its size.
     solvers: [Solver; 3],
+    /// Eigenvalues of every part that was solved since the peers were measured.
+    parts: Vec<Polar>,
+    /// Where matrices are asked for instead: those of every part.
+    reduced: Option<Vec<Reduced>>,
+}
+
+/// What is left of the lifted matrix of a part, rest modes divided out.
+#[derive(Clone, Debug)]
+pub(crate) struct Reduced {
+    pub matrix: Matrix,
+    /// Somebody holds an object, so that nothing glides.
+    pub held: bool,
+    /// States before rest modes were divided out.
+    pub states: usize,
 }
 
 /// What the peers of a scene answer to a packet period, measured once for every mode and delay.
@@ -130,8 +144,9 @@ impl Analyser {
         anchors: &[usize],
         held: bool,
     ) -> Result<Verdict, AnalysisError> {
-        let (radius, states, rest_modes) = self.solvers[0].solve(&lifted, anchors, held)?;
-        Ok(Verdict::new(radius, states, rest_modes, false))
+        let (states, stands) = self.solvers[0].reduce(&lifted, anchors);
+        let (polar, glides) = self.solvers[0].eigenvalues(held)?;
+        Ok(Verdict::new(radius(&polar), states, stands + glides, false))
     }
 
     /// Measures what the peers of a linear scene answer with a hand on, let go, or both, where packets are on their way to peer 1
@@ -142,6 +157,7 @@ impl Analyser {
         [held, released]: [bool; 2],
         delays: &[[usize; 2]],
     ) -> Result<(), AnalysisError> {
+        self.parts.clear();
         let answers = &mut self.answers;
         answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
         let mut at_ticks: Vec<usize> = delays.iter().flatten().map(|ticks| ticks % answers.ticks_per_packet).collect();
@@ -159,6 +175,29 @@ impl Analyser {
             answers.released.measure(&seat(linear, true), 0, &at_ticks)?;
         }
         Ok(())
+    }
+
+    /// The eigenvalues of every part (sum, difference, delay) that was joined since.
+    pub(crate) fn parts(&self) -> &[Polar] {
+        &self.parts
+    }
+
+    /// What is left of the lifted matrix of every part that `joins` joins.
+    pub(crate) fn reduced(
+        &mut self,
+        joins: impl FnOnce(&mut Self) -> Result<(), AnalysisError>,
+    ) -> Result<Vec<Reduced>, AnalysisError> {
+        self.reduced = Some(Vec::new());
+        let joined = joins(self);
+        let reduced = self.reduced.take().unwrap_or_default();
+        joined.map(|()| reduced)
+    }
+
+    /// The eigenvalues of such a matrix, as `write` writes it.
+    pub(crate) fn polar(&mut self, write: impl FnOnce(&mut Matrix), held: bool) -> Result<Polar, AnalysisError> {
+        let solver = &mut self.solvers[0];
+        write(&mut solver.kept.matrix);
+        solver.eigenvalues(held).map(|(polar, _)| polar)
     }
 
     /// Whether it matters which of the two peers measured last is let go.
@@ -179,15 +218,22 @@ impl Analyser {
         let solver = &mut self.solvers[hands];
         let objects = joined.objects();
         let anchors = if joined.symmetric { &objects[..1] } else { &objects };
-        let (mut radius, mut states, mut rest_modes) = (0.0_f64, 0, 0);
+        let (mut worst, mut states, mut rest_modes) = (0.0_f64, 0, 0);
         for sign in joined.signs() {
             joined.write(*sign, &mut self.whole);
-            let part = solver.solve(&self.whole, anchors, hands > 0)?;
-            radius = radius.max(part.0);
-            states += part.1;
-            rest_modes += part.2;
+            let (kept, stands) = solver.reduce(&self.whole, anchors);
+            states += kept;
+            rest_modes += stands;
+            if let Some(reduced) = &mut self.reduced {
+                reduced.push(Reduced { matrix: solver.kept.matrix.clone(), held: hands > 0, states: kept });
+                continue;
+            }
+            let (polar, glides) = solver.eigenvalues(hands > 0)?;
+            worst = worst.max(radius(&polar));
+            rest_modes += glides;
+            self.parts.push(polar);
         }
-        Ok(Verdict::new(radius, states, rest_modes, joined.symmetric))
+        Ok(Verdict::new(worst, states, rest_modes, joined.symmetric))
     }
 }
 
@@ -196,21 +242,24 @@ impl Analyser {
 struct Solver {
     pruner: prune::Pruner,
     kept: Lifted,
+    spectrum: Spectrum,
 }
 
 impl Solver {
-    /// Radius, states and rest modes of a lifted matrix.
-    fn solve(&mut self, whole: &Lifted, anchors: &[usize], held: bool) -> Result<(f64, usize, usize), AnalysisError> {
+    /// Leaves of a lifted matrix what can change, rest modes divided out; how many states matter, and how many modes rest.
+    fn reduce(&mut self, whole: &Lifted, anchors: &[usize]) -> (usize, usize) {
         let kept = self.pruner.kept(&whole.matrix, anchors);
         let states = kept.len();
         prune::copy(whole, kept, &mut self.kept);
         rest::idle(&mut self.kept);
-        let stands = rest::divide_out(&mut self.kept);
+        (states, rest::divide_out(&mut self.kept))
+    }
+
+    /// The eigenvalues of what is left, and how many modes glide.
+    fn eigenvalues(&mut self, held: bool) -> Result<(Polar, usize), AnalysisError> {
         // What nobody holds and nothing damps glides on for ever: 1 to rounding, which decides nothing and would hide how fast
         // everything else settles.
         let glides = |re: f64, im: f64| !held && (re - 1.0).hypot(im) <= ROUNDING;
-        let beside = spectrum::radius_beside(&mut self.kept.matrix, glides);
-        let (radius, glides) = beside.ok_or(AnalysisError::NoConvergence)?;
-        Ok((radius, states, stands + glides))
+        self.spectrum.polar_beside(&mut self.kept.matrix, glides).ok_or(AnalysisError::NoConvergence)
     }
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::maps::{Sweep, at, first, stiffness_limit};
 use super::{Body, Place, Renderer, Rendering};
 use crate::error::AnalysisError;
-use crate::limit::crossings;
+use crate::search::crossings;
 
 /// The paper's stiffness, N/m.
 pub const STIFFNESS_N_PER_M: f64 = 1000.0;
@@ -31,9 +31,9 @@ pub struct Identified {
     pub damping_n_s_per_m: f64,
     /// Its computing delay c, as a fraction of a period.
     pub computing_ticks: f64,
-    /// Largest stable stiffness at 200 Hz without delay, N/m.
+    /// Polar stable stiffness at 200 Hz without delay, N/m.
     pub at_200_hz_n_per_m: f64,
-    /// Largest stable stiffness with a delay of 5 ms, sampled fast, N/m.
+    /// Polar stable stiffness with a delay of 5 ms, sampled fast, N/m.
     pub at_5_ms_n_per_m: f64,
 }
 
@@ -101,10 +101,11 @@ pub fn needs(base: &Rendering) -> Result<Needs, AnalysisError> {
     wall.check()?;
     let times: Vec<f64> = (0..=60).map(|step| 1e-5 * 10_f64.powf(f64::from(step) / 12.0)).collect();
     let longest = |sweep| -> Result<Option<f64>, AnalysisError> {
-        let limit = crossings(&times, false, 1e-4, Renderer::default, |renderer, time_s| {
-            renderer.radius(&at(&wall, sweep, time_s, None), STIFFNESS_N_PER_M)
+        let found = crossings(&times, false, 1e-4, |renderer: &mut Renderer, time_s, radii| {
+            radii.push(renderer.polar(&at(&wall, sweep, time_s, None), STIFFNESS_N_PER_M)?);
+            Ok(())
         })?;
-        Ok(if limit.stable_at_start { limit.crossings.first().copied() } else { None })
+        Ok(if found.stable_at_start { found.crossings.first().copied() } else { None })
     };
     Ok(Needs { sampling_hz: longest(Sweep::Period)?.map(|period_s| 1.0 / period_s), delay_s: longest(NETWORK)? })
 }

@@ -1,4 +1,4 @@
-//! Largest stable stiffness against communication delay, one curve for each place, and against the sampling period.
+//! Polar stable stiffness against communication delay, one curve for each place, and against the sampling period.
 //!
 //! Stiffness is scanned from 1/16 to 8 times its closed form ([`super::closed`]) in steps of 15 %, pockets are followed,
 //! and every crossing is closed in by bisection; the largest stable stiffness is the first crossing. Where there is none,
@@ -14,7 +14,8 @@ use serde::Serialize;
 use super::closed::largest_stiffness;
 use super::{Place, Renderer, Rendering};
 use crate::error::AnalysisError;
-use crate::limit::{Limit, crossings};
+use crate::limit::Limit;
+use crate::search::crossings;
 use haptic_sim::report::Columns;
 
 /// Samples in a delay, where the sampling shall not matter.
@@ -109,7 +110,11 @@ pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
 /// Crossings among `near` times 2 to the power of each of `octaves`.
 fn scan(rendering: &Rendering, near: f64, octaves: &[f64]) -> Result<Limit, AnalysisError> {
     let points: Vec<f64> = octaves.iter().map(|octave| near * octave.exp2()).collect();
-    crossings(&points, false, TOLERANCE, Renderer::default, |renderer, stiffness| renderer.radius(rendering, stiffness))
+    let found = crossings(&points, false, TOLERANCE, |renderer: &mut Renderer, stiffness, radii| {
+        radii.push(renderer.polar(rendering, stiffness)?);
+        Ok(())
+    })?;
+    Ok(Limit::new(found, &points))
 }
 
 /// The first crossing, N/m; see [`Point::largest_stiffness_n_per_m`].

@@ -35,7 +35,7 @@ use serde::Serialize;
 
 use super::lifted::{Lifted, rest};
 use super::matrix::reset;
-use super::spectrum;
+use super::spectrum::{Polar, Spectrum, radius};
 use crate::error::AnalysisError;
 use haptic_sim::plant::Linear;
 
@@ -138,6 +138,7 @@ impl Rendering {
 #[derive(Debug, Default)]
 pub struct Renderer {
     lifted: Lifted,
+    spectrum: Spectrum,
 }
 
 /// One body as the sampled map sees it: whole periods of delay, and the exact step with the rest of it.
@@ -155,11 +156,16 @@ impl Sampled {
 }
 
 impl Renderer {
-    /// Largest |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
+    /// Polar |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
     pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
+        self.polar(rendering, stiffness_n_per_m).map(|polar| radius(&polar))
+    }
+
+    /// Its eigenvalues.
+    fn polar(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<Polar, AnalysisError> {
         self.build(rendering, stiffness_n_per_m);
         rest::divide_out(&mut self.lifted);
-        spectrum::radius(&mut self.lifted.matrix).ok_or(AnalysisError::NoConvergence)
+        self.spectrum.polar(&mut self.lifted.matrix).ok_or(AnalysisError::NoConvergence)
     }
 
     /// Writes the sampled map.

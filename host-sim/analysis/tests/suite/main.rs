@@ -11,5 +11,6 @@ mod modes;
 mod oracle;
 mod random;
 mod self_timed;
+mod sweeps;
 mod theory;
 mod winding;
