@@ -352,13 +352,13 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// What [`Peer::exchange`] would send now. Only a network without delay needs to ask beforehand.
     pub fn outgoing(&self) -> Packet<S> {
         let mut packet =
-            Packet { energy_j: self.ledger.sent_j().to_f64(), ..self.law.send(&self.coordination, self.object) };
+            Packet { energy_j: self.ledger.sent_j().to_counter(), ..self.law.send(&self.coordination, self.object) };
         let finite = packet.is_finite();
         if !(self.is_engaged() && finite) {
             // At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
             (packet.motion, packet.wave) = (Motion::at(self.object.position), S::ZERO);
             if !finite {
-                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (0.0, 0.0, 0);
+                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (S::Counter::ZERO, S::Counter::ZERO, 0);
             }
         }
         packet

@@ -132,7 +132,7 @@ fn check<S: Scalar>(settings: &Settings, course: &[Outside]) -> Result<(), TestC
             }
         }
         if now.packet {
-            let [.., energy_j, wave_integral] = now.numbers;
+            let [.., energy_j, wave_integral] = now.numbers.map(S::Counter::from_f64);
             let packet = Packet {
                 motion: Motion { position: e, velocity: f },
                 wave: g,

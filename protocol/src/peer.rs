@@ -43,9 +43,9 @@ pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
         position: wire(packet.motion.position),
         velocity: wire(packet.motion.velocity),
         wave: wire(packet.wave),
-        wave_integral: packet.wave_integral,
+        wave_integral: packet.wave_integral.to_f64(),
         live_ticks: packet.live_ticks,
-        energy_sent: packet.energy_j,
+        energy_sent: packet.energy_j.to_f64(),
         ..Flow::default()
     }
 }
@@ -56,8 +56,8 @@ pub fn packet_of<S: Scalar>(flow: &Flow) -> Packet<S> {
     Packet {
         motion: Motion { position: core(flow.position), velocity: core(flow.velocity) },
         wave: core(flow.wave),
-        energy_j: flow.energy_sent,
-        wave_integral: flow.wave_integral,
+        energy_j: S::Counter::from_f64(flow.energy_sent),
+        wave_integral: S::Counter::from_f64(flow.wave_integral),
         live_ticks: flow.live_ticks,
     }
 }

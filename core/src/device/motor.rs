@@ -53,7 +53,7 @@ impl<S: Scalar> Motor<S> {
         let wanted = joint_force * self.codes_per_force;
         // At most ±32767, and no NaN: the cast is exact.
         let code = wanted.limit(self.max_code);
-        (Duty(code.round_to_i32() as i16), code != wanted)
+        (Duty(code.to_code()), code != wanted)
     }
 
     /// Force along the joint (N or N·m) that a duty gives: the inverse of [`Motor::duty`], to half a code.

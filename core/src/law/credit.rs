@@ -90,7 +90,7 @@ impl<S: Scalar> Credit<S> {
     /// Takes in the counters of a packet.
     pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
         let wave = packet.wave.to_f64();
-        let (energy, integral) = (packet.energy_j, packet.wave_integral);
+        let (energy, integral) = (packet.energy_j.to_f64(), packet.wave_integral.to_f64());
         let (seen, _) = *account.seen.get_or_insert_with(|| {
             // The first packet of a session pays for itself and brings no past.
             let own = 0.5 * self.packet_s * wave * wave;

@@ -20,7 +20,7 @@ pub mod self_timed;
 mod terminal;
 pub mod wave;
 
-use crate::num::{Motion, Scalar, StateVector, visit_f64};
+use crate::num::{Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port};
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -28,15 +28,15 @@ pub use crate::settings::{Kind, Sends};
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Packet<S> {
+pub struct Packet<S: Scalar> {
     /// Motion of the sender's copy of the object, m and m/s (power-domain).
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain).
     pub wave: S,
     /// Wave energy that the sender absorbed since it was armed, up to its last tick, J. Filled in by the peer.
-    pub energy_j: f64,
+    pub energy_j: S::Counter,
     /// Integral of the sender's outgoing wave over the same time, √W·s.
-    pub wave_integral: f64,
+    pub wave_integral: S::Counter,
     /// Ticks that the integral is over, where the line has a time of its own; wraps.
     pub live_ticks: u32,
 }
@@ -46,7 +46,7 @@ impl<S: Scalar> StateVector<S> for Packet<S> {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.motion.visit(each);
         each(&mut self.wave);
-        visit_f64(&mut self.wave_integral, each);
+        visit_counter(&mut self.wave_integral, each);
     }
 }
 
@@ -56,7 +56,8 @@ impl<S: Scalar> Packet<S> {
     pub fn is_finite(self) -> bool {
         // Two tests for five: nothing times a number is nothing, times anything else no number.
         let nothing = S::ZERO * self.motion.position + S::ZERO * self.motion.velocity + S::ZERO * self.wave;
-        nothing == S::ZERO && 0.0 * self.energy_j + 0.0 * self.wave_integral == 0.0
+        let none = S::Counter::ZERO;
+        nothing == S::ZERO && none * self.energy_j + none * self.wave_integral == none
     }
 }
 

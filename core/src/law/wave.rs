@@ -196,7 +196,7 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     fn send(&self, state: &LineState<S, D::State>, _: Motion<S>) -> Packet<S> {
         Packet {
             wave: self.decimator.level(&state.outgoing),
-            wave_integral: state.integral.total().to_f64(),
+            wave_integral: state.integral.total().to_counter(),
             ..Packet::default()
         }
     }

@@ -26,6 +26,8 @@ pub trait Scalar:
     + Sync
     + 'static
 {
+    /// What counters are kept in, which must hold more digits than this type: `f64`, for each number that is in one of these.
+    type Counter: Scalar;
     /// Name for reports: `f32`, `f64`, `i32f32`.
     const NAME: &'static str;
     /// Additive identity.
@@ -41,6 +43,13 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Nearest integer, saturating; NaN gives 0. Ties, and floats within one rounding of a tie, go away from zero.
     fn round_to_i32(self) -> i32;
+    /// The nearest code of a motor, of a number within ±32767.
+    #[inline]
+    fn to_code(self) -> i16 {
+        self.round_to_i32() as i16
+    }
+    /// As [`Scalar::to_f64`] rounds.
+    fn to_counter(self) -> Self::Counter;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The bits that make two values the same, for state hashes.
@@ -90,6 +99,7 @@ pub trait Scalar:
 macro_rules! float_scalar {
     ($float:ident, $name:literal, $sqrt:path, $sincos:path { $($fast:item)* }) => {
         impl Scalar for $float {
+            type Counter = f64;
             const NAME: &'static str = $name;
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -99,6 +109,10 @@ macro_rules! float_scalar {
             }
             #[inline]
             fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn to_counter(self) -> f64 {
                 f64::from(self)
             }
             #[inline]
@@ -185,6 +199,7 @@ impl Neg for Fixed {
 }
 
 impl Scalar for Fixed {
+    type Counter = f64;
     const NAME: &'static str = "i32f32";
     const ZERO: Self = Self(I32F32::ZERO);
     const ONE: Self = Self(I32F32::ONE);
@@ -196,6 +211,10 @@ impl Scalar for Fixed {
     #[inline]
     fn to_f64(self) -> f64 {
         self.0.to_num()
+    }
+    #[inline]
+    fn to_counter(self) -> f64 {
+        self.to_f64()
     }
     #[inline]
     fn from_i32(value: i32) -> Self {

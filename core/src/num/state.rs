@@ -41,13 +41,13 @@ impl<S, T: StateVector<S>, const N: usize> StateVector<S> for [T; N] {
     }
 }
 
-/// Visits a number that is kept in `f64` whatever the peer computes in; untouched unless it is changed.
-pub(crate) fn visit_f64<S: Scalar>(number: &mut f64, each: &mut impl FnMut(&mut S)) {
-    let before = S::from_f64(*number);
+/// Visits a number that is kept in another type than the peer computes in; untouched unless it is changed.
+pub(crate) fn visit_counter<S: Scalar, C: Scalar>(number: &mut C, each: &mut impl FnMut(&mut S)) {
+    let before = S::from_f64(number.to_f64());
     let mut visited = before;
     each(&mut visited);
     if visited.bits() != before.bits() {
-        *number = visited.to_f64();
+        *number = C::from_f64(visited.to_f64());
     }
 }
 

@@ -39,7 +39,7 @@ impl Random {
 }
 
 /// One way of a network: packets with the tick at which they come.
-struct Way<S> {
+struct Way<S: Scalar> {
     random: Random,
     flying: Vec<(u32, Packet<S>)>,
     delay: u32,

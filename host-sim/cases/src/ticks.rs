@@ -94,7 +94,7 @@ pub const TICKS: usize = 800;
 
 /// What a peer is given in one tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Input<S> {
+pub struct Input<S: Scalar> {
     sensors: Sensors<S>,
     packet: Option<Packet<S>>,
 }

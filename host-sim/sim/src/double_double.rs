@@ -78,6 +78,7 @@ impl Mul for DoubleDouble {
 }
 
 impl Scalar for DoubleDouble {
+    type Counter = f64;
     const NAME: &'static str = "double-double";
     const ZERO: Self = Self { high: 0.0, low: 0.0 };
     const ONE: Self = Self { high: 1.0, low: 0.0 };
@@ -88,6 +89,9 @@ impl Scalar for DoubleDouble {
     /// Rounded to 53 bits.
     fn to_f64(self) -> f64 {
         self.high
+    }
+    fn to_counter(self) -> f64 {
+        self.to_f64()
     }
     fn from_i32(value: i32) -> Self {
         Self::from_f64(f64::from(value))

@@ -7,6 +7,7 @@ pub mod board;
 pub mod double_double;
 pub mod engine;
 pub mod key_file;
+pub mod lanes;
 pub mod measure;
 pub mod network;
 pub mod node;

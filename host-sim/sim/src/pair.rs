@@ -13,12 +13,31 @@ use crate::network::link::{Inbox, Numbered, Route};
 use crate::peers::{DynPeer, Number};
 use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
+/// What a peer reads and moves: a plant, or several side by side.
+pub trait Device<S: Scalar> {
+    /// What the peer's sensors say now.
+    fn sensors(&self) -> Sensors<S>;
+    /// One control period from `time_s` on, under what the peer commands.
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S>);
+}
+
+impl<S: Scalar> Device<S> for Plant {
+    #[inline]
+    fn sensors(&self) -> Sensors<S> {
+        self.sensors()
+    }
+    #[inline]
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S>) {
+        self.step(time_s, actuators);
+    }
+}
+
 /// One peer with its device, for an engine.
-pub struct Side<S: Scalar> {
+pub struct Side<S: Scalar, D = Plant> {
     /// The peer.
     pub peer: Box<dyn DynPeer<S>>,
     /// Its device and user.
-    pub plant: Plant,
+    pub plant: D,
     inbox: Inbox<Packet<S>>,
     /// The seat that its packets are for.
     to: usize,
@@ -44,9 +63,16 @@ impl<S: Number> Side<S> {
     /// The same with its device `at_m` further along the free axis than the scene puts it.
     fn starting_at(scene: &Scene, index: usize, to: usize, at_m: f64) -> Result<Self, Refused<'static>> {
         let plant = Plant::new(scene, index).moved(at_m);
-        let mut peer = scene.peer_from(index, plant.motions())?;
+        let peer = scene.peer_from(index, plant.motions())?;
+        Ok(Self::of(scene, peer, plant, to))
+    }
+}
+
+impl<S: Scalar, D: Device<S>> Side<S, D> {
+    /// This peer, which is armed, at this device.
+    pub(crate) fn of(scene: &Scene, mut peer: Box<dyn DynPeer<S>>, plant: D, to: usize) -> Self {
         peer.command(Command::Arm);
-        Ok(Self {
+        Self {
             sensors: plant.sensors(),
             peer,
             plant,
@@ -60,11 +86,9 @@ impl<S: Number> Side<S> {
             heard: None,
             exchanged: false,
             actuators: Actuators::default(),
-        })
+        }
     }
-}
 
-impl<S: Scalar> Side<S> {
     /// Packets that the peer has taken in.
     pub fn delivered(&self) -> u64 {
         self.inbox.delivered
@@ -72,7 +96,7 @@ impl<S: Scalar> Side<S> {
 }
 
 /// Both packets are made before either is taken in: a network without delay delivers within the tick.
-impl<S: Scalar> Actor<usize> for Side<S> {
+impl<S: Scalar, D: Device<S>> Actor<usize> for Side<S, D> {
     type Packet = Numbered<Packet<S>>;
 
     #[inline]
@@ -100,8 +124,9 @@ impl<S: Scalar> Actor<usize> for Side<S> {
             self.peer.exchange();
         }
         self.sensors = self.plant.sensors();
-        self.actuators = self.peer.tick(&self.sensors);
-        self.plant.step((now_ns / self.period_ns) as f64 * self.period_s, &self.actuators);
+        let actuators = self.peer.tick(&self.sensors);
+        self.plant.step((now_ns / self.period_ns) as f64 * self.period_s, &actuators);
+        self.actuators = actuators;
     }
 }
 
@@ -123,8 +148,8 @@ pub struct Seen<'a, S: Scalar> {
 }
 
 /// Two peers on one network, computing in `S`.
-pub struct Pair<S: Scalar> {
-    engine: Engine<Side<S>>,
+pub struct Pair<S: Scalar, D: Device<S> = Plant> {
+    engine: Engine<Side<S, D>>,
     period_s: f64,
 }
 
@@ -137,22 +162,29 @@ impl<S: Number> Pair<S> {
     /// The same with both devices, and the object between them, `at_m` further along the free axis than the scene puts them.
     pub fn starting_at(scene: &Scene, at_m: f64) -> Result<Self, Refused<'static>> {
         let side = |index, to| Side::starting_at(scene, index, to, at_m);
-        let [first, mut second] = [side(0, 1)?, side(1, 0)?].map(Seat::new);
+        Ok(Self::of(scene, [side(0, 1)?, side(1, 0)?]))
+    }
+}
+
+impl<S: Scalar, D: Device<S>> Pair<S, D> {
+    /// These two, on the network of the scene.
+    pub(crate) fn of(scene: &Scene, sides: [Side<S, D>; 2]) -> Self {
+        let [first, mut second] = sides.map(Seat::new);
         second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
         let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
         let route = |from, _| Route::of_scene(scene, direction(from), 0);
         let engine = Engine::new(scene.peer.timing.control_period_ns(), vec![first, second], route);
-        Ok(Self { engine, period_s: scene.peer.timing.control_period_s })
+        Self { engine, period_s: scene.peer.timing.control_period_s }
     }
 
     /// Peer 1 (left) and peer 2 (right).
     #[inline]
-    pub fn sides(&self) -> [&Side<S>; 2] {
+    pub fn sides(&self) -> [&Side<S, D>; 2] {
         [0, 1].map(|at| &self.engine.seats[at].actor)
     }
 
     /// The same, to be changed.
-    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S>> {
+    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D>> {
         self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
     }
 

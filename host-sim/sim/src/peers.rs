@@ -15,6 +15,18 @@ use haptic_core::settings::{Kind, Refused, Settings};
 use haptic_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
 
 use crate::double_double::DoubleDouble;
+use crate::lanes::number::{F32s, F64s};
+
+/// A hash (FNV-1a over 64-bit words) continued by one word.
+#[inline]
+pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
+    let hash = hash ^ word;
+    // The prime is 2⁴⁰ + 0x1b3; products of halves, which vectors have an instruction for.
+    let [low, high] = [hash & 0xffff_ffff, hash >> 32].map(|half| half * 0x1b3);
+    let hash = (hash << 40).wrapping_add(low).wrapping_add(high << 32);
+    // The fold brings the high bits down, where the next product spreads them again.
+    hash ^ hash >> 32
+}
 
 /// Declares [`DynPeer`] once: methods that [`Peer`] has under the same names, and those that are this trait's own.
 macro_rules! dyn_peer {
@@ -39,11 +51,7 @@ macro_rules! dyn_peer {
             }
             fn hash(&self, seed: u64) -> u64 {
                 let mut hash = seed;
-                { *self }.visit(&mut |number: &mut S| {
-                    // The fold brings the high bits down, where the next product spreads them again.
-                    hash = (hash ^ number.bits()).wrapping_mul(0x0000_0100_0000_01b3);
-                    hash ^= hash >> 32;
-                });
+                { *self }.visit(&mut |number: &mut S| hash = mixed(hash, number.bits()));
                 hash
             }
             fn boxed(&self) -> Box<dyn DynPeer<S>> {
@@ -128,6 +136,8 @@ pub struct Maker {
     f64: Make<f64>,
     fixed: Make<Fixed>,
     double_double: Make<DoubleDouble>,
+    f32s: Make<F32s>,
+    f64s: Make<F64s>,
 }
 
 impl Maker {
@@ -138,11 +148,14 @@ impl Maker {
             f64: make::<f64, F::Of<f64>>,
             fixed: make::<Fixed, F::Of<Fixed>>,
             double_double: make::<DoubleDouble, F::Of<DoubleDouble>>,
+            f32s: make::<F32s, F::Of<F32s>>,
+            f64s: make::<F64s, F::Of<F64s>>,
         }
     }
 }
 
-/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], or [`DoubleDouble`].
+/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], [`DoubleDouble`], or lanes of the
+/// first two ([`crate::lanes`]).
 pub trait Number: Scalar {
     /// How a family makes peers that compute in this type.
     #[doc(hidden)]
@@ -158,7 +171,7 @@ macro_rules! numbers {
         })+
     };
 }
-numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double);
+numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double, F32s: f32s, F64s: f64s);
 
 /// Those of core. A static: peers of every law and number type are compiled here, and not in every program that names it.
 static BUILT_IN: [Maker; 1] = [Maker::of::<BuiltIn>()];

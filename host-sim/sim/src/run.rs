@@ -14,7 +14,7 @@ mod outcome;
 mod reason;
 
 use haptic_core::contact::{Impacts, RenderingName};
-use haptic_core::num::Fixed;
+use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
@@ -37,7 +37,7 @@ pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 pub type EachRow<'a> = &'a dyn Fn(&[f64]);
 
 /// A number type in which scenes are run.
-pub trait Run: Number {
+pub trait Run: Number + Scalar<Counter = f64> {
     /// [`run`] in this type. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]
     fn run(
@@ -93,7 +93,7 @@ fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     }
 }
 
-fn run_in<S: Number>(
+fn run_in<S: Run>(
     scene: &Scene,
     options: Options,
     go_on: GoOn<'_>,

@@ -91,7 +91,7 @@ impl Side {
     pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
         let ledger = peer.ledger();
         let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-        self.port.see(as_f64(peer.observed()));
+        self.port.see(&as_f64(peer.observed()));
         let energy = self.port.with_network(received, sent);
         let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
         let live_ticks = peer.outgoing().live_ticks;

@@ -20,7 +20,7 @@
 //! mobility, and takes it from the account: what that costs stands in docs/theory.md, section 8.
 
 use crate::law::Packet;
-use crate::num::{Scalar, visit_f64};
+use crate::num::{Scalar, visit_counter};
 use crate::settings::{Key, Settings};
 
 pub(super) const CREDIT: Key = Key::whole(
@@ -138,7 +138,8 @@ impl Incoming {
     /// Takes in the counters of a packet. Older than the newest: nothing. The first, or a jump: both ends begin anew.
     #[inline]
     pub(super) fn receive<S: Scalar>(&self, state: &mut Outstanding, packet: &Packet<S>) {
-        let heard = Counters { live: packet.live_ticks, integral: packet.wave_integral, energy_j: packet.energy_j };
+        let (integral, energy_j) = (packet.wave_integral.to_f64(), packet.energy_j.to_f64());
+        let heard = Counters { live: packet.live_ticks, integral, energy_j };
         let Some(before) = state.heard else {
             *state = self.begin(heard);
             return;
@@ -259,6 +260,6 @@ impl Outstanding {
     /// The one state of a linear line: R.
     #[inline]
     pub(super) fn visit<S: Scalar>(&mut self, each: &mut impl FnMut(&mut S)) {
-        visit_f64(&mut self.integral, each);
+        visit_counter(&mut self.integral, each);
     }
 }

@@ -24,7 +24,7 @@ use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Seen, Sends};
 use crate::names::IntegratorName;
-use crate::num::{Motion, Scalar, StateVector, Sum, visit_f64};
+use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
 use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -62,12 +62,12 @@ impl<S: Scalar> StateVector<S> for SelfTimedState {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         let before = self.desired.total();
         let mut desired = before;
-        visit_f64(&mut desired, each);
+        visit_counter(&mut desired, each);
         if desired != before {
             self.desired = Sum::from(desired);
         }
         self.outstanding.visit(each);
-        visit_f64(&mut self.fresh, each);
+        visit_counter(&mut self.fresh, each);
     }
 }
 
@@ -148,7 +148,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     fn send(&self, state: &SelfTimedState, _: Motion<S>) -> Packet<S> {
-        Packet { wave_integral: state.sent.total() + state.fresh, live_ticks: state.live, ..Packet::default() }
+        let wave_integral = S::Counter::from_f64(state.sent.total() + state.fresh);
+        Packet { wave_integral, live_ticks: state.live, ..Packet::default() }
     }
 
     /// Counters that came before stay what they are.

@@ -1,24 +1,34 @@
 //! Whether something grows over a run, told from the largest value in each eighth of it.
 
+use super::Figure;
+
 /// The largest value in each eighth of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Growth {
+pub struct Growth<F = f64> {
     window: u64,
-    largest: [f64; 8],
+    largest: [F; 8],
 }
 
-impl Growth {
+impl<F: Figure> Growth<F> {
     /// For a run of `ticks` ticks.
     pub fn new(ticks: u64) -> Self {
-        Self { window: ticks.div_ceil(8).max(1), largest: [0.0; 8] }
+        Self { window: ticks.div_ceil(8).max(1), largest: [F::ZERO; 8] }
     }
 
     /// Takes in a value of a tick, 0 or more; what is no finite number counts as infinite.
-    pub fn see(&mut self, tick: u64, value: f64) {
+    #[inline]
+    pub fn see(&mut self, tick: u64, value: F) {
         let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
-        *largest = if value.is_finite() { largest.max(value) } else { f64::INFINITY };
+        *largest = largest.larger(value.or_infinite());
     }
 
+    /// With what `of` makes of each number.
+    pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> Growth<G> {
+        Growth { window: self.window, largest: self.largest.map(of) }
+    }
+}
+
+impl Growth {
     /// The largest there was.
     pub fn largest(&self) -> f64 {
         self.largest.iter().copied().fold(0.0, f64::max)
@@ -36,30 +46,39 @@ impl Growth {
 
 /// What forces do over a run: how large they get, by how much they change from tick to tick, and whether that grows.
 #[derive(Clone, Debug)]
-pub struct Forces {
-    last: Vec<f64>,
-    peak: f64,
-    changes: Growth,
+pub struct Forces<F = f64> {
+    last: Vec<F>,
+    peak: F,
+    changes: Growth<F>,
 }
 
-impl Forces {
+impl<F: Figure> Forces<F> {
     /// For a run of `ticks` ticks, from no force on.
     pub fn new(ticks: u64) -> Self {
-        Self { last: Vec::new(), peak: 0.0, changes: Growth::new(ticks) }
+        Self { last: Vec::new(), peak: F::ZERO, changes: Growth::new(ticks) }
     }
 
     /// Takes in the forces of a tick, always as many.
-    pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = f64>) {
+    #[inline]
+    pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = F>) {
         for (at, force) in forces.into_iter().enumerate() {
             if at == self.last.len() {
-                self.last.push(0.0);
+                self.last.push(F::ZERO);
             }
             self.changes.see(tick, (force - self.last[at]).abs());
-            self.peak = self.peak.max(force.abs());
+            self.peak = self.peak.larger(force.abs());
             self.last[at] = force;
         }
     }
 
+    /// With what `of` makes of each number.
+    pub(crate) fn map<G>(&self, of: impl Fn(F) -> G + Copy) -> Forces<G> {
+        let last = self.last.iter().map(|force| of(*force)).collect();
+        Forces { last, peak: of(self.peak), changes: self.changes.map(of) }
+    }
+}
+
+impl Forces {
     /// Those of the last tick.
     pub fn last(&self) -> &[f64] {
         &self.last

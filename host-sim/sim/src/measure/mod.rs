@@ -6,7 +6,39 @@ pub mod growth;
 pub mod port;
 pub mod swing;
 
+use haptic_core::num::Scalar;
 use serde::Serialize;
+
+/// What runs are measured in: `f64`, or one in each lane ([`crate::lanes`]).
+pub trait Figure: Scalar<Counter = Self> {
+    /// One half.
+    const HALF: Self;
+    /// The larger; where one is no number, the other.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
+    /// Itself if it is finite, else infinite.
+    #[must_use]
+    fn or_infinite(self) -> Self;
+    /// Square root; no number of what is negative.
+    #[must_use]
+    fn root(self) -> Self;
+}
+
+impl Figure for f64 {
+    const HALF: Self = 0.5;
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        Self::max(self, other)
+    }
+    #[inline]
+    fn or_infinite(self) -> Self {
+        if Self::is_finite(self) { self } else { Self::INFINITY }
+    }
+    #[inline]
+    fn root(self) -> Self {
+        Self::sqrt(self)
+    }
+}
 
 /// Mean and standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -26,26 +58,34 @@ impl Statistics {
 
 /// Means of `N` quantities over the last half of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct LastHalf<const N: usize> {
+pub struct LastHalf<const N: usize, F = f64> {
     from_tick: u64,
     count: u64,
-    sums: [f64; N],
+    sums: [F; N],
 }
 
-impl<const N: usize> LastHalf<N> {
+impl<const N: usize, F: Figure> LastHalf<N, F> {
     /// Of a run of so many ticks.
     pub fn new(ticks: u64) -> Self {
-        Self { from_tick: ticks / 2, count: 0, sums: [0.0; N] }
+        Self { from_tick: ticks / 2, count: 0, sums: [F::ZERO; N] }
     }
 
     /// Takes in the values of this tick, if it is in the last half.
-    pub fn see(&mut self, tick: u64, values: [f64; N]) {
+    #[inline]
+    pub fn see(&mut self, tick: u64, values: [F; N]) {
         if tick >= self.from_tick {
             self.count += 1;
-            self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + value);
         }
     }
 
+    /// With what `of` makes of each number.
+    pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> LastHalf<N, G> {
+        LastHalf { from_tick: self.from_tick, count: self.count, sums: self.sums.map(of) }
+    }
+}
+
+impl<const N: usize> LastHalf<N> {
     /// The means; no number of nothing.
     pub fn means(&self) -> [f64; N] {
         self.sums.map(|sum| sum / self.count as f64)

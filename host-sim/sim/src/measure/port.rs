@@ -21,19 +21,21 @@
 
 use haptic_core::peer::Observed;
 
+use super::Figure;
+
 /// Energy that crossed the ports of one peer's coordination, J.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct PortEnergy {
+pub struct PortEnergy<F = f64> {
     /// From the network.
-    pub received_j: f64,
+    pub received_j: F,
     /// To the network.
-    pub sent_j: f64,
+    pub sent_j: F,
     /// To the object.
-    pub to_object_j: f64,
+    pub to_object_j: F,
     /// From the object.
-    pub from_object_j: f64,
+    pub from_object_j: F,
     /// In the spring.
-    pub stored_j: f64,
+    pub stored_j: F,
 }
 
 impl PortEnergy {
@@ -51,31 +53,52 @@ pub(crate) fn ratio(out: f64, into: f64) -> f64 {
 
 /// Books the object port of one peer, tick by tick.
 #[derive(Clone, Copy, Debug)]
-pub struct ObjectPort {
-    period_s: f64,
-    stiffness_n_per_m: f64,
-    before: Option<Observed<f64>>,
-    booked: PortEnergy,
+pub struct ObjectPort<F = f64> {
+    period_s: F,
+    stiffness_n_per_m: F,
+    /// Coordination force and velocity of the copy in the tick before.
+    before: Option<(F, F)>,
+    booked: PortEnergy<F>,
 }
 
-impl ObjectPort {
+impl<F: Figure> ObjectPort<F> {
     /// Nothing booked yet, at this control period and K_T.
-    pub fn new(period_s: f64, stiffness_n_per_m: f64) -> Self {
+    pub fn new(period_s: F, stiffness_n_per_m: F) -> Self {
         Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
     }
 
     /// What the next tick saw; with it the work of the tick before is known.
-    pub fn see(&mut self, seen: Observed<f64>) {
-        if let Some(before) = self.before.replace(seen) {
-            let mean_velocity = 0.5 * (before.object.velocity + seen.object.velocity);
-            let work_j = before.coordination_force * mean_velocity * self.period_s;
-            self.booked.to_object_j += work_j.max(0.0);
-            self.booked.from_object_j += (-work_j).max(0.0);
+    #[inline]
+    pub fn see(&mut self, seen: &Observed<F>) {
+        if let Some((force, velocity)) = self.before.replace((seen.coordination_force, seen.object.velocity)) {
+            let mean_velocity = F::HALF * (velocity + seen.object.velocity);
+            let work_j = force * mean_velocity * self.period_s;
+            self.booked.to_object_j = self.booked.to_object_j + work_j.larger(F::ZERO);
+            self.booked.from_object_j = self.booked.from_object_j + (-work_j).larger(F::ZERO);
         }
         let stretch_m = seen.desired.position - seen.object.position;
-        self.booked.stored_j = 0.5 * self.stiffness_n_per_m * stretch_m * stretch_m;
+        self.booked.stored_j = F::HALF * self.stiffness_n_per_m * stretch_m * stretch_m;
     }
 
+    /// With what `of` makes of each number.
+    pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> ObjectPort<G> {
+        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = self.booked;
+        ObjectPort {
+            period_s: of(self.period_s),
+            stiffness_n_per_m: of(self.stiffness_n_per_m),
+            before: self.before.map(|(force, velocity)| (of(force), of(velocity))),
+            booked: PortEnergy {
+                received_j: of(received_j),
+                sent_j: of(sent_j),
+                to_object_j: of(to_object_j),
+                from_object_j: of(from_object_j),
+                stored_j: of(stored_j),
+            },
+        }
+    }
+}
+
+impl ObjectPort {
     /// With what crossed the network port.
     pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }

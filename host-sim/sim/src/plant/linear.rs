@@ -3,17 +3,17 @@
 //! x⁺ = Φ(T)·x + [Γ(T) − Γ((1−τ)T)]·F_before + Γ((1−τ)T)·F_now, with (Φ, Γ) from the exponential of the 3×3 augmented
 //! matrix [[A, B], [0, 0]]·t by scaling and squaring of its Taylor series (relative error < 1e-14).
 
-use haptic_core::num::Motion;
+use haptic_core::num::{Motion, Scalar};
 
 /// A mass, damper and spring over one period.
 #[derive(Clone, Debug)]
-pub struct Linear {
+pub struct Linear<S = f64> {
     /// Φ(T), row by row: position, velocity.
-    pub transition: [[f64; 2]; 2],
+    pub transition: [[S; 2]; 2],
     /// What the force before adds to position and velocity.
-    pub gain_before: [f64; 2],
+    pub gain_before: [S; 2],
     /// What the force now adds to position and velocity.
-    pub gain_now: [f64; 2],
+    pub gain_now: [S; 2],
 }
 
 type Matrix = [[f64; 3]; 3];
@@ -61,10 +61,12 @@ impl Linear {
             gain_now: [fresh[0][2], fresh[1][2]],
         }
     }
+}
 
+impl<S: Scalar> Linear<S> {
     /// The motion one period later.
     #[inline]
-    pub fn advance(&self, motion: Motion<f64>, before: f64, now: f64) -> Motion<f64> {
+    pub fn advance(&self, motion: Motion<S>, before: S, now: S) -> Motion<S> {
         let line = |row: usize| {
             let [from_position, from_velocity] = self.transition[row];
             from_position * motion.position

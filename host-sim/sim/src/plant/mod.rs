@@ -132,6 +132,21 @@ impl Plant {
         }
     }
 
+    /// Neither joints nor windings, friction or faults: its peer reads and drives it exactly.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.joints.is_none() && self.windings.is_none() && self.fault.is_none() && self.friction_n == 0.0
+    }
+
+    /// What advances each axis.
+    pub(crate) fn linear(&self) -> &Linear {
+        &self.linear
+    }
+
+    /// Axes that move.
+    pub(crate) fn axes_in_use(&self) -> usize {
+        self.axes_in_use
+    }
+
     /// Position and velocity of every axis.
     pub fn motions(&self) -> [Motion<f64>; AXES] {
         self.motions
@@ -245,7 +260,7 @@ impl Plant {
     }
 
     /// Forces on the axes beside the motors', N.
-    fn pushes(&self, time_s: f64) -> [f64; AXES] {
+    pub(crate) fn pushes(&self, time_s: f64) -> [f64; AXES] {
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {

@@ -8,7 +8,7 @@ use super::outcome::{Options, Outcome};
 use super::reason::{APART_MM, Reason};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::ObjectPort;
-use crate::measure::{LastHalf, Statistics};
+use crate::measure::{Figure, LastHalf, Statistics};
 use crate::quantities::{self, Named};
 use crate::report::{Columns, numbered};
 use crate::{peers::DynPeer, scene::Scene};
@@ -33,35 +33,42 @@ const OF_BOTH: [Named; 2] =
 
 /// A peer after a tick.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Ticked {
-    observed: Observed<f64>,
-    received_j: f64,
-    sent_j: f64,
+pub struct Ticked<F = f64> {
+    observed: Observed<F>,
+    received_j: F,
+    sent_j: F,
     fault: Option<Fault>,
     engaged: bool,
 }
 
-impl Ticked {
+impl<F: Figure> Ticked<F> {
     /// What a tick saw and did, the energy from and to the network so far (J), the mode, and whether the coordination acts.
-    pub fn new<S: Scalar>(observed: &Observed<S>, [received_j, sent_j]: [S; 2], mode: Mode, engaged: bool) -> Self {
-        let motion = |of: Motion<S>| Motion { position: of.position.to_f64(), velocity: of.velocity.to_f64() };
+    #[inline]
+    pub fn new<S: Scalar<Counter = F>>(
+        observed: &Observed<S>,
+        [received_j, sent_j]: [S; 2],
+        mode: Mode,
+        engaged: bool,
+    ) -> Self {
+        let motion = |of: Motion<S>| Motion { position: of.position.to_counter(), velocity: of.velocity.to_counter() };
         Self {
             observed: Observed {
                 device: motion(observed.device),
                 object: motion(observed.object),
                 desired: motion(observed.desired),
-                contact_force: observed.contact_force.to_f64(),
-                coordination_force: observed.coordination_force.to_f64(),
+                contact_force: observed.contact_force.to_counter(),
+                coordination_force: observed.coordination_force.to_counter(),
             },
-            received_j: received_j.to_f64(),
-            sent_j: sent_j.to_f64(),
+            received_j: received_j.to_counter(),
+            sent_j: sent_j.to_counter(),
             fault: if let Mode::Faulted(fault) = mode { Some(fault) } else { None },
             engaged,
         }
     }
 
     /// Of a simulated peer.
-    pub fn of<S: Scalar>(peer: &dyn DynPeer<S>) -> Self {
+    #[inline]
+    pub fn of<S: Scalar<Counter = F>>(peer: &dyn DynPeer<S>) -> Self {
         let ledger = peer.ledger();
         Self::new(peer.observed(), [ledger.received_j(), ledger.sent_j()], peer.mode(), peer.is_engaged())
     }
@@ -69,42 +76,109 @@ impl Ticked {
 
 /// What is seen of a run.
 #[derive(Clone, Debug)]
-pub struct Account {
+pub struct Account<F = f64> {
     period_s: f64,
-    mass_kg: f64,
+    mass_kg: F,
     record_every: u64,
     tick: u64,
-    latest: [Ticked; 2],
-    ports: [ObjectPort; 2],
-    halves: LastHalf<5>,
-    forces: Forces,
+    latest: [Ticked<F>; 2],
+    ports: [ObjectPort<F>; 2],
+    halves: LastHalf<5, F>,
+    forces: Forces<F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
-    energy: Growth,
+    energy: Growth<F>,
     stopped: Option<(usize, Fault, f64)>,
-    true_m: f64,
-    largest_true_m: f64,
+    true_m: F,
+    largest_true_m: F,
     table: Columns,
+}
+
+impl<F: Figure> Account<F> {
+    /// Of a run of so many ticks of this period (s), of copies of this mass (kg) and stiffness K_T (N/m).
+    pub(crate) fn of(period_s: f64, mass_kg: F, stiffness_n_per_m: F, ticks: u64, options: Options) -> Self {
+        Self {
+            period_s,
+            mass_kg,
+            record_every: options.record_every,
+            tick: 0,
+            latest: Default::default(),
+            ports: [ObjectPort::new(F::from_f64(period_s), stiffness_n_per_m); 2],
+            halves: LastHalf::new(ticks),
+            forces: Forces::new(ticks),
+            energy: Growth::new(ticks),
+            stopped: None,
+            true_m: F::ZERO,
+            largest_true_m: F::ZERO,
+            table: Columns::named(Account::columns()),
+        }
+    }
+
+    /// A tick of peer `at`, 0 or 1.
+    #[inline]
+    pub fn ticked(&mut self, at: usize, ticked: Ticked<F>) {
+        self.ports[at].see(&ticked.observed);
+        self.latest[at] = ticked;
+    }
+
+    /// A control period is over. After a fault nothing is averaged: what stands still would look good.
+    #[inline]
+    pub(crate) fn measure(&mut self) {
+        let [first, second] = self.latest.each_ref().map(|ticked| &ticked.observed);
+        self.true_m = (first.object.position - second.object.position).abs();
+        self.largest_true_m = self.largest_true_m.larger(self.true_m);
+        let decoded_m = (second.object.position - second.desired.position).abs();
+        let forces = [first.coordination_force, second.coordination_force];
+        self.forces.see(self.tick, forces);
+        let speeds = [first.object.velocity, second.object.velocity];
+        let energy_j = F::HALF * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
+        self.energy.see(self.tick, energy_j.root());
+        let fault = (1..).zip(&self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
+        self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, self.tick as f64 * self.period_s)));
+        if self.stopped.is_none() {
+            let contact = F::HALF * (first.contact_force.abs() + second.contact_force.abs());
+            self.halves.see(self.tick, [self.true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
+        }
+        self.tick += 1;
+    }
+
+    /// What `of` makes of each number.
+    pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Account<G> {
+        let motion = |seen: Motion<F>| Motion { position: of(seen.position), velocity: of(seen.velocity) };
+        Account {
+            period_s: self.period_s,
+            mass_kg: of(self.mass_kg),
+            record_every: self.record_every,
+            tick: self.tick,
+            latest: self.latest.map(|ticked| Ticked {
+                observed: Observed {
+                    device: motion(ticked.observed.device),
+                    object: motion(ticked.observed.object),
+                    desired: motion(ticked.observed.desired),
+                    contact_force: of(ticked.observed.contact_force),
+                    coordination_force: of(ticked.observed.coordination_force),
+                },
+                received_j: of(ticked.received_j),
+                sent_j: of(ticked.sent_j),
+                fault: ticked.fault,
+                engaged: ticked.engaged,
+            }),
+            ports: self.ports.each_ref().map(|port| port.map(of)),
+            halves: self.halves.map(of),
+            forces: self.forces.map(of),
+            energy: self.energy.map(of),
+            stopped: self.stopped,
+            true_m: of(self.true_m),
+            largest_true_m: of(self.largest_true_m),
+            table: self.table.clone(),
+        }
+    }
 }
 
 impl Account {
     /// Of a run of so many ticks.
     pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
-        let period_s = scene.peer.timing.control_period_s;
-        Self {
-            period_s,
-            mass_kg: scene.peer.object.mass_kg,
-            record_every: options.record_every,
-            tick: 0,
-            latest: Default::default(),
-            ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); 2],
-            halves: LastHalf::new(ticks),
-            forces: Forces::new(ticks),
-            energy: Growth::new(ticks),
-            stopped: None,
-            true_m: 0.0,
-            largest_true_m: 0.0,
-            table: Columns::named(Self::columns()),
-        }
+        let (period_s, object) = (scene.peer.timing.control_period_s, &scene.peer.object);
+        Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
     }
 
     /// The columns of a row, by name and meaning; each peer's with its number before the unit.
@@ -115,32 +189,9 @@ impl Account {
         std::iter::once(owned(time)).chain((1..=2).flat_map(of)).chain(OF_BOTH.map(owned))
     }
 
-    /// A tick of peer `at`, 0 or 1.
-    #[inline]
-    pub fn ticked(&mut self, at: usize, ticked: Ticked) {
-        self.latest[at] = ticked;
-        self.ports[at].see(ticked.observed);
-    }
-
-    /// A control period is over. After a fault nothing is averaged: what stands still would look good.
+    /// A control period is over, and recorded, if it is one of those that are.
     pub fn period(&mut self) {
-        let [first, second] = self.latest.map(|ticked| ticked.observed);
-        let time_s = self.tick as f64 * self.period_s;
-        self.true_m = (first.object.position - second.object.position).abs();
-        self.largest_true_m = self.largest_true_m.max(self.true_m);
-        let decoded_m = (second.object.position - second.desired.position).abs();
-        let forces = [first, second].map(|seen| seen.coordination_force);
-        self.forces.see(self.tick, forces);
-        let speeds = [first, second].map(|seen| seen.object.velocity);
-        let energy_j = 0.5 * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
-        self.energy.see(self.tick, energy_j.sqrt());
-        let fault = (1..).zip(self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
-        self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, time_s)));
-        if self.stopped.is_none() {
-            let contact = 0.5 * (first.contact_force.abs() + second.contact_force.abs());
-            self.halves.see(self.tick, [self.true_m, decoded_m, forces[1], forces[1] * forces[1], contact]);
-        }
-        self.tick += 1;
+        self.measure();
         if self.record_every > 0 && (self.tick - 1).is_multiple_of(self.record_every) {
             self.table.push_row(&self.row());
         }

@@ -7,6 +7,7 @@ mod double_double;
 mod engine;
 mod faults;
 mod impulsive;
+mod lanes;
 mod link;
 mod measure;
 mod midpoint;

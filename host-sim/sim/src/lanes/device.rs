@@ -1,0 +1,73 @@
+//! Devices of all lanes, side by side: plants without joints, windings or friction, whose peers read and drive them exactly.
+
+use std::array::from_fn;
+
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::{Motion, Scalar as _};
+use haptic_core::peer::{Actuators, Sensors};
+
+use super::number::{F64s, LANES, Lanes};
+use crate::pair::Device;
+use crate::plant::{Linear, Plant};
+
+/// Plants of which each lane has one.
+#[derive(Debug)]
+pub(super) struct Plants {
+    plants: Vec<Plant>,
+    /// Every user does the same.
+    alike: bool,
+    linear: Linear<F64s>,
+    axes_in_use: usize,
+    motions: [Motion<F64s>; AXES],
+    motor_before: [F64s; AXES],
+}
+
+impl Plants {
+    /// Of these plants, one a lane, which all are bare; `alike` where every user does the same.
+    pub(super) fn new(plants: Vec<Plant>, alike: bool) -> Self {
+        let of = |number: &dyn Fn(&Plant) -> f64| F64s::of(|lane| number(&plants[lane]));
+        let gain = |row: usize| of(&|plant| plant.linear().gain_before[row]);
+        let now = |row: usize| of(&|plant| plant.linear().gain_now[row]);
+        let linear = Linear {
+            transition: from_fn(|row| from_fn(|column| of(&|plant| plant.linear().transition[row][column]))),
+            gain_before: from_fn(gain),
+            gain_now: from_fn(now),
+        };
+        let motions = from_fn(|axis| Motion {
+            position: of(&|plant| plant.motions()[axis].position),
+            velocity: of(&|plant| plant.motions()[axis].velocity),
+        });
+        let axes_in_use = plants[0].axes_in_use();
+        Self { plants, alike, linear, axes_in_use, motions, motor_before: [F64s::ZERO; AXES] }
+    }
+
+    /// Forces on the axes beside the motors', N.
+    fn pushes(&self, time_s: f64) -> [F64s; AXES] {
+        if self.alike {
+            return self.plants[0].pushes(time_s).map(F64s::splat);
+        }
+        let each: [[f64; AXES]; LANES] = from_fn(|lane| self.plants[lane].pushes(time_s));
+        from_fn(|axis| F64s::of(|lane| each[lane][axis]))
+    }
+}
+
+impl<S: Lanes> Device<S> for Plants {
+    #[inline]
+    fn sensors(&self) -> Sensors<S> {
+        Sensors::of(Reading::Exact(self.motions.map(|motion| Motion {
+            position: S::of_counter(motion.position),
+            velocity: S::of_counter(motion.velocity),
+        })))
+    }
+
+    #[inline]
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S>) {
+        let pushes = self.pushes(time_s);
+        let moved = self.motions.iter_mut().zip(&mut self.motor_before).take(self.axes_in_use);
+        for ((motion, before), (push, force)) in moved.zip(pushes.iter().zip(&actuators.forces)) {
+            let motor = force.to_counter();
+            *motion = self.linear.advance(*motion, *before + *push, motor + *push);
+            *before = motor;
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! Lanes: one number for each of [`LANES`] scenes, as one number type of a peer.
+//!
+//! Every operation is that of the type alone, lane by lane, so that the bits are, too. **Where the program asks one question and
+//! the lanes have different answers** (a comparison; a number taken out of its type), the answer is that of most lanes, and the others
+//! have left ([`lanes_left`]): what they hold from then on means nothing. So core's own lines run, whatever they branch on.
+//!
+//! **Where lanes come from**: what `build()` makes of settings goes through [`Scalar::from_f64`]. `recorded` notes these numbers for
+//! one scene; `played` builds once more and hands out what was noted, to every lane its own. Both, and who has left, are of one thread.
+
+use std::array::from_fn;
+use std::cell::{Cell, RefCell};
+use std::cmp::Ordering;
+use std::fmt;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use haptic_core::num::Scalar;
+use wide::{f32x16, f64x8};
+
+use crate::measure::Figure;
+
+/// Scenes side by side.
+pub const LANES: usize = 16;
+const ALL: u32 = (1 << LANES) - 1;
+
+/// Where [`Scalar::from_f64`] takes its numbers from.
+enum Tape {
+    /// What it is given, for every lane.
+    Off,
+    /// The same, noted.
+    Recording(Vec<f64>),
+    /// What was noted for each lane, and how much of it was handed out.
+    Playing(Vec<Vec<f64>>, usize),
+}
+
+thread_local! {
+    static LEFT: Cell<u32> = const { Cell::new(0) };
+    static SHOWN: Cell<usize> = const { Cell::new(0) };
+    static TAPE: RefCell<Tape> = const { RefCell::new(Tape::Off) };
+}
+
+/// The lanes that have left since [`super::Pairs::new`], as bits.
+pub fn lanes_left() -> u32 {
+    LEFT.get()
+}
+
+/// All lanes are there.
+pub(super) fn nobody_left() {
+    LEFT.set(0);
+}
+
+/// These lanes leave, too.
+pub(super) fn leave(lanes: u32) {
+    LEFT.set(LEFT.get() | lanes & ALL);
+}
+
+/// From now on the lane that texts show.
+pub(super) fn show(lane: usize) {
+    SHOWN.set(lane);
+}
+
+/// Builds something for one scene, and notes its numbers.
+pub(super) fn recorded<T>(build: impl FnOnce() -> T) -> (T, Vec<f64>) {
+    TAPE.set(Tape::Recording(Vec::new()));
+    let built = build();
+    let Tape::Recording(numbers) = TAPE.replace(Tape::Off) else { return (built, Vec::new()) };
+    (built, numbers)
+}
+
+/// Builds the same with the numbers of every lane.
+pub(super) fn played<T>(numbers: Vec<Vec<f64>>, build: impl FnOnce() -> T) -> T {
+    TAPE.set(Tape::Playing(numbers, 0));
+    let built = build();
+    TAPE.set(Tape::Off);
+    built
+}
+
+/// The number of each lane that `from_f64` makes of this one.
+#[inline(never)]
+fn numbers(value: f64) -> [f64; LANES] {
+    TAPE.with_borrow_mut(|tape| match tape {
+        Tape::Off => [value; LANES],
+        Tape::Recording(noted) => {
+            noted.push(value);
+            [value; LANES]
+        }
+        Tape::Playing(noted, at) => {
+            let now = *at;
+            *at += 1;
+            // Where a scene has fewer it is not built alike, which its text will tell.
+            from_fn(|lane| noted[lane].get(now).copied().unwrap_or(value))
+        }
+    })
+}
+
+/// The answer of most of those that are there; the others leave.
+#[cold]
+#[inline(never)]
+fn disagreed(yes: u32) -> bool {
+    let there = ALL & !LEFT.get();
+    let most = 2 * (yes & there).count_ones() >= there.count_ones();
+    leave(if most { !yes } else { yes });
+    most
+}
+
+/// One answer of all lanes.
+#[inline(always)]
+fn decide(yes: u32) -> bool {
+    if yes == ALL {
+        true
+    } else if yes == 0 {
+        false
+    } else {
+        disagreed(yes)
+    }
+}
+
+/// One value of all lanes: that of the first that is there; those that differ leave.
+fn agree<T: Copy + PartialEq>(of: impl Fn(usize) -> T) -> T {
+    let first = (!LEFT.get()).trailing_zeros() as usize % LANES;
+    let value = of(first);
+    leave((0..LANES).filter(|lane| of(*lane) != value).map(|lane| 1 << lane).sum());
+    value
+}
+
+macro_rules! lanes {
+    ($(#[$doc:meta])* $Lanes:ident: $count:literal of $Vector:ident, $of:literal of $Alone:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Default)]
+        pub struct $Lanes([$Vector; $count]);
+
+        impl $Lanes {
+            /// The same number in every lane.
+            #[inline(always)]
+            pub const fn splat(value: $Alone) -> Self {
+                Self([$Vector::splat(value); $count])
+            }
+
+            /// A number for each lane.
+            #[inline(always)]
+            pub fn of(mut lane: impl FnMut(usize) -> $Alone) -> Self {
+                Self(from_fn(|at| $Vector::new(from_fn(|within| lane(at * $of + within)))))
+            }
+
+            /// The number of each lane.
+            #[inline(always)]
+            pub fn lanes(self) -> [$Alone; LANES] {
+                let vectors = self.0.map(|vector| vector.to_array());
+                from_fn(|lane| vectors[lane / $of][lane % $of])
+            }
+
+            #[inline(always)]
+            fn each(self, one: impl Fn($Vector) -> $Vector) -> Self {
+                Self(self.0.map(one))
+            }
+
+            #[inline(always)]
+            fn with(self, other: Self, one: impl Fn($Vector, $Vector) -> $Vector) -> Self {
+                Self(from_fn(|at| one(self.0[at], other.0[at])))
+            }
+
+            /// Where the masks of a comparison are set, as bits.
+            #[inline(always)]
+            fn bits_of(masks: Self) -> u32 {
+                let bits = |(at, mask): (usize, &$Vector)| (mask.to_bitmask() as u32) << (at * $of);
+                masks.0.iter().enumerate().map(bits).fold(0, |all, some| all | some)
+            }
+
+            #[inline(always)]
+            fn choose(masks: Self, yes: Self, no: Self) -> Self {
+                Self(from_fn(|at| masks.0[at].select(yes.0[at], no.0[at])))
+            }
+        }
+
+        impl Add for $Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                self.with(other, |a, b| a + b)
+            }
+        }
+        impl Sub for $Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                self.with(other, |a, b| a - b)
+            }
+        }
+        impl Mul for $Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                self.with(other, |a, b| a * b)
+            }
+        }
+        impl Neg for $Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                self.each(|a| -a)
+            }
+        }
+        impl PartialEq for $Lanes {
+            #[inline(always)]
+            fn eq(&self, other: &Self) -> bool {
+                decide(Self::bits_of(self.with(*other, |a, b| a.simd_eq(b))))
+            }
+        }
+        impl PartialOrd for $Lanes {
+            fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+                let (these, those) = (self.lanes(), other.lanes());
+                agree(|lane| these[lane].partial_cmp(&those[lane]))
+            }
+            #[inline(always)]
+            fn lt(&self, other: &Self) -> bool {
+                decide(Self::bits_of(self.with(*other, |a, b| a.simd_lt(b))))
+            }
+            #[inline(always)]
+            fn le(&self, other: &Self) -> bool {
+                decide(Self::bits_of(self.with(*other, |a, b| a.simd_le(b))))
+            }
+            #[inline(always)]
+            fn gt(&self, other: &Self) -> bool {
+                decide(Self::bits_of(self.with(*other, |a, b| a.simd_gt(b))))
+            }
+            #[inline(always)]
+            fn ge(&self, other: &Self) -> bool {
+                decide(Self::bits_of(self.with(*other, |a, b| a.simd_ge(b))))
+            }
+        }
+
+        /// The bits of the lane that is shown.
+        impl fmt::Debug for $Lanes {
+            fn fmt(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(text, "{:x}", self.lanes()[SHOWN.get()].to_bits())
+            }
+        }
+
+        impl Scalar for $Lanes {
+            type Counter = F64s;
+            const NAME: &'static str = <$Alone as Scalar>::NAME;
+            const ZERO: Self = Self::splat(0.0);
+            const ONE: Self = Self::splat(1.0);
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                let numbers = numbers(value);
+                Self::of(|lane| numbers[lane] as $Alone)
+            }
+            fn to_f64(self) -> f64 {
+                f64::from_bits(agree(|lane| f64::from(self.lanes()[lane]).to_bits()))
+            }
+            #[inline(always)]
+            fn from_i32(value: i32) -> Self {
+                Self::splat(value as $Alone)
+            }
+            fn round_to_i32(self) -> i32 {
+                agree(|lane| Scalar::round_to_i32(self.lanes()[lane]))
+            }
+            /// None: nothing that codes drive is stepped in lanes.
+            #[inline(always)]
+            fn to_code(self) -> i16 {
+                0
+            }
+            #[inline(always)]
+            fn to_counter(self) -> F64s {
+                let lanes = self.lanes();
+                F64s::of(|lane| f64::from(lanes[lane]))
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                let limit = $Vector::splat($Alone::INFINITY);
+                decide(Self::bits_of(self.each(|a| a.abs().simd_lt(limit))))
+            }
+            fn bits(self) -> u64 {
+                agree(|lane| Scalar::bits(self.lanes()[lane]))
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self::choose(self.each(|a| a.simd_gt($Vector::ZERO)), self.each(|a| a.sqrt()), Self::ZERO)
+            }
+            fn sin_cos(self) -> (Self, Self) {
+                let both = self.lanes().map(Scalar::sin_cos);
+                (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
+            }
+            fn sin_cos_fast(self) -> (Self, Self) {
+                let both = self.lanes().map(Scalar::sin_cos_fast);
+                (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
+            }
+            #[inline(always)]
+            fn ratio(self, divisor: Self) -> Self {
+                let nothing = divisor.each(|b| b.simd_eq($Vector::ZERO));
+                Self::choose(nothing, Self::ZERO, self.with(divisor, |a, b| a / b))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.each(|a| a.abs())
+            }
+            #[inline(always)]
+            fn limit(self, bound: Self) -> Self {
+                let low = Self::choose(self.with(bound, |a, b| a.simd_lt(-b)), -bound, Self::ZERO);
+                let high = Self::choose(self.with(bound, |a, b| a.simd_gt(b)), bound, low);
+                Self::choose(self.with(bound, |a, b| a.abs().simd_le(b)), self, high)
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self::choose(self.with(other, |a, b| a.simd_gt(b)), self, other)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self::choose(self.with(other, |a, b| a.simd_lt(b)), self, other)
+            }
+        }
+
+        impl Lanes for $Lanes {
+            type Alone = $Alone;
+            #[inline(always)]
+            fn of_counter(counter: F64s) -> Self {
+                let lanes = counter.lanes();
+                Self::of(|lane| lanes[lane] as $Alone)
+            }
+            #[inline(always)]
+            fn each_bits(self) -> [u64; LANES] {
+                self.lanes().map(|number| u64::from(number.to_bits()))
+            }
+        }
+    };
+}
+
+/// A number for each lane.
+pub trait Lanes: Scalar<Counter = F64s> {
+    /// The type of one of them.
+    type Alone: Scalar;
+    /// The nearest of each.
+    fn of_counter(counter: F64s) -> Self;
+    /// [`Scalar::bits`] of each.
+    fn each_bits(self) -> [u64; LANES];
+}
+
+lanes! {
+    /// `f32` in each lane.
+    F32s: 1 of f32x16, 16 of f32
+}
+lanes! {
+    /// `f64` in each lane.
+    F64s: 2 of f64x8, 8 of f64
+}
+
+impl F64s {
+    /// The number of one lane.
+    pub(crate) fn lane(self, lane: usize) -> f64 {
+        self.lanes()[lane]
+    }
+}
+
+impl Figure for F64s {
+    const HALF: Self = Self::splat(0.5);
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let other = Self::choose(other.with(other, |a, b| a.simd_eq(b)), other, self);
+        Self::choose(self.with(other, |a, b| a.simd_gt(b)), self, other)
+    }
+    #[inline(always)]
+    fn or_infinite(self) -> Self {
+        let infinite = Self::splat(f64::INFINITY);
+        Self::choose(self.with(infinite, |a, b| a.abs().simd_lt(b)), self, infinite)
+    }
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.each(|a| a.sqrt())
+    }
+}

@@ -1,0 +1,127 @@
+//! Pairs of peers of all lanes on one network, and how such a peer is built: as each scene's alone, number by number.
+//!
+//! **Checked**: the text of a peer holds everything that it is. A lane stays only if its text, with that lane's bits, is the one that its
+//! scene's peer has alone; so what is counted in whole numbers, or is another model, cannot pass for what the others have. Laws of other
+//! crates derive `Debug`, as core does, or tell as much.
+
+use std::array::from_fn;
+use std::fmt::{self, Write as _};
+
+use haptic_core::settings::Refused;
+
+use super::device::Plants;
+use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
+use crate::pair::{HASH_SEED, Pair, Side};
+use crate::peers::{DynPeer, Number, mixed};
+use crate::{plant::Plant, scene::Scene};
+
+/// Pairs of peers, one a lane, on one network.
+pub struct Pairs<S: Lanes> {
+    pair: Pair<S, Plants>,
+    hashes: [u64; LANES],
+    /// The states that are hashed next.
+    words: Vec<S>,
+}
+
+impl<S: Lanes + Number> Pairs<S> {
+    /// These scenes, which are of one kind, at most [`LANES`]; all peers armed and at rest. Which lanes have left, or do from
+    /// now on, [`super::number::lanes_left`] says: one group of lanes a thread at a time. Lanes without a scene do what the last one does.
+    ///
+    /// # Errors
+    /// What a peer refuses.
+    ///
+    /// # Panics
+    /// There is no scene.
+    pub fn new(scenes: &[&Scene]) -> Result<Self, Refused<'static>> {
+        nobody_left();
+        let scenes: [&Scene; LANES] = from_fn(|lane| scenes[lane.min(scenes.len() - 1)]);
+        let side = |index, to| {
+            // Moved by nothing, as those of a pair alone are: −0 m becomes 0 m.
+            let plants: Vec<Plant> = scenes.iter().map(|scene| Plant::new(scene, index).moved(0.0)).collect();
+            let peer = peer::<S>(&scenes, &plants, index)?;
+            let first = &scenes[0];
+            let alike = scenes.iter().all(|scene| {
+                let [one, other] = [*scene, *first].map(|scene| &scene.users[index]);
+                one.settings == other.settings && one.trace == other.trace
+            });
+            Ok::<_, Refused<'static>>(Side::of(first, peer, Plants::new(plants, alike), to))
+        };
+        Ok(Self {
+            pair: Pair::of(scenes[0], [side(0, 1)?, side(1, 0)?]),
+            hashes: [HASH_SEED; LANES],
+            words: Vec::new(),
+        })
+    }
+}
+
+impl<S: Lanes> Pairs<S> {
+    /// A control period of all lanes; `each` sees every peer after its tick.
+    #[inline]
+    pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S>)) {
+        self.pair.step_watched(&mut |seen| each(seen.number - 1, seen.peer));
+    }
+
+    /// Goes on with the hash of each lane's states ([`Pair::hash`]).
+    #[inline]
+    pub fn hash(&mut self) {
+        let words = &mut self.words;
+        words.clear();
+        for side in self.pair.sides_mut() {
+            side.peer.visit_state(&mut |number| words.push(*number));
+        }
+        let mut hashes = self.hashes;
+        for word in words {
+            let bits = word.each_bits();
+            hashes = from_fn(|lane| mixed(hashes[lane], bits[lane]));
+        }
+        self.hashes = hashes;
+    }
+
+    /// The hash of each lane so far.
+    pub fn hashes(&self) -> [u64; LANES] {
+        self.hashes
+    }
+}
+
+/// A peer of all lanes; whose scene's alone would be another one leaves.
+fn peer<S: Lanes + Number>(
+    scenes: &[&Scene; LANES],
+    plants: &[Plant],
+    index: usize,
+) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+    let build = |lane: usize| scenes[lane].peer_from::<S>(index, plants[lane].motions());
+    let (mut numbers, mut texts): (Vec<Vec<f64>>, Vec<u64>) = Default::default();
+    for lane in 0..LANES {
+        if lane > 0 && std::ptr::eq(scenes[lane], scenes[lane - 1]) {
+            numbers.push(numbers[lane - 1].clone());
+            texts.push(texts[lane - 1]);
+            continue;
+        }
+        let (alone, noted) = recorded(|| build(lane));
+        numbers.push(noted);
+        texts.push(text_hash(&*alone?, 0));
+    }
+    let peer = played(numbers, || build(0))?;
+    for (lane, text) in texts.iter().enumerate() {
+        if text_hash(&*peer, lane) != *text {
+            leave(1 << lane);
+        }
+    }
+    Ok(peer)
+}
+
+/// A hash of everything that a peer is, told by its text, as this lane has it.
+fn text_hash<S: Lanes>(peer: &dyn DynPeer<S>, lane: usize) -> u64 {
+    struct Hash(u64);
+    impl fmt::Write for Hash {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            self.0 = text.bytes().fold(self.0, |hash, byte| mixed(hash, byte.into()));
+            Ok(())
+        }
+    }
+    let mut hash = Hash(HASH_SEED);
+    show(lane);
+    // Writing into a hash does not fail.
+    let _ = write!(hash, "{peer:?}");
+    hash.0
+}

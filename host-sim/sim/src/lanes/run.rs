@@ -1,0 +1,79 @@
+//! Runs of many scenes: in lanes where these pay, else alone.
+
+use haptic_core::settings::Refused;
+
+use super::kinds::kinds;
+use super::number::{F32s, F64s, Lanes, lanes_left};
+use super::pairs::Pairs;
+use crate::peers::Number;
+use crate::run::{Account, Options, Outcome, Run, Ticked};
+use crate::scene::Scene;
+
+/// Fewest scenes that are worth lanes.
+const FEWEST: usize = 3;
+
+/// A number type whose lanes there are.
+pub trait InLanes: Run {
+    /// Its lanes.
+    type Lanes: Lanes<Alone = Self> + Number;
+}
+
+impl InLanes for f32 {
+    type Lanes = F32s;
+}
+impl InLanes for f64 {
+    type Lanes = F64s;
+}
+
+/// What [`crate::run::run`] gives for each of the scenes, to the last bit; nothing is recorded.
+///
+/// # Errors
+/// What a peer of the first of them refuses.
+pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+    let options = Options { duration_s, record_every: 0 };
+    let (groups, mut alone) = kinds(scenes);
+    let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
+    for group in groups {
+        if group.len() < FEWEST {
+            alone.extend(group);
+            continue;
+        }
+        let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
+        for (at, outcome) in group.into_iter().zip(run_group::<S::Lanes>(&members, options)?) {
+            match outcome {
+                Some(outcome) => outcomes[at] = Some(outcome),
+                None => alone.push(at),
+            }
+        }
+    }
+    for at in alone {
+        outcomes[at] = Some(crate::run::run::<S>(&scenes[at], options, &|_| {})?);
+    }
+    Ok(outcomes.into_iter().flatten().collect())
+}
+
+/// One group side by side; nothing of those that left.
+fn run_group<S: Lanes + Number>(scenes: &[&Scene], options: Options) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
+    let ticks = (options.duration_s / scenes[0].peer.timing.control_period_s).round() as u64;
+    let mut pairs = Pairs::<S>::new(scenes)?;
+    let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
+    let (mass_kg, stiffness) =
+        (of(|scene| scene.peer.object.mass_kg), of(|scene| scene.peer.coordination.stiffness_n_per_m));
+    let mut account = Account::of(scenes[0].peer.timing.control_period_s, mass_kg, stiffness, ticks, options);
+    let some = (1_u32 << scenes.len()) - 1;
+    for _ in 0..ticks {
+        pairs.step(&mut |at, peer| account.ticked(at, Ticked::of(peer)));
+        pairs.hash();
+        account.measure();
+        if (some & !lanes_left()).count_ones() < FEWEST as u32 {
+            // The rest is faster alone.
+            return Ok(scenes.iter().map(|_| None).collect());
+        }
+    }
+    let (left, hashes) = (lanes_left(), pairs.hashes());
+    let whole = |lane: usize| {
+        let outcome = || account.map(|figure| figure.lane(lane)).outcome();
+        (left >> lane & 1 == 0).then(|| Outcome { hash: hashes[lane], ..outcome() })
+    };
+    Ok((0..scenes.len()).map(whole).collect())
+}
