@@ -9,7 +9,8 @@
 //! of it. There is no interval of a single run, nor where every seed gave the same run.
 //!
 //! **The same rows** come of any number of threads, any order and any shard (points I − 1, I − 1 + N, …), to the last bit; the spectral
-//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. [`Journal`] keeps them, so that a sweep goes on where it was stopped.
+//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. Points that differ in what is no network are run side by side
+//! ([`haptic_sim::lanes`]), which changes no bit. [`Journal`] keeps them, so that a sweep goes on where it was stopped.
 
 mod axis;
 mod journal;
@@ -23,8 +24,9 @@ use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
 use haptic_core::names::Choice;
+use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::report::{Columns, Made, Rows};
-use haptic_sim::run::{Options, Verdict, run};
+use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::{Scene, SceneError};
 
 use self::row::POINT;
@@ -184,23 +186,43 @@ impl Sweep {
         runs: Vec<(usize, Vec<u32>)>,
         keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
     ) -> Result<Vec<Row>, Failure> {
-        let of = |(point, seeds): (usize, Vec<u32>)| {
-            let scene = self.scene_at(point)?;
-            let verdict = haptic_analysis::verdict(&scene)?;
-            let row = |seed| {
-                let row = Row::of_run(point, seed, &scene, &verdict, self.seconds)?;
-                keep(std::slice::from_ref(&row))?;
-                Ok::<_, Failure>(row)
-            };
-            seeds.into_iter().map(row).collect::<Result<Vec<_>, _>>()
-        };
-        let rows: Vec<Vec<Row>> = runs.into_par_iter().map(of).collect::<Result<_, _>>()?;
+        // Points side by side, as far as every core has some.
+        let lanes = (runs.len() / rayon::current_num_threads()).clamp(1, LANES);
+        let rows: Vec<Vec<Row>> =
+            runs.par_chunks(lanes).map(|some| self.run_beside(some, keep)).collect::<Result<_, _>>()?;
         Ok(rows.into_iter().flatten().collect())
     }
 
     /// By point and seed.
     pub fn sort(&self, rows: &mut [Row]) {
         rows.sort_by_key(|row| (row.point, self.turn(row.seed)));
+    }
+
+    /// Runs these points, seed by seed, with the seeds that each lacks.
+    fn run_beside(
+        &self,
+        todo: &[(usize, Vec<u32>)],
+        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
+    ) -> Result<Vec<Row>, Failure> {
+        let of = |(point, seeds): &(usize, Vec<u32>)| {
+            let scene = self.scene_at(*point)?;
+            let verdict = haptic_analysis::verdict(&scene)?;
+            Ok::<_, Failure>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, verdict))
+        };
+        let points = todo.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        let seeds: BTreeSet<u32> = todo.iter().flat_map(|(_, seeds)| seeds).copied().collect();
+        let mut rows = Vec::new();
+        for seed in seeds {
+            let lacking = || points.iter().filter(|(_, seeds, ..)| seeds.contains(&seed));
+            let scenes: Vec<Scene> = lacking().map(|(.., scene, _)| with_seed(scene, seed)).collect();
+            let outcomes = lanes::run::<f64>(&scenes, self.seconds)?;
+            let told = lacking().zip(&scenes).zip(outcomes);
+            let told = told.map(|(((point, .., verdict), scene), outcome)| Row::of(*point, scene, verdict, outcome));
+            let new: Vec<Row> = told.collect();
+            keep(&new)?;
+            rows.extend(new);
+        }
+        Ok(rows)
     }
 
     /// The seeds of a point, in their order.
@@ -280,20 +302,31 @@ impl Row {
         verdict: &haptic_analysis::Verdict,
         seconds: f64,
     ) -> Result<Self, Failure> {
-        let mut scene = scene.clone();
-        scene.world.network.seed = seed;
+        let scene = with_seed(scene, seed);
         let outcome = run::<f64>(&scene, Options { duration_s: seconds, record_every: 0 }, &|_| {})?;
-        let outcome = outcome.doubted(doubt(&scene, verdict));
-        Ok(Self {
+        Ok(Self::of(point, &scene, verdict, outcome))
+    }
+
+    /// What came of the run of a scene.
+    fn of(point: usize, scene: &Scene, verdict: &haptic_analysis::Verdict, outcome: Outcome) -> Self {
+        let outcome = outcome.doubted(doubt(scene, verdict));
+        Self {
             point,
-            seed,
+            seed: scene.world.network.seed,
             verdict: outcome.verdict().name().to_owned(),
             reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
             spectral_radius: verdict.spectral_radius,
             merits: MERITS.map(|merit| (merit.of)(&outcome).unwrap_or(f64::NAN)),
             state_hash: format!("{:016x}", outcome.hash),
-        })
+        }
     }
+}
+
+/// The same scene with another seed.
+fn with_seed(scene: &Scene, seed: u32) -> Scene {
+    let mut scene = scene.clone();
+    scene.world.network.seed = seed;
+    scene
 }
 
 /// Whether every seed gave the same run.
