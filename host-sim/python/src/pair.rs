@@ -5,6 +5,8 @@ use std::sync::{Mutex, PoisonError};
 use haptic_core::num::Fixed;
 use haptic_core::safety::Mode;
 use haptic_sim::pair::HASH_SEED;
+use haptic_sim::quantities::{self, Named};
+use haptic_sim::report::numbered;
 use haptic_sim::{Number, pair};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -16,13 +18,13 @@ use crate::scene::Scene;
 use crate::work::{here, refused};
 
 /// What is seen of each peer after a tick.
-const SEEN: [&str; 6] = [
-    "device_{}_m",
-    "object_{}_m",
-    "desired_{}_m",
-    "object_velocity_{}_m_per_s",
-    "contact_force_{}_n",
-    "coordination_force_{}_n",
+const SEEN: [Named; 6] = [
+    quantities::DEVICE,
+    quantities::OBJECT,
+    quantities::DECODED,
+    quantities::OBJECT_SPEED,
+    quantities::CONTACT,
+    quantities::COORDINATION,
 ];
 const WIDTH: usize = 2 * SEEN.len();
 type Row = [f64; WIDTH];
@@ -133,7 +135,7 @@ impl Pair {
     #[classattr]
     #[pyo3(name = "COLUMNS")]
     fn columns() -> Vec<String> {
-        (1..=2).flat_map(|peer| SEEN.map(|name| name.replace("{}", &peer.to_string()))).collect()
+        (1..=2).flat_map(|peer| SEEN.map(|(name, _)| numbered(name, peer))).collect()
     }
 
     /// One tick: 12 numbers as a tuple.
