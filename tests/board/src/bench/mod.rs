@@ -124,8 +124,7 @@ impl Bench {
         }
         bench.run_to(ms * PERIOD_NS);
         bench.align(firmware);
-        // The PHY is asked for its link every 500 ms.
-        bench.run_for_ms(1000);
+        // The PHY is asked for its link every 500 ms: it is there the second time.
         for number in 1..=boards {
             bench.meet(number);
         }

@@ -181,6 +181,9 @@ fn a_stranger_gets_no_answer_and_changes_nothing() {
 fn two_boards_have_met_when_a_second_has_passed() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 2, Line::default());
+    while bench.now_ns() < 1_070_000_000 {
+        bench.step();
+    }
     for number in 1..=2 {
         let status = bench.ask(number, "status");
         assert!(status.contains("link idle") || status.contains("link running"), "{status}");

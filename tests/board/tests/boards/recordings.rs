@@ -20,6 +20,8 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
         file
     });
     let mut bench = Bench::start(&Arc::new(Firmware::release()), 2, Line::default());
+    // Until the PC knows their clocks.
+    bench.run_for_ms(1000);
     bench.set_up(&scene).expect("the boards take the scene");
     (1..).zip(&files).for_each(|(number, file)| bench.pc.record(number, file));
     bench.arm();
