@@ -31,9 +31,9 @@ pub struct Identified {
     pub damping_n_s_per_m: f64,
     /// Its computing delay c, as a fraction of a period.
     pub computing_ticks: f64,
-    /// Polar stable stiffness at 200 Hz without delay, N/m.
+    /// Largest stable stiffness at 200 Hz without delay, N/m.
     pub at_200_hz_n_per_m: f64,
-    /// Polar stable stiffness with a delay of 5 ms, sampled fast, N/m.
+    /// Largest stable stiffness with a delay of 5 ms, sampled fast, N/m.
     pub at_5_ms_n_per_m: f64,
 }
 

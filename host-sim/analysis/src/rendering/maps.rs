@@ -1,4 +1,4 @@
-//! Polar stable stiffness against communication delay, one curve for each place, and against the sampling period.
+//! Largest stable stiffness against communication delay, one curve for each place, and against the sampling period.
 //!
 //! Stiffness is scanned from 1/16 to 8 times its closed form ([`super::closed`]) in steps of 15 %, pockets are followed,
 //! and every crossing is closed in by bisection; the largest stable stiffness is the first crossing. Where there is none,

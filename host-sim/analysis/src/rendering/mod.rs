@@ -156,7 +156,7 @@ impl Sampled {
 }
 
 impl Renderer {
-    /// Polar |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
+    /// Largest |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
     pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
         self.polar(rendering, stiffness_n_per_m).map(|polar| radius(&polar))
     }
