@@ -100,7 +100,7 @@ fn run_in<S: Run>(
     each: Option<EachRow<'_>>,
 ) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S>::new(scene)?;
-    let ticks = (options.duration_s / scene.peer.timing.control_period_s).round() as u64;
+    let ticks = options.ticks(scene);
     let mut account = Account::new(scene, ticks, options);
     let mut hash = HASH_SEED;
     for tick in 0..ticks {

@@ -54,7 +54,7 @@ pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>
 
 /// One group side by side; nothing of those that left.
 fn run_group<S: Lanes + Number>(scenes: &[&Scene], options: Options) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
-    let ticks = (options.duration_s / scenes[0].peer.timing.control_period_s).round() as u64;
+    let ticks = options.ticks(scenes[0]);
     let mut pairs = Pairs::<S>::new(scenes)?;
     let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
     let (mass_kg, stiffness) =

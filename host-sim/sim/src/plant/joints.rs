@@ -2,7 +2,7 @@
 //!
 //! Inverse kinematics by Newton's method on the peer's own forward kinematics in f64, from the last pose on.
 
-use haptic_core::device::kinematics::{AnyKinematics, KinematicsName};
+use haptic_core::device::kinematics::{self, AnyKinematics, KinematicsName};
 use haptic_core::device::motor::{Duty, Motor};
 use haptic_core::{device::AXES, num::Motion, settings::Settings};
 
@@ -26,16 +26,12 @@ pub(super) struct Joints {
 
 impl Joints {
     pub(super) fn new(settings: &Settings, plant: &PlantSettings) -> Self {
-        let encoder = &settings.encoder;
-        let counts = match settings.kinematics.model {
-            KinematicsName::Direct => encoder.counts_per_m,
-            _ => encoder.counts_per_rev / core::f64::consts::TAU,
-        };
+        let counts = kinematics::Joints::of(settings).counts_per_unit;
         Self {
             encoder: plant.encoder,
             kinematics: AnyKinematics::build(settings).expect("a scene that was checked"),
             motor: Motor::build(settings),
-            counts_per_unit: if encoder.reversed { -counts } else { counts },
+            counts_per_unit: if settings.encoder.reversed { -counts } else { counts },
             longest: if settings.kinematics.model == KinematicsName::FiveBar { 0.3 } else { f64::MAX },
             duty_step: match plant.pwm_steps {
                 0 => 1.0,

@@ -7,6 +7,7 @@ use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
 use crate::measure::port::{PortEnergy, ratio};
 use crate::report::Columns;
+use crate::scene::Scene;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,11 @@ impl Options {
     /// Records at most about 100,000 rows.
     pub fn recorded(duration_s: f64, period_s: f64) -> Self {
         Self { duration_s, record_every: ((duration_s / period_s) as u64).div_ceil(100_000).max(1) }
+    }
+
+    /// Control periods of a run of this scene.
+    pub(crate) fn ticks(&self, scene: &Scene) -> u64 {
+        (self.duration_s / scene.peer.timing.control_period_s).round() as u64
     }
 }
 

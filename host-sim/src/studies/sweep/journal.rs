@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use haptic_sim::report::{Columns, Files, Made};
+use haptic_sim::report::files::{write_csv, write_parquet};
+use haptic_sim::report::{Columns, Made};
 
 use super::row::Row;
 use crate::studies::Failure;
@@ -75,22 +76,10 @@ impl Journal {
 /// The rows as `sweep.csv` and `sweep.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
 /// holds then. One process at a time does so: the one that holds the only journal of all points.
 pub fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
-    let half = folder.join(".half");
-    // Of one that was killed here.
-    let _ = fs::remove_dir_all(&half);
-    let mut files = Files::new(&half, "sweep", question.clone());
-    files.csv(rows)?;
-    files.parquet(rows)?;
-    files.write()?;
-    let mut paths = Vec::new();
-    for name in ["sweep.csv", "sweep.parquet"] {
-        let path = folder.join(name);
-        fs::rename(half.join(name), &path).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
-        paths.push(path);
-    }
-    fs::remove_dir_all(&half).map_err(|cause| format!("cannot remove {}: {cause}", half.display()))?;
-    paths.push(folder.join("sweep.toml"));
-    Ok(paths)
+    let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
+    write_csv(rows, &csv)?;
+    write_parquet(rows, &parquet, &question.toml())?;
+    Ok(vec![csv, parquet, toml])
 }
 
 /// Sees to it that `sweep.toml` of this folder asks just this.
