@@ -56,6 +56,7 @@ words! {
         "direct" => Direct, "Each joint is an axis.";
         "capstan" => Capstan, "A motor drives a paddle through a capstan.";
         "five-bar" => FiveBar, "Two motors on a base, two links each, one hand.";
+        "arm" => Arm, "Three motors: a turning base, two links, the outer one held by a parallelogram.";
     }
 
     /// Who makes a current of a duty.
@@ -88,6 +89,14 @@ words! {
         "semi-implicit" => SemiImplicit, "The new velocity moves the position.";
         "exact" => Exact, "The matrix exponential, for a held force.";
         "midpoint" => Midpoint, "One solve a tick for everything that pushes; makes no energy.";
+    }
+
+    /// A virtual fixture at the object.
+    FixtureName {
+        "none" => None, "There is none.";
+        "guide" => Guide, "A spring and a damper that draw it to a place.";
+        "forbidden-above" => ForbiddenAbove, "A wall: more than this position is forbidden.";
+        "forbidden-below" => ForbiddenBelow, "A wall: less than this position is forbidden.";
     }
 
     /// How the algebraic loop of the wave decode is opened.

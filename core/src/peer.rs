@@ -10,55 +10,62 @@
 //! the tick before, and if [`Peer::packet_due`], [`Peer::exchange`]; (b) contact force from x_h\[n\], x_o\[n\]; (c) decode,
 //! coordination force, outgoing wave; (d) the object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
-use crate::contact::{AnyRendering, Impacts, Strikes};
+mod axis;
+
+use crate::contact::{AnyRendering, Impacts};
 use crate::device::encoder::{Encoder, EncoderState, Marks};
 use crate::device::envelope::{self, Envelope, Load};
-use crate::device::kinematics::{AnyKinematics, Pose};
+use crate::device::kinematics::{AnyKinematics, AnySpatial, Kinematics, Pose};
 use crate::device::motor::{Duty, Motor};
 use crate::device::probe::{End, Outcome, Probe, Probing, Push};
 use crate::device::stage::Measured;
 use crate::device::stage_watch::{Driven, StageState, StageWatch};
 use crate::device::watch::{Still, Watch};
-use crate::device::{AXES, Reading};
+use crate::device::{self, AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
-use crate::law::{AnyLaw, Coupled, Law, Packet, Seen, credit};
+use crate::law::{AnyLaw, Law, Packet, credit};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
 use crate::{
+    device::clutch::{Clutch, Slip},
     device::constraint::Hold,
     device::velocity::AnyVelocity,
     law::ledger::Ledger,
-    object::{AnyIntegrator, Port},
+    object::AnyIntegrator,
+    object::fixture::Fixture,
 };
+use axis::{SharedAxis, Tick};
 
-/// What the tick reads.
+pub use axis::Observed;
+
+/// What the tick reads. Positions, where there are no counts, are of the world ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensors<S> {
+pub struct Sensors<S, const N: usize = AXES> {
     /// Where the device is.
-    pub reading: Reading<S>,
+    pub reading: Reading<S, N>,
     /// The last tick had not ended when this one was due.
     pub overrun: bool,
     /// What the power stage measured; none where there is no current loop.
-    pub stage: Option<Measured>,
+    pub stage: Option<Measured<N>>,
     /// What the encoders showed beside their counts; none where nobody looks.
-    pub marks: Option<[Marks; AXES]>,
+    pub marks: Option<[Marks; N]>,
 }
 
-impl<S> Sensors<S> {
+impl<S, const N: usize> Sensors<S, N> {
     /// Where the device is, and no more: in time, without a current loop.
-    pub fn of(reading: Reading<S>) -> Self {
+    pub fn of(reading: Reading<S, N>) -> Self {
         Self { reading, overrun: false, stage: None, marks: None }
     }
 }
 
-/// What the tick commands.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Actuators<S> {
+/// What the tick commands. Forces are of the world ([`crate::device::scale`]), duties of the device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuators<S, const N: usize = AXES> {
     /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
-    pub forces: [S; AXES],
+    pub forces: [S; N],
     /// The same as motor duties, one for every joint.
-    pub duties: [Duty; AXES],
+    pub duties: [Duty; N],
     /// The hardware enable line of the motor bridges.
     pub enable: bool,
     /// No loop is closed around the currents: duties are voltages, shares of the supply. They are given to the bridges' inputs even
@@ -66,19 +73,11 @@ pub struct Actuators<S> {
     pub open: bool,
 }
 
-/// What a tick saw and did, for telemetry, reports and tests.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Observed<S> {
-    /// Device motion x_h on the free axis.
-    pub device: Motion<S>,
-    /// The local copy x_o as the forces of this tick saw it.
-    pub object: Motion<S>,
-    /// The decoded remote copy x_d as F_T of this tick used it.
-    pub desired: Motion<S>,
-    /// F_LC on the object, N.
-    pub contact_force: S,
-    /// F_T on the object, N.
-    pub coordination_force: S,
+/// Motors off.
+impl<S: Scalar, const N: usize> Default for Actuators<S, N> {
+    fn default() -> Self {
+        Self { forces: [S::ZERO; N], duties: [Duty::OFF; N], enable: false, open: false }
+    }
 }
 
 /// One joint's sensing.
@@ -86,14 +85,6 @@ pub struct Observed<S> {
 struct Joint<S: Scalar> {
     encoder: EncoderState,
     velocity: AnyVelocity<S>,
-}
-
-/// What one tick does to the copy.
-struct Moved<S> {
-    next: Motion<S>,
-    /// Force on the copy whose reaction the device feels, N.
-    felt: S,
-    coupled: Coupled<S>,
 }
 
 /// A peer: what the settings made of it, and everything about it that changes.
@@ -109,35 +100,45 @@ struct Moved<S> {
 /// settings.coordination.comm = "power";
 /// assert!(Peer::<f32, Power<f32>>::new(&settings, [Motion::REST; AXES]).is_ok());
 /// ```
+///
+/// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the others are held. What
+/// is said above and built by [`Peer::new`] shares one axis of a device in the plane; any other is built by [`Peer::build`] and speaks
+/// of all its axes at once ([`Peer::hear_each`], [`Peer::exchange_each`]): one law state, one packet and one energy account for each
+/// axis, one ladder of silence for all, since their packets travel together.
+///
+/// ```
+/// use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
+///
+/// let mut settings = Settings::default();
+/// settings.coordination.comm = "passive-mean";
+/// (settings.axis.count, settings.axis.shared) = (3, 3);
+/// let peer = Peer::<f32, PassiveMean<f32>, 3, 3, AnySpatial<f32>>::build(&settings, [Motion::REST; 3]);
+/// assert_eq!(peer.map(|peer| peer.axes()), Ok(3));
+/// ```
 // Laid out as written: what every tick reads or writes as a float comes first, for a Cortex-M reaches 1020 bytes with one instruction.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct Peer<S: Scalar, L: Law<S>> {
-    coordination: L::State,
-    object: Motion<S>,
-    device: [Motion<S>; AXES],
-    forces: [S; AXES],
-    observed: Observed<S>,
-    ledger: Ledger<S>,
+pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = AXES, K = AnyKinematics<S>> {
+    shared: [SharedAxis<S, L>; SHARED],
+    device: [Motion<S>; N],
+    forces: [S; N],
     load: Load<S>,
     /// T_c, s.
     period_s: S,
     /// Where the axes are when the encoders read zero, m.
-    home: [S; AXES],
+    home: [S; N],
     encoder: Encoder<S>,
     guard: Guard<S>,
     watch: Watch<S>,
     envelope: Envelope<S>,
     hold: Hold<S>,
     motor: Motor<S>,
-    /// The packet that stands.
-    standing: Packet<S>,
-    integrator: AnyIntegrator<S>,
     contact: AnyRendering<S>,
-    kinematics: AnyKinematics<S>,
-    joints: [Joint<S>; AXES],
+    kinematics: K,
+    joints: [Joint<S>; N],
     ticks_per_packet: u32,
-    /// Axes, and joints, in use.
+    /// Axes, and joints, in use. What every tick asks of each counts to `N` all the same: loops that run to a number which is known when
+    /// the program runs alone keep their poses and forces in memory.
     axes: usize,
     mode: Mode,
     until_packet: u32,
@@ -148,23 +149,37 @@ pub struct Peer<S: Scalar, L: Law<S>> {
     delayed: bool,
     saturated: Patience,
     /// What the last tick asked of the motors.
-    asked: [Duty; AXES],
-    still: [Still; AXES],
+    asked: [Duty; N],
+    still: [Still; N],
     law: L,
     ladder: Ladder<S>,
-    strikes: Strikes<S>,
     stage_watch: StageWatch<S>,
-    stage: StageState<S>,
+    stage: StageState<S, N>,
     probing: Probing<S>,
+    /// Packet periods in which nothing was sent, since something was.
+    quiet: u32,
+    /// Armed, and nothing beside contact and coordination to see to: most ticks by far.
+    plain: bool,
+    clutch: Clutch<S>,
+    slips: [Slip<S>; SHARED],
+    fixture: Option<Fixture<S>>,
 }
 
 impl Settings {
     /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
     pub fn check(&self) -> Result<(), Refused<'static>> {
-        Peer::<f64, AnyLaw<f64>>::new(self, [Motion::REST; AXES]).map(drop)
+        let (plane, space) = ([Motion::REST; AXES], [Motion::REST; 3]);
+        match (self.axis.shared, self.axis.count) {
+            (2, 0..=2) => Peer::<f64, AnyLaw<f64>, 2>::build(self, plane).map(drop),
+            (2, 3..) => Peer::<f64, AnyLaw<f64>, 2, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            (3.., _) => Peer::<f64, AnyLaw<f64>, 3, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            (_, 3..) => Peer::<f64, AnyLaw<f64>, 1, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            _ => Peer::<f64, AnyLaw<f64>>::new(self, plane).map(drop),
+        }
     }
 }
 
+/// One shared axis of a device in the plane.
 impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// Disarmed, with the object just clear of the device. `device` (m, m/s) is where the device is when its encoders are
     /// first read: they count from there, so that two peers agree on where the shared object is. After this nothing fails.
@@ -172,92 +187,156 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// # Errors
     /// The first key whose value is out of range, impossible beside the others, or names a law that `L` is not.
     pub fn new(settings: &Settings, device: [Motion<S>; AXES]) -> Result<Self, Refused<'static>> {
+        Self::build(settings, device)
+    }
+}
+
+/// One shared axis.
+impl<S: Scalar, L: Law<S>, const N: usize, K: Kinematics<S, N>> Peer<S, L, 1, N, K> {
+    /// [`Peer::hear_each`].
+    pub fn hear(&mut self, packet: Packet<S>) {
+        self.hear_each([packet]);
+    }
+
+    /// [`Peer::exchange_each`].
+    pub fn exchange(&mut self) -> Option<Packet<S>> {
+        self.exchange_each().map(|[packet]| packet)
+    }
+
+    /// [`Peer::speak_each`].
+    pub fn speak(&mut self) -> Option<Packet<S>> {
+        self.speak_each().map(|[packet]| packet)
+    }
+
+    /// [`Peer::outgoing_each`].
+    pub fn outgoing(&self) -> Packet<S> {
+        let [packet] = self.outgoing_each();
+        packet
+    }
+
+    /// [`Peer::observed_each`].
+    pub fn observed(&self) -> &Observed<S> {
+        let [axis] = &self.shared;
+        &axis.observed
+    }
+
+    /// [`Peer::ledger_each`].
+    pub fn ledger(&self) -> &Ledger<S> {
+        let [axis] = &self.shared;
+        &axis.ledger
+    }
+
+    /// Impacts since arming, where contact is impulsive.
+    pub fn impacts(&self) -> Impacts<S> {
+        let [axis] = &self.shared;
+        axis.strikes.impacts()
+    }
+}
+
+impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Peer<S, L, SHARED, N, K> {
+    /// [`Peer::new`], of any number of axes.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range, impossible beside the others, or names a law that `L` is not; `axis.shared` that is
+    /// not `SHARED`.
+    pub fn build(settings: &Settings, device: [Motion<S>; N]) -> Result<Self, Refused<'static>> {
         settings.check_ranges()?;
-        let kinematics = AnyKinematics::build(settings)?;
-        let mut velocity = AnyVelocity::build(settings)?;
+        device::check_axes(settings, SHARED as u32, N as u32)?;
+        // What is refused is told as it was set.
+        K::build(settings)?;
+        let world = &settings.in_the_world();
+        let kinematics = K::build(world)?;
+        let mut velocity = AnyVelocity::build(world)?;
         let ladder = Ladder::build(settings)?;
         let contact = AnyRendering::build(settings)?;
         let integrator = AnyIntegrator::build(settings)?;
         let kind = L::kind(settings).ok_or_else(|| crate::law::unknown(settings, L::KINDS))?;
         let law = L::build(settings)?;
         credit::check(settings, kind.sends)?;
-        let [free, ..] = device;
-        let object = Motion::at(contact.clear_of(free.position));
+        let mut shared = [SharedAxis::new(&law, &contact, integrator, S::ZERO); SHARED];
+        for (axis, device) in shared.iter_mut().zip(&device) {
+            *axis = SharedAxis::new(&law, &contact, integrator, device.position);
+        }
         Ok(Self {
+            shared,
             period_s: S::from_f64(settings.timing.control_period_s),
             ticks_per_packet: settings.timing.ticks_per_packet,
             axes: settings.axis.count as usize,
-            encoder: Encoder::build(settings),
+            encoder: Encoder::build(world),
             kinematics,
-            hold: Hold::build(settings),
-            motor: Motor::build(settings),
+            hold: Hold::build(world),
+            motor: Motor::build(world),
             contact,
             law,
             ladder,
-            guard: Guard::build(settings),
-            watch: Watch::build(settings),
-            envelope: Envelope::build(settings),
+            guard: Guard::build(world),
+            watch: Watch::build(world),
+            envelope: Envelope::build(world),
             stage_watch: StageWatch::build(settings)?,
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
+            plain: false,
             until_packet: 0,
             joints: device.map(|at| {
                 velocity.start(at);
                 Joint { encoder: EncoderState::default(), velocity }
             }),
             device,
-            object,
-            strikes: Strikes::default(),
-            integrator,
-            coordination: law.start(object),
-            forces: [S::ZERO; AXES],
-            ledger: Ledger::default(),
+            forces: [S::ZERO; N],
             saturated: Patience::default(),
             load: Load::default(),
             engagement: ladder.engaged(),
             age_ticks: 0,
             delayed: false,
             probing: Probing::default(),
-            still: Default::default(),
-            asked: [Duty::OFF; AXES],
+            clutch: Clutch::build(settings),
+            slips: [Slip::default(); SHARED],
+            fixture: Fixture::build(settings)?,
+            still: [Still::default(); N],
+            asked: [Duty::OFF; N],
             stage: StageState::default(),
-            standing: Packet::default(),
-            observed: Observed::default(),
+            quiet: u32::MAX,
         })
     }
 
     /// Puts the object at rest, clear of the device, and starts the coordination from there.
     fn engage(&mut self) {
-        let [free, ..] = self.device;
-        self.object = Motion::at(self.contact.clear_of(free.position));
-        self.strikes = Strikes::default();
-        self.integrator.rest();
-        self.coordination = self.law.start(self.object);
-        self.forces = [S::ZERO; AXES];
-        self.ledger = Ledger::default();
+        for ((axis, slip), device) in self.shared.iter_mut().zip(&mut self.slips).zip(self.device) {
+            slip.close();
+            axis.engage(&self.law, &self.contact, slip.of(device).position);
+        }
+        self.forces = [S::ZERO; N];
         self.saturated = Patience::default();
         self.engagement = self.ladder.engaged();
         self.age_ticks = 0;
         self.delayed = false;
-        self.standing = Packet::default();
-        self.still = Default::default();
+        self.still = [Still::default(); N];
+        // The first packet goes at once.
+        self.quiet = u32::MAX;
         self.start_stage();
     }
 
     /// No motor has been asked for anything yet.
     fn start_stage(&mut self) {
-        self.asked = [Duty::OFF; AXES];
+        self.asked = [Duty::OFF; N];
         self.stage_watch.start(&mut self.stage);
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
     pub fn command(&mut self, command: Command) {
         let before = self.mode;
-        self.mode = before.after(command);
+        self.enter(before.after(command));
         if self.mode != Mode::Probing {
             self.probing.end(End::Stopped);
         }
+        if self.mode == Mode::Armed && matches!(command, Command::Clutch | Command::Release) {
+            for (slip, device) in self.slips.iter_mut().zip(self.device) {
+                slip.turn(command == Command::Clutch, device.position);
+            }
+            self.plain = false;
+        }
         if command == Command::Home && self.mode == Mode::Disarmed {
+            self.slips = [Slip::default(); SHARED];
             for joint in &mut self.joints {
                 joint.encoder = EncoderState::default();
             }
@@ -279,13 +358,19 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         }
     }
 
+    /// Goes into a mode.
+    fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.plain = mode == Mode::Armed && self.fixture.is_none() && self.slips.iter().all(Slip::is_none);
+    }
+
     /// Begins a probe, if disarmed; otherwise nothing changes.
     pub fn probe(&mut self, probe: Probe<S>) {
         if self.mode == Mode::Disarmed {
             if self.stage.supply_is_wrong {
                 return self.trip(Fault::SupplyOutOfRange);
             }
-            self.mode = Mode::Probing;
+            self.enter(Mode::Probing);
             self.probing = Probing::of(probe);
             self.start_stage();
         }
@@ -319,24 +404,19 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
-    /// Whether [`Peer::exchange`] is due before the next [`Peer::tick`].
+    /// Whether [`Peer::exchange_each`] is due before the next [`Peer::tick`].
     pub fn packet_due(&self) -> bool {
         self.until_packet == 0
     }
 
-    /// What the last tick saw and did.
-    pub fn observed(&self) -> &Observed<S> {
-        &self.observed
+    /// What the last tick saw and did along every shared axis.
+    pub fn observed_each(&self) -> [&Observed<S>; SHARED] {
+        self.shared.each_ref().map(|axis| &axis.observed)
     }
 
-    /// Energy that crossed the network port since arming.
-    pub fn ledger(&self) -> &Ledger<S> {
-        &self.ledger
-    }
-
-    /// Impacts since arming, where contact is impulsive.
-    pub fn impacts(&self) -> Impacts<S> {
-        self.strikes.impacts()
+    /// Energy that crossed the network port since arming, of every shared axis.
+    pub fn ledger_each(&self) -> [&Ledger<S>; SHARED] {
+        self.shared.each_ref().map(|axis| &axis.ledger)
     }
 
     /// Ticks per packet, M.
@@ -349,58 +429,84 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         self.axes
     }
 
-    /// What [`Peer::exchange`] would send now. Only a network without delay needs to ask beforehand.
-    pub fn outgoing(&self) -> Packet<S> {
-        let mut packet =
-            Packet { energy_j: self.ledger.sent_j().to_counter(), ..self.law.send(&self.coordination, self.object) };
-        let finite = packet.is_finite();
-        if !(self.is_engaged() && finite) {
-            // At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
-            (packet.motion, packet.wave) = (Motion::at(self.object.position), S::ZERO);
-            if !finite {
-                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (S::Counter::ZERO, S::Counter::ZERO, 0);
-            }
-        }
-        packet
+    /// What [`Peer::exchange_each`] would send now, if it is worth sending.
+    pub fn outgoing_each(&self) -> [Packet<S>; SHARED] {
+        let engaged = self.is_engaged();
+        self.shared.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
     }
 
-    /// Takes in a packet of the other peer: it acts at the next tick, and stands until another one comes.
+    /// What goes out in this packet period; nothing where the law keeps silent of every axis ([`crate::law::event`]). The first half of
+    /// [`Peer::exchange_each`]: only a network without delay needs it before the other's packets are heard.
+    pub fn speak_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+        let packets = self.outgoing_each();
+        let silent = self.ladder.longest() > 1 && self.keeps_silent(&packets);
+        if silent { None } else { Some(packets) }
+    }
+
+    /// Whether none of these packets is worth sending, and silence not over.
+    #[inline(never)]
+    fn keeps_silent(&mut self, packets: &[Packet<S>; SHARED]) -> bool {
+        self.quiet = self.quiet.saturating_add(1);
+        let may = self.is_engaged() && self.quiet < self.ladder.longest();
+        if may && !self.shared.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet)) {
+            return true;
+        }
+        self.quiet = 0;
+        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+            self.law.spoke(&mut axis.coordination, packet);
+        }
+        false
+    }
+
+    /// Takes in the packets of the other peer, one for each shared axis: they act at the next tick, and stand until others come.
     ///
-    /// Before any tick, whether or not [`Peer::exchange`] is due; where both are, first this. Which of several that have come
-    /// is the newest, the caller knows.
-    pub fn hear(&mut self, packet: Packet<S>) {
-        if !packet.is_finite() {
+    /// Before any tick, whether or not [`Peer::exchange_each`] is due; where both are, first this. Which of several that have come
+    /// are the newest, the caller knows.
+    pub fn hear_each(&mut self, packets: [Packet<S>; SHARED]) {
+        if !packets.iter().all(|packet| packet.is_finite()) {
             return self.trip(Fault::NonFiniteInput);
         }
         if self.mode != Mode::Armed {
             return;
         }
-        if self.ladder.hear(&mut self.engagement) {
-            self.law.restart(&mut self.coordination, self.object);
+        let anew = self.ladder.hear(&mut self.engagement);
+        let whole = self.ladder.is_whole(&self.engagement);
+        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+            if anew {
+                self.law.restart(&mut axis.coordination, axis.object);
+            }
+            axis.standing = packet;
+            if whole {
+                self.law.receive(&mut axis.coordination, packet);
+            }
         }
-        self.standing = packet;
         self.age_ticks = 0;
         self.delayed = false;
-        if self.ladder.is_whole(&self.engagement) {
-            self.law.receive(&mut self.coordination, packet);
-        } else {
+        if !whole {
             self.fade();
         }
     }
 
-    /// Gives the law the packet that stands, as far as it still counts.
+    /// Gives the law the packets that stand, as far as they still count.
     #[inline(never)]
     fn fade(&mut self) {
         let share = self.ladder.share(&self.engagement);
-        let packet = if share == S::ONE { self.standing } else { self.law.fade(share, self.standing, self.object) };
-        self.law.receive(&mut self.coordination, packet);
+        for axis in &mut self.shared {
+            axis.fade(&self.law, share);
+        }
     }
 
-    /// One packet period: gives what to send, and counts the silence if nothing has been heard in it.
+    /// One packet period: gives what to send, if anything, and counts the silence if nothing has been heard in it.
     ///
     /// Due before every M-th tick, when [`Peer::packet_due`].
-    pub fn exchange(&mut self) -> Packet<S> {
-        let packet = self.outgoing();
+    pub fn exchange_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+        let packets = self.speak_each();
+        self.listen();
+        packets
+    }
+
+    /// The second half of [`Peer::exchange_each`]: counts the silence if nothing has been heard in this packet period.
+    pub fn listen(&mut self) {
         if self.mode == Mode::Armed {
             self.ladder.pass(&mut self.engagement);
             if self.engagement.is_fading() {
@@ -410,12 +516,11 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
             }
         }
-        packet
     }
 
     /// One control period: sensors in, forces out.
     #[inline(always)]
-    pub fn tick(&mut self, sensors: &Sensors<S>) -> Actuators<S> {
+    pub fn tick(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
         // One by one, so that what is not there need not be put into memory either.
         let Sensors { reading, overrun, stage, marks } = *sensors;
         self.period(reading, overrun, stage, marks)
@@ -423,11 +528,11 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     fn period(
         &mut self,
-        reading: Reading<S>,
+        reading: Reading<S, N>,
         overrun: bool,
-        stage: Option<Measured>,
-        marks: Option<[Marks; AXES]>,
-    ) -> Actuators<S> {
+        stage: Option<Measured<N>>,
+        marks: Option<[Marks; N]>,
+    ) -> Actuators<S, N> {
         self.until_packet = match self.until_packet {
             0 => self.ticks_per_packet - 1,
             more => more - 1,
@@ -441,80 +546,77 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             }
         };
         self.device = pose.axes;
-        let [free, ..] = pose.axes;
         if let Some(measured) = stage {
             self.judge(measured);
         }
-        if self.mode != Mode::Armed {
-            self.envelope.rest(&mut self.load);
-            let object = Motion::at(self.object.position);
-            self.observed = Observed { device: free, object, desired: object, ..Observed::default() };
-            return if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() };
+        if !self.plain {
+            return self.seldom(pose.jacobian, stage);
         }
-
-        let Moved { next, felt, coupled } = self.advance(free);
-        if !(next.is_finite() && coupled.is_finite()) {
-            self.trip(Fault::Diverged);
-            return Actuators::default();
-        }
-        self.object = next;
-        self.actuate(&pose, felt)
+        self.render::<true>(&pose)
     }
 
-    /// Contact, coordination and the copy's motion through one tick: in stages, as the papers have it, or in one solve.
-    #[inline]
-    fn advance(&mut self, device: Motion<S>) -> Moved<S> {
-        let [commanded, ..] = self.forces;
-        let mut object = self.object;
-        let mut seen = Seen { local: object, contact_force: self.observed.contact_force, age_ticks: self.age_ticks };
-        let uncoupled = |object| Coupled { desired: object, ..Coupled::default() };
-        let engaged = self.engagement.is_engaged();
-        let moved = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
-            let press = self.contact.press(&mut self.strikes, device, &mut object, commanded);
-            seen.local = object;
-            let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
-            let mut solve = |coordination: Port<S>| {
-                half_change = midpoint.half_change(object.velocity, press.port + coordination);
-                contact_force = press.port.at(object.velocity + half_change);
-                if contact_force * press.toward < S::ZERO {
-                    // What can only push does not pull.
-                    contact_force = S::ZERO;
-                    half_change = midpoint.half_change(object.velocity, coordination);
-                }
-                object.velocity + half_change
-            };
-            let coupled = if engaged {
-                self.law.couple_as_port(&mut self.coordination, &seen, solve)
-            } else {
-                solve(Port::default());
-                uncoupled(object)
-            };
-            Moved { next: midpoint.advance(carries, object, half_change), felt: contact_force + press.pulse, coupled }
-        } else {
-            let touch = self.contact.touch(&mut self.strikes, device, &mut object, commanded);
-            (seen.local, seen.contact_force) = (object, touch.felt);
-            let coupled = if engaged { self.law.couple(&mut self.coordination, &seen) } else { uncoupled(object) };
-            let next = self.integrator.step(object, touch.pushing + coupled.force);
-            Moved { next, felt: touch.felt, coupled }
+    /// A tick that is not [`Peer::plain`]. Takes of the pose what is not in memory yet, so that the plain tick need not put it there.
+    #[cold]
+    #[inline(never)]
+    fn seldom(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
+        if self.mode == Mode::Armed {
+            return self.render::<false>(&Pose { axes: self.device, jacobian });
+        }
+        self.envelope.rest(&mut self.load);
+        for ((axis, slip), device) in self.shared.iter_mut().zip(&self.slips).zip(self.device) {
+            axis.rest(slip.of(device));
+        }
+        if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
+    }
+
+    /// One control period of what the hand feels. `PLAIN`: without a look at clutch and fixture, so that who has neither pays for none.
+    #[inline(always)]
+    fn render<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Actuators<S, N> {
+        match self.advance::<PLAIN>(pose) {
+            Some(felt) => self.actuate(pose, felt),
+            None => {
+                self.trip(Fault::Diverged);
+                Actuators::default()
+            }
+        }
+    }
+
+    /// One tick of the copy along every shared axis: the force on it whose reaction the device feels, N, if all of them are numbers.
+    #[inline(always)]
+    fn advance<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Option<[S; SHARED]> {
+        let tick = Tick {
+            law: &self.law,
+            contact: &self.contact,
+            fixture: if PLAIN { None } else { self.fixture },
+            engaged: self.engagement.is_engaged(),
+            age_ticks: self.age_ticks,
+            period_s: self.period_s,
         };
-        self.ledger.book(&moved.coupled, self.period_s);
+        let mut felt = [S::ZERO; SHARED];
+        let mut finite = true;
+        let mut slips = self.slips.iter_mut();
+        for (axis, (felt, (device, commanded))) in
+            self.shared.iter_mut().zip(felt.iter_mut().zip(pose.axes.iter().zip(&self.forces)))
+        {
+            let slip = if PLAIN { None } else { slips.next() };
+            let (device, share) = match slip {
+                Some(slip) => (self.clutch.carry(slip, *device), Some(slip.ratio())),
+                None => (*device, None),
+            };
+            match axis.advance::<PLAIN>(&tick, device, *commanded) {
+                Some(force) => *felt = share.map_or(force, |share| share * force),
+                None => finite = false,
+            }
+        }
         self.age_ticks = self.age_ticks.saturating_add(1);
-        self.observed = Observed {
-            device,
-            object,
-            desired: moved.coupled.desired,
-            contact_force: moved.felt,
-            coordination_force: moved.coupled.force,
-        };
-        moved
+        finite.then_some(felt)
     }
 
     /// Whether the power stage says that something is wrong. Not where it is called: what has no stage would pay for its registers.
     #[inline(never)]
-    fn judge(&mut self, measured: Measured) {
-        let [first, ..] = &self.joints;
+    fn judge(&mut self, measured: Measured<N>) {
         let driven = match self.mode {
-            Mode::Armed if first.encoder.primed => Driven::Whole,
+            Mode::Armed if self.has_encoders() => Driven::Whole,
             Mode::Armed => Driven::Alone,
             Mode::Probing => Driven::Probed,
             _ => Driven::Off,
@@ -528,11 +630,11 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// One tick of a probe; disarmed when it is over.
     #[cold]
-    fn push(&mut self, stage: Option<Measured>) -> Actuators<S> {
+    fn push(&mut self, stage: Option<Measured<N>>) -> Actuators<S, N> {
         match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total), stage) {
             Some(Push { duties, enable, open }) => Actuators { duties, enable, open, ..Actuators::default() },
             None => {
-                self.mode = Mode::Disarmed;
+                self.enter(Mode::Disarmed);
                 Actuators::default()
             }
         }
@@ -540,19 +642,21 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// Where the device is on its axes, or why that cannot be said.
     #[inline]
-    fn sense(&mut self, reading: Reading<S>, marks: Option<[Marks; AXES]>) -> Result<Pose<S>, Fault> {
+    fn sense(&mut self, reading: Reading<S, N>, marks: Option<[Marks; N]>) -> Result<Pose<S, N>, Fault> {
         let pose = match reading {
             Reading::Exact(mut axes) => {
-                for (axis, joint) in axes.iter_mut().zip(&mut self.joints).take(self.axes) {
-                    if !axis.is_finite() {
-                        return Err(Fault::NonFiniteInput);
+                for (at, (axis, joint)) in axes.iter_mut().zip(&mut self.joints).enumerate() {
+                    if at < self.axes {
+                        if !axis.is_finite() {
+                            return Err(Fault::NonFiniteInput);
+                        }
+                        axis.velocity = joint.velocity.step(*axis);
                     }
-                    axis.velocity = joint.velocity.step(*axis);
                 }
                 Pose::direct(axes)
             }
             Reading::Counts(counts) => {
-                let mut joints = [Motion::REST; AXES];
+                let mut joints = [Motion::REST; N];
                 for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(&counts).take(self.axes) {
                     let first = !joint.encoder.primed;
                     let position = self.encoder.step(&mut joint.encoder, *counts).ok_or(Fault::EncoderJump)?;
@@ -564,34 +668,40 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
                 }
                 if let Some(marks) = marks {
                     let joints = self.joints.each_ref().map(|joint| &joint.encoder);
-                    if Encoder::<S>::heeds(joints, marks) {
-                        let [one, two] = marks;
-                        self.heed(one, two)?;
+                    if Encoder::<S>::heeds(joints, &marks) {
+                        self.heed(marks)?;
                     }
                 }
-                let mut pose = self.kinematics.forward(joints);
-                for (axis, home) in pose.axes.iter_mut().zip(self.home) {
-                    axis.position = axis.position + home;
+                let Pose { mut axes, jacobian } = self.kinematics.forward(joints);
+                for (axis, home) in axes.iter_mut().zip(&self.home) {
+                    axis.position = axis.position + *home;
                 }
-                pose
+                Pose { axes, jacobian }
             }
         };
-        for (axis, home) in pose.axes.iter().zip(self.home).take(self.axes) {
-            // No number passes neither comparison.
-            let within =
-                axis.velocity.abs() <= self.guard.max_speed && (axis.position - home).abs() <= self.guard.workspace;
-            if !within {
-                self.doubt(*axis)?;
+        let mut within = true;
+        for (at, (axis, home)) in pose.axes.iter().zip(&self.home).enumerate() {
+            if at < self.axes {
+                // No number passes neither comparison.
+                within &= axis.velocity.abs() <= self.guard.max_speed
+                    && (axis.position - *home).abs() <= self.guard.workspace;
             }
+        }
+        if !within {
+            self.doubt(pose.axes)?;
+        }
+        if SHARED > 1 && self.mode == Mode::Armed && pose.is_singular() {
+            // Who renders in more than one direction has to be able to push in all of them.
+            return Err(Fault::OutOfWorkspace);
         }
         Ok(pose)
     }
 
     /// What encoders show beside their counts: whether it fits, and while disarmed where the index says the joint is.
     #[inline(never)]
-    fn heed(&mut self, one: Marks, two: Marks) -> Result<(), Fault> {
+    fn heed(&mut self, marks: [Marks; N]) -> Result<(), Fault> {
         let may_move = self.mode == Mode::Disarmed;
-        for (joint, marks) in self.joints.iter_mut().zip(&[one, two]).take(self.axes) {
+        for (joint, marks) in self.joints.iter_mut().zip(&marks).take(self.axes) {
             if self.encoder.heed(&mut joint.encoder, marks, may_move)? {
                 joint.velocity.start(Motion::at(self.encoder.position(&joint.encoder)));
             }
@@ -599,42 +709,52 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
         Ok(())
     }
 
-    /// Of an axis that is too fast, too far from home or nowhere: why it is a fault. Too fast or too far is none while nothing is
+    /// Of axes one of which is too fast, too far from home or nowhere: why that is a fault. Too fast or too far is none while nothing is
     /// rendered; a probe has limits of its own.
     #[cold]
-    fn doubt(&self, axis: Motion<S>) -> Result<(), Fault> {
-        if !axis.is_finite() {
-            Err(Fault::NonFiniteInput)
-        } else if self.mode != Mode::Armed {
-            Ok(())
-        } else if axis.velocity.abs() > self.guard.max_speed {
-            Err(Fault::Overspeed)
-        } else {
-            Err(Fault::OutOfWorkspace)
+    fn doubt(&self, axes: [Motion<S>; N]) -> Result<(), Fault> {
+        for (axis, home) in axes.iter().zip(&self.home).take(self.axes) {
+            if !axis.is_finite() {
+                return Err(Fault::NonFiniteInput);
+            }
+            if self.mode == Mode::Armed && axis.velocity.abs() > self.guard.max_speed {
+                return Err(Fault::Overspeed);
+            }
+            if self.mode == Mode::Armed && (axis.position - *home).abs() > self.guard.workspace {
+                return Err(Fault::OutOfWorkspace);
+            }
         }
+        Ok(())
     }
 
-    /// The reaction of the contact on the free axis and the hold of the others, within the limits.
-    #[inline]
-    fn actuate(&mut self, pose: &Pose<S>, contact_force: S) -> Actuators<S> {
-        let mut wanted = [-contact_force; AXES];
+    /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
+    #[inline(always)]
+    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
+        let mut wanted = [S::ZERO; N];
+        for (force, felt) in wanted.iter_mut().zip(&felt) {
+            *force = -*felt;
+        }
         // Not `skip(1)`: the call behind it costs more than the hold itself.
-        for (axis, (force, motion)) in (0..self.axes).zip(wanted.iter_mut().zip(&pose.axes)) {
-            if axis > 0 {
+        for (at, (force, motion)) in wanted.iter_mut().zip(&pose.axes).enumerate() {
+            if at >= SHARED && at < self.axes {
                 *force = self.hold.force(*motion);
             }
         }
         let mut at_limit = false;
         let mut forces = self.forces;
-        for (last, wanted) in forces.iter_mut().zip(wanted).take(self.axes) {
-            at_limit |= wanted.limit(self.guard.max_force) != wanted;
-            *last = self.guard.limit(*last, wanted);
+        for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
+            if at < self.axes {
+                at_limit |= wanted.limit(self.guard.max_force) != *wanted;
+                *last = self.guard.limit(*last, *wanted);
+            }
         }
-        let mut duties = [Duty::default(); AXES];
-        for (duty, joint_force) in duties.iter_mut().zip(pose.joint_forces(forces)).take(self.axes) {
-            let (value, clipped) = self.motor.duty(joint_force);
-            *duty = value;
-            at_limit |= clipped;
+        let mut duties = [Duty::OFF; N];
+        for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(forces)).enumerate() {
+            if at < self.axes {
+                let (value, clipped) = self.motor.duty(*joint_force);
+                *duty = value;
+                at_limit |= clipped;
+            }
         }
         if self.saturated.spent(at_limit, self.guard.saturated_ticks) {
             self.trip(Fault::ForceSaturated);
@@ -645,9 +765,7 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
             self.trip(fault);
             return Actuators::default();
         }
-        // Exact readings have no encoder to doubt.
-        let [first, ..] = &self.joints;
-        if first.encoder.primed {
+        if self.has_encoders() {
             if self.watch.is_too_much(power) {
                 self.trip(Fault::Runaway);
                 return Actuators::default();
@@ -664,28 +782,34 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
     /// Every fourth tick, and not in the one that is the longest: whether a joint's encoder does not count.
     #[inline(never)]
-    fn is_stuck(&mut self, duties: [Duty; AXES]) -> bool {
+    fn is_stuck(&mut self, duties: [Duty; N]) -> bool {
         let joints = self.joints.iter().zip(&mut self.still).zip(duties).take(self.axes);
         joints
             .fold(false, |stuck, ((joint, still), duty)| self.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
     }
 
+    /// Exact readings have no encoder to doubt.
+    #[inline]
+    fn has_encoders(&self) -> bool {
+        self.joints.first().is_some_and(|joint| joint.encoder.primed)
+    }
+
     /// Turns the motors off and latches the fault; the first one stays. For whoever knows of a fault that the peer cannot see.
     pub fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Faulted(_)) {
-            self.mode = Mode::Faulted(fault);
+            self.enter(Mode::Faulted(fault));
         }
-        self.forces = [S::ZERO; AXES];
+        self.forces = [S::ZERO; N];
         self.probing.end(End::Stopped);
     }
 }
 
-/// The dynamic state: object, integrator, coordination law and velocity estimators, in this order.
-impl<S: Scalar, L: Law<S>> StateVector<S> for Peer<S, L> {
+/// The dynamic state: of every shared axis object, integrator and coordination law, then the velocity estimators, in this order.
+impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>> StateVector<S>
+    for Peer<S, L, SHARED, N, K>
+{
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.object.visit(each);
-        self.integrator.visit(each);
-        self.coordination.visit(each);
+        self.shared.visit(each);
         for joint in &mut self.joints {
             joint.velocity.visit(each);
         }

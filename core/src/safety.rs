@@ -108,6 +108,10 @@ pub enum Command {
     Clear,
     /// The joints are at zero where they are now, and an index still has to come. Only from [`Mode::Disarmed`], which stays.
     Home,
+    /// The device comes free of the shared world, which stands where it is ([`crate::device::clutch`]). Only in [`Mode::Armed`], which stays.
+    Clutch,
+    /// It takes hold again from where it is now. Only in [`Mode::Armed`], which stays.
+    Release,
 }
 
 impl Mode {

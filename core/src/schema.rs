@@ -40,7 +40,16 @@ impl Schema {
             }
             key
         });
-        tables.chain(self.kinds.iter().flat_map(|kind| kind.keys).copied())
+        // A key that several laws have is told once.
+        let before = move |at: usize, key: &Key| {
+            self.kinds.iter().take(at).any(|kind| kind.keys.iter().any(|own| own.name == key.name))
+        };
+        let own = self
+            .kinds
+            .iter()
+            .enumerate()
+            .flat_map(move |(at, kind)| kind.keys.iter().filter(move |key| !before(at, key)).copied());
+        tables.chain(own)
     }
 
     /// The value of the key called `name`.

@@ -6,7 +6,9 @@
 
 use core::fmt;
 
-use crate::names::{Decode, IntegratorName, KinematicsName, Maths, MotorDrive, RenderingName, Side, VelocityName};
+use crate::names::{
+    Decode, FixtureName, IntegratorName, KinematicsName, Maths, MotorDrive, RenderingName, Side, VelocityName,
+};
 
 pub use crate::names::Choice;
 
@@ -159,6 +161,32 @@ pub enum Sends {
     Waves,
     /// How many waves it has sent and what they sum up to, which says it all in the newest packet.
     Counters,
+    /// What its waves sum up to, and over how many ticks.
+    Integrals,
+    /// Waves, and how the line's end moves.
+    WavesAndMotion,
+}
+
+/// What a coordination law promises, with the decode and the integrator that it asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Promise {
+    /// No more energy leaves the link than came in, as long as nothing is lost and the delay stays what it is.
+    PassiveOnConstantDelay,
+    /// No more energy leaves the link than came in, and was stored when it began, whatever the network does.
+    Passive,
+    /// Once the network has recovered and nobody pushes, the copies come back to where they began beside each other.
+    NoDrift,
+}
+
+impl Promise {
+    /// For reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PassiveOnConstantDelay => "passive on a constant delay",
+            Self::Passive => "passive on any network",
+            Self::NoDrift => "no drift",
+        }
+    }
 }
 
 /// A kind of coordination law, as settings and reports know it.
@@ -172,6 +200,21 @@ pub struct Kind {
     pub keys: &'static [Key],
     /// `key=value` of gains that are worth trying, for campaigns and figures.
     pub gains: &'static [&'static str],
+    /// Where it was published: authors, year, equation; or the section of THEORY. Empty if nowhere.
+    pub source: &'static str,
+    /// What it promises, which tests hold it to; nothing if it promises nothing.
+    pub promises: &'static [Promise],
+}
+
+/// What nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
+pub const PLENTY_J: f64 = 1e9;
+
+impl Kind {
+    /// Its keys that say how much energy it may spend. At [`PLENTY_J`] it spends what it wants, which is how linear analysis sees it.
+    pub fn budgets(&self) -> impl Iterator<Item = &'static Key> {
+        let is_budget = |key: &&Key| matches!(key.allowed, Allowed::Number { max, .. } if max == PLENTY_J);
+        self.keys.iter().filter(is_budget)
+    }
 }
 
 /// Own keys of laws that may be set at once.
@@ -477,6 +520,15 @@ settings! {
             "How the copy advances by one tick.";
     }
 
+    /// A virtual fixture at this peer's copy of the object: with integrator "midpoint" only.
+    fixture: Fixture {
+        kind: FixtureName = FixtureName::None, Allowed::Names(FixtureName::NAMES), "",
+            "A guide to a place, or a wall that the object may not pass.";
+        position_m: f64 = 0.0, number(-1000.0, 1000.0), "m", "Where it is, on the object's axis.";
+        stiffness_n_per_m: f64 = 500.0, number(0.0, 1e6), "N/m", "Its stiffness.";
+        damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m", "Its damping.";
+    }
+
     /// What holds the two copies together.
     coordination: Coordination {
         comm: &'static str = "passive-wave", Allowed::Kinds(&[]), "", "Coordination law, by what it sends.";
@@ -494,15 +546,16 @@ settings! {
 
     /// How positions and velocities are sensed.
     axis: Axis {
-        count: u32 = 1, whole(1, 2), "", "Axes in use; the first is free, the others are held on their line.";
+        count: u32 = 1, whole(1, 3), "", "Axes in use; the first ones are free (axis.shared), the others are held on their line.";
+        shared: u32 = 1, whole(1, 3), "", "Axes along which the object is shared, the first ones of axis.count.";
         velocity: VelocityName = VelocityName::Measured, Allowed::Names(VelocityName::NAMES), "",
             "Where the velocity of an axis comes from.";
         velocity_cutoff_hz: f64 = 100.0, number(0.1, 1e4), "Hz", "Cutoff of the filtered velocity estimator.";
         velocity_window_ticks: u32 = 16, whole(2, 16), "ticks", "Longest window of the adaptive velocity estimator.";
         hold_stiffness_n_per_m: f64 = 1500.0, number(0.0, 1e5), "N/m",
-            "Stiffness that holds every axis but the free one on its line.";
+            "Stiffness that holds every axis that is not shared on its line.";
         hold_damping_n_s_per_m: f64 = 3.0, number(0.0, 1e4), "N·s/m",
-            "Damping that holds every axis but the free one on its line.";
+            "Damping that holds every axis that is not shared on its line.";
     }
 
     /// The position encoder of every joint.
@@ -528,12 +581,19 @@ settings! {
         capstan_ratio: f64 = 10.0, number(0.1, 1000.0), "", "Capstan: motor turns per paddle turn.";
         paddle_radius_m: f64 = 0.08, number(0.001, 1.0), "m", "Capstan: distance of the hand from the paddle's axis.";
         base_m: f64 = 0.06, number(0.0, 1.0), "m", "Five-bar: distance between the two motors.";
-        proximal_m: f64 = 0.1, number(0.01, 1.0), "m", "Five-bar: length of the links at the motors.";
-        distal_m: f64 = 0.12, number(0.01, 1.0), "m", "Five-bar: length of the links at the hand.";
+        proximal_m: f64 = 0.1, number(0.01, 1.0), "m", "Five-bar: length of the links at the motors; arm: of the link at the base, level at home.";
+        distal_m: f64 = 0.12, number(0.01, 1.0), "m", "Five-bar: length of the links at the hand; arm: of the one at the hand, upright at home.";
         left_home_rad: f64 = core::f64::consts::PI - core::f64::consts::FRAC_PI_3, number(-6.3, 6.3), "rad",
             "Five-bar: angle of the left link from the base where its joint is zero.";
         right_home_rad: f64 = core::f64::consts::FRAC_PI_3, number(-6.3, 6.3), "rad",
             "Five-bar: angle of the right link from the base where its joint is zero.";
+    }
+
+    /// How much larger the shared world is than this device; each of the two peers has its own.
+    scale: Scale {
+        position: f64 = 1.0, number(0.1, 10.0), "", "Metres of the world to a metre of the device.";
+        force: f64 = 1.0, number(0.1, 10.0), "",
+            "Newtons of the world to a newton of the device. Limits, axis.hold and all that is the device's stay in the device's units.";
     }
 
     /// The motor and amplifier of every joint.
@@ -590,6 +650,7 @@ settings! {
              are as silence.";
         operator_lost_s: f64 = 1.0, number(0.1, 100.0), "s",
             "Silence of a board's operator after which its motors go off, unless it was armed alone.";
+        clutch_s: f64 = 0.1, number(0.01, 10.0), "s", "Time over which the clutch opens, and closes.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
             "Change of a motor's duty, as a fraction of full scale, under which its encoder must count; at most half of max_force_n.";
         max_hand_power_w: f64 = 100.0, number(0.1, 1000.0), "W",

@@ -171,6 +171,14 @@ impl Console {
                 self.order(Command::Home, Mode::Disarmed).await?;
                 write!(to, "ok home here")?;
             }
+            Request::Clutch => {
+                self.order(Command::Clutch, Mode::Armed).await?;
+                write!(to, "ok the device is free, the world stands")?;
+            }
+            Request::Release => {
+                self.order(Command::Release, Mode::Armed).await?;
+                write!(to, "ok the device holds the world again")?;
+            }
             Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
             Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
             Request::Probed => self.probed(to)?,

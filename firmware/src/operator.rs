@@ -25,6 +25,10 @@ pub enum Request<'a> {
     Clear,
     /// The joints are at zero where they are.
     Home,
+    /// The device comes free of the world, which stands where it is.
+    Clutch,
+    /// It takes hold again from where it is.
+    Release,
     /// Do the signs of a joint's motor and encoder agree?
     Check(u32),
     /// A motor pushed open loop.
@@ -88,7 +92,7 @@ impl Misread {
         match self {
             Self::Empty => "send one line of text",
             Self::Word => {
-                "the words are status, check, arm, disarm, clear, home, probe, probed, set, get, defaults, apply, save, stream, \
+                "the words are status, check, arm, disarm, clear, home, clutch, release, probe, probed, set, get, defaults, apply, save, stream, \
                  capture, time"
             }
             Self::Arguments => {
@@ -112,6 +116,8 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         },
         "clear" => Some(Request::Clear),
         "home" => Some(Request::Home),
+        "clutch" => Some(Request::Clutch),
+        "release" => Some(Request::Release),
         "check" => number(&mut words).map(Request::Check),
         "probe" => probe(&mut words).map(Request::Probe),
         "probed" => Some(Request::Probed),

@@ -126,7 +126,7 @@ coded! {
     u32: |code| code;
     bool: |code| code != 0;
     // A word that nobody ordered anything by could only disarm.
-    enum Command: Disarm 0, Arm 1, Clear 2, Home 3;
+    enum Command: Disarm 0, Arm 1, Clear 2, Home 3, Clutch 4, Release 5;
     enum Saving: Done 0, Busy 1, Failed 2;
     enum Button: Up 0, Held 1, Stuck 2;
     enum Stage: Calling 0, Joining 1, Idle 2, Running 3, Fading 4, Refused 5;

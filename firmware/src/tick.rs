@@ -169,9 +169,10 @@ impl Loop {
         }
         if due {
             flags |= record::SENT;
-            let packet = self.peer.exchange();
-            let armed = self.peer.mode() == Mode::Armed;
-            self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
+            if let Some(packet) = self.peer.exchange() {
+                let armed = self.peer.mode() == Mode::Armed;
+                self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
+            }
         }
 
         // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.

@@ -147,6 +147,8 @@ pub struct Counts {
 pub struct Link {
     ends: Ends,
     period_us: u32,
+    /// From one flow to the next at most, µs: how often the link speaks by itself counts in this.
+    pace_us: u32,
     handshake: Handshake,
     counter: Counter,
     session: Option<Session>,
@@ -205,6 +207,7 @@ impl Link {
         Ok(Self {
             ends,
             period_us: packet_period_us,
+            pace_us: packet_period_us,
             handshake: Handshake::new(key, ends, parameters, &entropy),
             counter: Counter::default(),
             session: None,
@@ -258,6 +261,13 @@ impl Link {
         self
     }
 
+    /// The same link for flow that is sent only where it is worth it, each `longest_us` at the latest, µs: it probes as often as if flow
+    /// went out so seldom, not to speak more than the flow does. How long silence is borne is what it was.
+    pub fn keeping_silent(mut self, longest_us: u32) -> Self {
+        self.pace_us = longest_us.max(self.period_us);
+        self
+    }
+
     /// The number in the header of every sealed datagram of the session at hand, both ways.
     pub fn session_number(&self) -> Option<u32> {
         self.session.as_ref().map(Session::number)
@@ -297,8 +307,8 @@ impl Link {
                 return Some(Message::Event(event));
             }
         }
-        if now >= self.next_probe_us || now >= self.after(self.sent_us, KEEP_ALIVE_AFTER) {
-            self.next_probe_us = self.after(now, if confirmed { PROBE_EVERY } else { 1 });
+        if now >= self.next_probe_us || now >= self.paced(self.sent_us, KEEP_ALIVE_AFTER) {
+            self.next_probe_us = if confirmed { self.paced(now, PROBE_EVERY) } else { self.after(now, 1) };
             return Some(Message::Probe(Probe { sent_us: now }));
         }
         None
@@ -422,6 +432,11 @@ impl Link {
 
     fn after(&self, from: u64, periods: u32) -> u64 {
         from.saturating_add(u64::from(self.period_us).saturating_mul(u64::from(periods)))
+    }
+
+    /// The same in the longest silence of flow.
+    fn paced(&self, from: u64, silences: u32) -> u64 {
+        from.saturating_add(u64::from(self.pace_us).saturating_mul(u64::from(silences)))
     }
 
     /// How long a message counts, and a session that nothing was answered in, µs.

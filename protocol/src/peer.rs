@@ -1,7 +1,7 @@
 //! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, what two peers must have been told alike,
 //! and what waits for the next exchange. The same for a board and a PC.
 
-use haptic_core::law::Packet;
+use haptic_core::law::{Packet, event::LONGEST};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
@@ -30,7 +30,8 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
     // Casts saturate.
     let us = |seconds: f64| (1e6 * seconds) as u32;
-    Ok(Link::new(config)?.apart_after(us(safety.disengage_s)).within(us(safety.max_delay_s)))
+    let link = Link::new(config)?.apart_after(us(safety.disengage_s)).within(us(safety.max_delay_s));
+    Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 
 /// A packet of tick `tick` as it goes out; `engaged` while the motors are on.

@@ -35,15 +35,35 @@ impl<S: Scalar> AnyRendering<S> {
         each!(self: Continuous | Impulsive, model => model.clear_of(position))
     }
 
-    /// [`Rendering::touch`].
+    /// [`Rendering::touch`], and the object as impacts left it. By value, so that a spring's stays in registers.
     #[inline]
-    pub fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
-        each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, commanded))
+    pub fn touch(
+        &self,
+        strikes: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        commanded: S,
+    ) -> (Motion<S>, Touch<S>) {
+        each!(self: Continuous | Impulsive, model => {
+            let mut moved = object;
+            let touch = model.touch(strikes, device, &mut moved, commanded);
+            (moved, touch)
+        })
     }
 
-    /// [`Rendering::press`].
+    /// The same of [`Rendering::press`].
     #[inline]
-    pub fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
-        each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, commanded))
+    pub fn press(
+        &self,
+        strikes: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        commanded: S,
+    ) -> (Motion<S>, Press<S>) {
+        each!(self: Continuous | Impulsive, model => {
+            let mut moved = object;
+            let press = model.press(strikes, device, &mut moved, commanded);
+            (moved, press)
+        })
     }
 }

@@ -12,7 +12,6 @@
 //! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
 //! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
 
-use crate::device::AXES;
 use crate::device::kinematics::{Joints, KinematicsName};
 use crate::num::Scalar;
 use crate::safety::{Fault, Patience};
@@ -129,9 +128,10 @@ impl<S: Scalar> Encoder<S> {
 
     /// Whether what both showed is to be heeded: most of the time it changes nothing.
     #[inline(always)]
-    pub fn heeds([one, two]: [&EncoderState; AXES], [first, second]: [Marks; AXES]) -> bool {
+    pub fn heeds<const N: usize>(states: [&EncoderState; N], marks: &[Marks; N]) -> bool {
         let calm = Patience::default();
-        first.lone | second.lone | first.index.or(second.index).is_some() | (one.lone != calm) | (two.lone != calm)
+        let shown = marks.iter().fold(false, |heeds, marks| heeds | marks.lone | marks.index.is_some());
+        states.into_iter().fold(shown, |heeds, state| heeds | (state.lone != calm))
     }
 
     /// What it showed beside the reading just taken. The first index is where the joint is said to be there (`encoder.index_at`), if it

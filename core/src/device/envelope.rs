@@ -10,7 +10,7 @@
 
 use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
-use crate::{device::AXES, device::leaky::Leaky, settings::Settings};
+use crate::{device::leaky::Leaky, settings::Settings};
 
 /// Limits over time.
 #[derive(Clone, Copy, Debug)]
@@ -48,9 +48,9 @@ impl<S: Scalar> Envelope<S> {
 
     /// One tick of forces (N) on axes that move: what is too much, if something is.
     #[inline]
-    pub fn exceeded(&self, load: &mut Load<S>, [fx, fy]: [S; AXES], power: S) -> Option<Fault> {
+    pub fn exceeded<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> Option<Fault> {
         let given = power.max(S::ZERO);
-        load.force = self.leaky.after(load.force, fx * fx + fy * fy);
+        load.force = self.leaky.after(load.force, total(forces.map(|force| force * force)));
         load.power = self.leaky.after(load.power, given * given);
         if load.force > self.force {
             Some(Fault::ForceTooLong)
@@ -64,6 +64,15 @@ impl<S: Scalar> Envelope<S> {
 
 /// The power that forces (N) on axes in motion give the hand, W.
 #[inline]
-pub fn power<S: Scalar>([fx, fy]: [S; AXES], [x, y]: [Motion<S>; AXES]) -> S {
-    fx * x.velocity + fy * y.velocity
+pub fn power<S: Scalar, const N: usize>(mut forces: [S; N], axes: [Motion<S>; N]) -> S {
+    for (power, axis) in forces.iter_mut().zip(axes) {
+        *power = *power * axis.velocity;
+    }
+    total(forces)
+}
+
+/// The sum of what every axis has, without a zero to begin with.
+#[inline]
+fn total<S: Scalar, const N: usize>(each: [S; N]) -> S {
+    each.into_iter().reduce(|sum, one| sum + one).unwrap_or(S::ZERO)
 }

@@ -5,6 +5,8 @@
 //! | [`encoder`] | raw counts → joint position, with wrap-around and a plausibility check |
 //! | [`velocity`] | joint positions → joint velocity, a list of estimators |
 //! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
+//! | [`scale`] | a device that is larger or smaller than the shared world |
+//! | [`clutch`] | a device that comes free of the world, moves, and takes hold again |
 //! | [`constraint`] | the force that holds an unused axis on its line |
 //! | [`leaky`] | a mean that forgets |
 //! | [`motor`] | joint force → duty |
@@ -20,6 +22,7 @@
 //! A *joint* is what an encoder and a motor share: a slide (m, N) or something that turns (rad, N·m). An *axis* is a
 //! direction of the task: always m, m/s, N. Positions are zero where the encoders were when they were first read.
 
+pub mod clutch;
 pub mod constraint;
 pub mod current;
 pub mod encoder;
@@ -28,6 +31,7 @@ pub mod kinematics;
 pub mod leaky;
 pub mod motor;
 pub mod probe;
+pub mod scale;
 pub mod stage;
 pub mod stage_watch;
 pub mod thermal;
@@ -35,9 +39,11 @@ pub mod velocity;
 pub mod watch;
 pub mod winding;
 
+use crate::names::{FixtureName, RenderingName};
 use crate::num::Motion;
+use crate::settings::{Allowed, Refused, Settings};
 
-/// Most axes, and joints, that a peer has.
+/// Most axes, and joints, of a device in the plane, which is what a peer has unless it says another number: three are one in space.
 pub const AXES: usize = 2;
 
 /// Raw value of a timer in encoder mode; wraps modulo 2¹⁶.
@@ -46,9 +52,30 @@ pub struct Counts(pub u16);
 
 /// What a device says about where it is, once per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reading<S> {
+pub enum Reading<S, const N: usize = AXES> {
     /// Raw counts of every joint's encoder: a real device, or a simulated one down to its encoders.
-    Counts([Counts; AXES]),
+    Counts([Counts; N]),
     /// Position (m) and velocity (m/s) of every axis: a simulated device, or one that computes them itself.
-    Exact([Motion<S>; AXES]),
+    Exact([Motion<S>; N]),
+}
+
+/// Refuses axes that a peer of `N` of which `shared` are shared has not, and what cannot be shared along several.
+pub(crate) fn check_axes(settings: &Settings, shared: u32, n: u32) -> Result<(), Refused<'static>> {
+    settings.within("axis.count", Allowed::Whole { min: 1, max: n })?;
+    settings.within("axis.shared", Allowed::Whole { min: 1, max: settings.axis.count })?;
+    settings.within("axis.shared", Allowed::Whole { min: shared, max: shared })?;
+    let needs = |name, what| Err(settings.refuses(name, Allowed::Only(what)));
+    if shared > 1 && settings.contact.rendering != RenderingName::Continuous {
+        return needs(
+            "contact.rendering",
+            "\"continuous\" where axis.shared is more than 1: impacts are along one axis",
+        );
+    }
+    if shared > 1 && settings.contact.one_sided {
+        return needs("contact.one_sided", "false where axis.shared is more than 1: a side belongs to one axis");
+    }
+    if shared > 1 && settings.fixture.kind != FixtureName::None {
+        return needs("fixture.kind", "\"none\" where axis.shared is more than 1: a fixture is along one axis");
+    }
+    Ok(())
 }

@@ -33,7 +33,7 @@ use super::stage::Measured;
 use super::winding::{self, Electric, Expected, Sums, Trial};
 use crate::names::{Choice, words};
 use crate::settings::{Allowed, Refused, Settings, Value};
-use crate::{device::AXES, device::motor::Duty, num::Scalar};
+use crate::{device::motor::Duty, num::Scalar};
 
 words! {
     /// How the duty goes over the time of a probe.
@@ -80,7 +80,7 @@ words! {
 /// What to push with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Which joint, 1 or 2.
+    /// Which joint, from 1.
     pub joint: u32,
     /// How.
     pub shape: Shape,
@@ -158,7 +158,7 @@ impl<S: Scalar> Probe<S> {
         })
     }
 
-    /// The check before arming of `joint` (1 or 2): a weak swing, over a short way.
+    /// The check before arming of `joint` (from 1): a weak swing, over a short way.
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
@@ -170,7 +170,7 @@ impl<S: Scalar> Probe<S> {
         Ok(Self { max_travel_counts: built.max_travel_counts.min(travel as i32), check: true, ..built })
     }
 
-    /// The joint it pushes, 1 or 2.
+    /// The joint it pushes, from 1.
     pub fn joint(&self) -> u32 {
         self.joint as u32 + 1
     }
@@ -207,7 +207,7 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
 /// What came of a probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Which joint, 1 or 2; 0 before the first probe.
+    /// Which joint, from 1; 0 before the first probe.
     pub joint: u32,
     /// How it ended.
     pub end: End,
@@ -291,8 +291,8 @@ pub struct Probing<S> {
 }
 
 /// What the bridges are to do for a probe.
-pub(crate) struct Push {
-    pub(crate) duties: [Duty; AXES],
+pub(crate) struct Push<const N: usize> {
+    pub(crate) duties: [Duty; N],
     pub(crate) enable: bool,
     pub(crate) open: bool,
 }
@@ -324,7 +324,11 @@ impl<S: Scalar> Probing<S> {
 
     /// One tick, with every joint's counts and what the power stage measured since the last; nothing when it is over.
     #[inline]
-    pub(crate) fn step(&mut self, mut counts: impl Iterator<Item = i32>, stage: Option<Measured>) -> Option<Push> {
+    pub(crate) fn step<const N: usize>(
+        &mut self,
+        mut counts: impl Iterator<Item = i32>,
+        stage: Option<Measured<N>>,
+    ) -> Option<Push<N>> {
         let now = counts.nth(self.probe.joint).unwrap_or_default();
         if self.places.is_none() && stage.is_some() && self.probe.check {
             self.trial = Some(Trial::default());
@@ -394,7 +398,7 @@ impl<S: Scalar> Probing<S> {
         if self.outcome.end != End::Running {
             return None;
         }
-        let mut duties = [Duty::OFF; AXES];
+        let mut duties = [Duty::OFF; N];
         if let Some(own) = duties.get_mut(self.probe.joint) {
             *own = duty;
         }

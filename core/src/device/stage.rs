@@ -38,13 +38,20 @@ impl Flow {
 
 /// What the power stage measured since the tick before.
 // Of halves: it is copied in words all the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(4))]
-pub struct Measured {
+pub struct Measured<const N: usize = AXES> {
     /// Each motor.
-    pub motors: [Flow; AXES],
+    pub motors: [Flow; N],
     /// Supply of the bridges, mV.
     pub supply_mv: u16,
     /// Counts of the timer that are all of the supply.
     pub supply_counts: u16,
+}
+
+/// Nothing flows, and there is no supply.
+impl<const N: usize> Default for Measured<N> {
+    fn default() -> Self {
+        Self { motors: [Flow::default(); N], supply_mv: 0, supply_counts: 0 }
+    }
 }

@@ -87,17 +87,30 @@ pub struct StageWatch<S> {
 }
 
 /// What it remembers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StageState<S> {
+#[derive(Clone, Copy, Debug)]
+pub struct StageState<S, const N: usize = AXES> {
     /// The first of a pair of ticks, with the references of its time.
-    first: Option<(Measured, [Duty; AXES])>,
+    first: Option<(Measured<N>, [Duty; N])>,
     /// Pairs since the motors went on.
     on: u32,
     conducts: Patience,
     supply: Patience,
     /// The last supply seen is out of range.
     pub supply_is_wrong: bool,
-    motors: [Motor<S>; AXES],
+    motors: [Motor<S>; N],
+}
+
+impl<S: Scalar, const N: usize> Default for StageState<S, N> {
+    fn default() -> Self {
+        Self {
+            first: None,
+            on: 0,
+            conducts: Patience::default(),
+            supply: Patience::default(),
+            supply_is_wrong: false,
+            motors: [Motor::default(); N],
+        }
+    }
 }
 
 /// One motor.
@@ -170,13 +183,13 @@ impl<S: Scalar> StageWatch<S> {
 
     /// A tick's measurements, with the references that stood for it and the counts of every joint at its end: what is wrong.
     #[inline]
-    pub fn step(
+    pub fn step<const N: usize>(
         &self,
-        state: &mut StageState<S>,
-        measured: &Measured,
-        asked: [Duty; AXES],
+        state: &mut StageState<S, N>,
+        measured: &Measured<N>,
+        asked: [Duty; N],
         driven: Driven,
-        counts: impl FnOnce() -> [i32; AXES],
+        counts: impl FnOnce() -> [i32; N],
     ) -> Option<Fault> {
         match state.first.take() {
             Some(first) => self.judge(state, [first, (*measured, asked)], driven, counts()),
@@ -188,17 +201,17 @@ impl<S: Scalar> StageWatch<S> {
     }
 
     /// Forgets what currents were asked for and whether they came; warmth stays.
-    pub fn start(&self, state: &mut StageState<S>) {
+    pub fn start<const N: usize>(&self, state: &mut StageState<S, N>) {
         *state = StageState { motors: state.motors, supply_is_wrong: state.supply_is_wrong, ..StageState::default() };
     }
 
     #[inline(never)]
-    fn judge(
+    fn judge<const N: usize>(
         &self,
-        state: &mut StageState<S>,
-        [(one, asked_one), (two, asked_two)]: [(Measured, [Duty; AXES]); 2],
+        state: &mut StageState<S, N>,
+        [(one, asked_one), (two, asked_two)]: [(Measured<N>, [Duty; N]); 2],
         driven: Driven,
-        counts: [i32; AXES],
+        counts: [i32; N],
     ) -> Option<Fault> {
         let (least, most) = self.supply_mv;
         state.supply_is_wrong = two.supply_mv < least || two.supply_mv > most;

@@ -43,12 +43,12 @@ pub struct Still {
 }
 
 impl<S: Scalar> Watch<S> {
-    /// From `safety.stuck_duty`, `safety.max_force_n` and `safety.max_hand_power_w`.
+    /// From `safety.stuck_duty`, `safety.max_force_n` and `safety.max_hand_power_w`, in the world's units.
     pub fn build(settings: &Settings) -> Self {
         let (safety, motor) = (&settings.safety, &settings.motor);
         // What the largest force on the hand asks of a joint, in a usual pose.
         let full = motor.newton_or_newton_metre_per_a * motor.full_scale_a * Joints::of(settings).usual_per_m;
-        let duty = safety.stuck_duty.min((0.5 * safety.max_force_n).max(HELD_N) / full);
+        let duty = safety.stuck_duty.min((0.5 * safety.max_force_n).max(HELD_N * settings.scale.force) / full);
         Self {
             stuck_codes: (duty * f64::from(Duty::FULL_SCALE)) as i32,
             least_power: S::from_f64(-safety.max_hand_power_w),

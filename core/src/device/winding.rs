@@ -154,7 +154,7 @@ pub(crate) struct Sums {
 
 impl Sums {
     /// One tick, and the counts that the joint made in it.
-    pub(crate) fn add(&mut self, stage: &Measured, flow: Flow, step_counts: i32) {
+    pub(crate) fn add<const N: usize>(&mut self, stage: &Measured<N>, flow: Flow, step_counts: i32) {
         let [u, i, c] = [i64::from(flow.voltage), i64::from(flow.mean), i64::from(step_counts)];
         self.ticks = self.ticks.saturating_add(1);
         self.supply = [stage.supply_mv, stage.supply_counts];

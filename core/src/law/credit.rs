@@ -46,29 +46,29 @@ const SHARE: f64 = 0.1;
 
 /// How u_in is paid for.
 #[derive(Clone, Copy, Debug)]
-pub struct Credit<S> {
+pub struct Credit<S: Scalar> {
     /// ½·T_c, s.
     half_period: S,
     /// 2/T_c, 1/s.
     twice_rate: S,
     period: S,
     /// M·T_c, s: what one sample held for a packet adds to the integral.
-    packet_s: f64,
+    packet_s: S::Counter,
     cap: S,
     corrects: bool,
 }
 
 /// What is left to spend, and what is still owed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Account<S> {
+pub struct Account<S: Scalar> {
     /// Sender's energy counter and wave integral in the newest packet, J and √W·s.
-    seen: Option<(f64, f64)>,
+    seen: Option<(S::Counter, S::Counter)>,
     /// Wave energy that may still be emitted, J.
     left: S,
     /// ∫u_in dt emitted so far, √W·s.
     emitted: Sum<S>,
     /// ∫u dt of the sender at the point where `emitted` was 0, √W·s.
-    origin: f64,
+    origin: S::Counter,
     /// Added to u_in until the next packet, √W.
     correction: S,
 }
@@ -81,7 +81,7 @@ impl<S: Scalar> Credit<S> {
             half_period: S::from_f64(0.5 * timing.control_period_s),
             twice_rate: S::from_f64(2.0 / timing.control_period_s),
             period: S::from_f64(timing.control_period_s),
-            packet_s: timing.packet_period_s(),
+            packet_s: S::Counter::from_f64(timing.packet_period_s()),
             cap: S::from_f64(CAP_J),
             corrects: coordination.drift_correction,
         })
@@ -89,13 +89,14 @@ impl<S: Scalar> Credit<S> {
 
     /// Takes in the counters of a packet.
     pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
-        let wave = packet.wave.to_f64();
-        let (energy, integral) = (packet.energy_j.to_f64(), packet.wave_integral.to_f64());
+        let (nothing, half) = (S::Counter::ZERO, S::Counter::from_f64(0.5));
+        let wave = packet.wave.to_counter();
+        let (energy, integral) = (packet.energy_j, packet.wave_integral);
         let (seen, _) = *account.seen.get_or_insert_with(|| {
             // The first packet of a session pays for itself and brings no past.
-            let own = 0.5 * self.packet_s * wave * wave;
+            let own = half * self.packet_s * wave * wave;
             account.origin = integral - self.packet_s * wave;
-            (if energy > own { energy - own } else { 0.0 }, integral)
+            (if energy > own { energy - own } else { nothing }, integral)
         });
         if energy <= seen {
             // Nothing new: a packet that stands through silence has been paid for, and mends nothing.
@@ -103,14 +104,16 @@ impl<S: Scalar> Credit<S> {
             return;
         }
         account.seen = Some((energy, integral));
-        account.left = (account.left + S::from_f64(energy - seen)).min(self.cap);
+        account.left = (account.left + S::of_counter(energy - seen)).min(self.cap);
         if self.corrects {
-            let missing = integral - account.origin - account.emitted.total().to_f64() - self.packet_s * wave;
-            let target = wave + missing / (CORRECTION_PACKETS * self.packet_s);
-            let price = 0.5 * self.packet_s * wave * wave;
-            let spare = SHARE * (account.left.to_f64() - RESERVE_PACKETS * price);
-            let most = libm::sqrt(wave * wave + if spare > 0.0 { spare / (0.5 * self.packet_s) } else { 0.0 });
-            account.correction = S::from_f64(target.limit(most) - wave);
+            let [packets, reserve, share] = [CORRECTION_PACKETS, RESERVE_PACKETS, SHARE].map(S::Counter::from_f64);
+            let missing = integral - account.origin - account.emitted.total().to_counter() - self.packet_s * wave;
+            let target = wave + missing.over(packets * self.packet_s);
+            let price = half * self.packet_s * wave * wave;
+            let spare = share * (account.left.to_counter() - reserve * price);
+            let more = if spare > nothing { spare.over(half * self.packet_s) } else { nothing };
+            let most = (wave * wave + more).sqrt();
+            account.correction = S::of_counter(target.limit(most) - wave);
         }
     }
 

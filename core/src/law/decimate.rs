@@ -6,13 +6,14 @@
 //! the band it passes. [`Mean`] sends ū, the mean of the last M samples: held for M ticks it never emits more than was
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
+use super::{Kind, Promise, Sends};
 use crate::num::{Scalar, StateVector};
 use crate::settings::Settings;
 
 /// A filter in front of the decimation.
 pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// What the line behind it is called.
-    const NAME: &'static str;
+    /// The law that a line behind it is.
+    const KIND: Kind;
     /// What is sent keeps the integral of the wave.
     const KEEPS_INTEGRAL: bool = false;
     /// What changes from tick to tick.
@@ -31,7 +32,14 @@ pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static 
 pub struct Newest;
 
 impl<S: Scalar> Decimator<S> for Newest {
-    const NAME: &'static str = "wave";
+    const KIND: Kind = Kind {
+        name: "wave",
+        sends: Sends::Waves,
+        keys: &[],
+        gains: &["coordination.stiffness_n_per_m=1590"],
+        source: "Rakhsha & Constantinescu 2012, §2",
+        promises: &[],
+    };
     type State = S;
     fn build(_: &Settings) -> Self {
         Self
@@ -56,7 +64,14 @@ pub struct OnePole<S> {
 }
 
 impl<S: Scalar> Decimator<S> for OnePole<S> {
-    const NAME: &'static str = "passive-wave";
+    const KIND: Kind = Kind {
+        name: "passive-wave",
+        sends: Sends::Waves,
+        keys: &[],
+        gains: &["coordination.stiffness_n_per_m=1590"],
+        source: "Rakhsha & Constantinescu 2012, eq. 1",
+        promises: &[],
+    };
     type State = S;
     fn build(settings: &Settings) -> Self {
         let angle = core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s;
@@ -97,7 +112,14 @@ impl<S> StateVector<S> for MeanState<S> {
 }
 
 impl<S: Scalar> Decimator<S> for Mean<S> {
-    const NAME: &'static str = "passive-mean";
+    const KIND: Kind = Kind {
+        name: "passive-mean",
+        sends: Sends::Waves,
+        keys: &[],
+        gains: &["coordination.stiffness_n_per_m=1590"],
+        source: "THEORY §5",
+        promises: &[Promise::PassiveOnConstantDelay],
+    };
     const KEEPS_INTEGRAL: bool = true;
     type State = MeanState<S>;
     fn build(settings: &Settings) -> Self {

@@ -9,7 +9,8 @@ use crate::settings::{Refused, Settings};
 pub struct Free;
 
 impl<S: Scalar> Law<S> for Free {
-    const KINDS: &'static [Kind] = &[Kind { name: "none", sends: Sends::Nothing, keys: &[], gains: &[] }];
+    const KINDS: &'static [Kind] =
+        &[Kind { name: "none", sends: Sends::Nothing, keys: &[], gains: &[], source: "", promises: &[] }];
     type State = ();
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

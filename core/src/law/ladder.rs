@@ -3,13 +3,15 @@
 //! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the coordination
 //! fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both are times, rounded
 //! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the
-//! object is, from no force, and every packet period with a packet takes one step back. What a packet is that has faded, the law says
+//! object is, from no force, and every packet period with a packet takes one step back, or as many as were silent on purpose before it
+//! ([`super::event`]). What a packet is that has faded, the law says
 //! ([`super::Law::fade`]).
 //!
 //! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
 //! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
 //! started anew, and must not be measured by the old one's counters.
 
+use super::event;
 use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -22,6 +24,8 @@ pub struct Ladder<S> {
     steps: u32,
     /// One step.
     step: S,
+    /// From packet to packet at most, in packet periods: so many steps back a packet may take.
+    longest: u32,
 }
 
 /// Where a peer stands on the ladder.
@@ -46,7 +50,14 @@ impl<S: Scalar> Ladder<S> {
         }
         let hold = timing.packet_periods(safety.fade_s);
         let steps = timing.packet_periods(safety.disengage_s).saturating_sub(hold).max(1);
-        Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)) })
+        let longest = event::longest_periods(settings)?;
+        Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), longest })
+    }
+
+    /// From packet to packet at most, in packet periods; 1: nobody keeps silent on purpose.
+    #[inline]
+    pub fn longest(&self) -> u32 {
+        self.longest
     }
 
     /// Fully engaged, nothing heard yet.
@@ -54,10 +65,10 @@ impl<S: Scalar> Ladder<S> {
         Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
 
-    /// A packet has come: the first of a packet period takes one step back. True if the law has to start anew.
+    /// A packet has come: the first of a packet period takes one step back, or as many as its sender may have kept silent for. True if the law has to start anew.
     pub fn hear(&self, at: &mut Engagement) -> bool {
         let anew = at.level == 0;
-        let step = u32::from(!at.came);
+        let step = if at.came { 0 } else { at.silent.saturating_add(1).min(self.longest) };
         *at = Engagement { level: at.level.saturating_add(step).min(self.steps), silent: 0, heard: true, came: true };
         anew
     }

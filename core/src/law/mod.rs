@@ -1,43 +1,57 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
 //! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick),
-//! hands out one [`Packet`] each packet period ([`Law::send`]) and takes in the other peer's ([`Law::receive`]). **A law is one
-//! file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
+//! hands out one [`Packet`] each packet period ([`Law::send`]), unless it keeps silent ([`Law::speaks`], [`event`]), and takes in the
+//! other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
 //! and one line in the list below make it known to simulator, analyser, campaign, board and reports; a crate outside hands it to
 //! them. [`free`] shows the least a law can be.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
 
+pub mod average_position;
 pub mod credit;
+pub mod deadband;
 pub mod decimate;
+pub mod event;
+pub mod four_channel;
 pub mod free;
+pub mod input_gated;
 pub mod ladder;
 pub mod ledger;
+pub mod model_mediated;
 pub mod node;
+pub mod passivity_control;
 pub mod power;
+pub mod remote_dynamic_proxy;
 pub mod self_timed;
+pub mod set_position;
+pub mod tank;
 mod terminal;
+pub mod two_layer;
 pub mod wave;
+pub mod wave_compensator;
+pub mod wave_integral;
 
 use crate::num::{Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port};
 use crate::settings::{Allowed, Refused, Settings};
 
-pub use crate::settings::{Kind, Sends};
+pub use crate::settings::{Kind, Promise, Sends};
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Packet<S: Scalar> {
     /// Motion of the sender's copy of the object, m and m/s (power-domain).
     pub motion: Motion<S>,
-    /// Wave sample, √W (wave-domain).
+    /// Wave sample, √W (wave-domain), or what else a law sends beside the motion, in a unit of its own: a force, N. 0 from a peer that is not engaged.
     pub wave: S,
-    /// Wave energy that the sender absorbed since it was armed, up to its last tick, J. Filled in by the peer.
+    /// Energy that the sender gave to the line since it was armed, up to its last tick, J: of its waves, or from its tank. Filled in by
+    /// the peer.
     pub energy_j: S::Counter,
     /// Integral of the sender's outgoing wave over the same time, √W·s.
     pub wave_integral: S::Counter,
-    /// Ticks that the integral is over, where the line has a time of its own; wraps.
+    /// Ticks that the integral is over, of a line with a time of its own, or since a law began that says so; wraps.
     pub live_ticks: u32,
 }
 
@@ -46,7 +60,7 @@ impl<S: Scalar> StateVector<S> for Packet<S> {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.motion.visit(each);
         each(&mut self.wave);
-        visit_counter(&mut self.wave_integral, each);
+        visit_counter::<S>(&mut self.wave_integral, each);
     }
 }
 
@@ -79,13 +93,25 @@ pub struct Coupled<S> {
     pub desired: Motion<S>,
     /// Coordination force F_T on the local copy, N.
     pub force: S,
-    /// Power that came in from the network, ½·u_in², W, never negative.
+    /// Power that came in from the network, ½·u_in² of waves, W, never negative.
     pub power_in: S,
-    /// Power that went out to the network, ½·u_out², W, never negative.
+    /// Power that went out to the network, ½·u_out² of waves, W, never negative.
     pub power_out: S,
 }
 
 impl<S: Scalar> Coupled<S> {
+    /// A force (N) toward where the remote copy is said to be, which moves as it was said to: the network does the work F_T·ẋ_d.
+    #[inline]
+    pub fn toward(desired: Motion<S>, force: S) -> Self {
+        Self::of_power(desired, force, force * desired.velocity)
+    }
+
+    /// A force (N) with the power that came in from the network, W; one that went out is negative.
+    #[inline]
+    pub fn of_power(desired: Motion<S>, force: S, power: S) -> Self {
+        Self { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
+    }
+
     /// Force and powers finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
@@ -133,6 +159,13 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     }
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
+    /// Whether `packet`, which [`Law::send`] has just made, is worth sending. Asked each packet period where [`event::LONGEST`] allows
+    /// silence, unless it is over.
+    fn speaks(&self, _state: &Self::State, _packet: &Packet<S>) -> bool {
+        true
+    }
+    /// `packet` goes out, where [`event::LONGEST`] allows silence.
+    fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
     /// A packet through silence, of which this share (below 1) still counts: a motion moved toward the local one, and a wave
     /// made smaller, which takes energy out of the line and never in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
@@ -163,7 +196,7 @@ macro_rules! laws {
         /// Any coordination law of this crate.
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
-        pub enum AnyLaw<S> { $( $Variant($law) ),+ }
+        pub enum AnyLaw<S: Scalar> { $( $Variant($law) ),+ }
 
         /// A law with its state: the state of another law cannot be handed to it.
         #[derive(Clone, Copy, Debug)]
@@ -198,7 +231,8 @@ macro_rules! laws {
             }
             #[inline]
             fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
-                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, seen) ),+ }
+                // A copy for each: what one law takes by reference would be in memory for all.
+                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, &{ *seen }) ),+ }
             }
             #[inline]
             fn couple_as_port(
@@ -207,10 +241,16 @@ macro_rules! laws {
                 seen: &Seen<S>,
                 solve: impl FnOnce(Port<S>) -> S,
             ) -> Coupled<S> {
-                match state { $( AnyLawState::$Variant(law, state) => law.couple_as_port(state, seen, solve) ),+ }
+                match state { $( AnyLawState::$Variant(law, state) => law.couple_as_port(state, &{ *seen }, solve) ),+ }
             }
             fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
                 match state { $( AnyLawState::$Variant(law, state) => law.send(state, local) ),+ }
+            }
+            fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
+                match state { $( AnyLawState::$Variant(law, state) => law.speaks(state, packet) ),+ }
+            }
+            fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
+                match state { $( AnyLawState::$Variant(law, state) => law.spoke(state, packet) ),+ }
             }
             fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }
@@ -225,6 +265,18 @@ laws! {
     PassiveWave(wave::PassiveWave<S>),
     PassiveMean(wave::PassiveMean<S>),
     SelfTimed(self_timed::SelfTimed<S>),
+    SetPosition(set_position::SetPosition<S>),
+    PassivityControl(passivity_control::PassivityControl<S>),
+    TwoLayer(two_layer::TwoLayer<S>),
+    WaveIntegral(wave_integral::WaveIntegral<S>),
+    WaveCompensator(wave_compensator::WaveCompensator<S>),
+    FourChannel(four_channel::FourChannel<S>),
+    AveragePosition(average_position::AveragePosition<S>),
+    RemoteDynamicProxy(remote_dynamic_proxy::RemoteDynamicProxy<S>),
+    Deadband(deadband::Deadband<S>),
+    PassiveDeadband(deadband::PassiveDeadband<S>),
+    InputGated(input_gated::InputGated<S>),
+    ModelMediated(model_mediated::ModelMediated<S>),
     Free(free::Free),
 }
 

@@ -3,7 +3,7 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
-use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::Port;
 use crate::settings::{Refused, Settings};
@@ -15,8 +15,14 @@ pub struct Power<S> {
 }
 
 impl<S: Scalar> Law<S> for Power<S> {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: "power", sends: Sends::Motion, keys: &[], gains: &["coordination.stiffness_n_per_m=310"] }];
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "power",
+        sends: Sends::Motion,
+        keys: &[],
+        gains: &["coordination.stiffness_n_per_m=310"],
+        source: "Rakhsha & Constantinescu 2012, eq. 7",
+        promises: &[Promise::NoDrift],
+    }];
     /// The remote copy's motion as last received: x_d, ẋ_d.
     type State = Motion<S>;
 
@@ -34,23 +40,16 @@ impl<S: Scalar> Law<S> for Power<S> {
 
     #[inline]
     fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-        coupled(*desired, self.spring.force(*desired, seen.local))
+        Coupled::toward(*desired, self.spring.force(*desired, seen.local))
     }
 
     #[inline]
     fn couple_as_port(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
         let port = self.spring.port(*desired, seen.local);
-        coupled(*desired, port.at(solve(port)))
+        Coupled::toward(*desired, port.at(solve(port)))
     }
 
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: local, ..Packet::default() }
     }
-}
-
-/// A force toward where the remote copy is said to be, which moves as it was said to.
-#[inline]
-fn coupled<S: Scalar>(desired: Motion<S>, force: S) -> Coupled<S> {
-    let power = force * desired.velocity;
-    Coupled { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
 }

@@ -17,7 +17,7 @@
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Seen, Sends};
+use super::{Coupled, Kind, Law, Packet, Seen};
 use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
 use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
@@ -35,7 +35,7 @@ pub type PassiveMean<S> = Line<S, Mean<S>>;
 
 /// One end of a wave line.
 #[derive(Clone, Copy, Debug)]
-pub struct Line<S, D> {
+pub struct Line<S: Scalar, D> {
     end: Terminal<S>,
     decimator: D,
     decode: Decode,
@@ -52,7 +52,7 @@ pub struct Line<S, D> {
 
 /// State of one end of a wave line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LineState<S, D> {
+pub struct LineState<S: Scalar, D> {
     /// x_d, ẋ_d.
     desired: Motion<S>,
     /// F_T of the last tick, N.
@@ -69,7 +69,7 @@ pub struct LineState<S, D> {
     carry: Carry<S>,
 }
 
-impl<S, D: StateVector<S>> StateVector<S> for LineState<S, D> {
+impl<S: Scalar, D: StateVector<S>> StateVector<S> for LineState<S, D> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.desired.visit(each);
@@ -125,8 +125,7 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: D::NAME, sends: Sends::Waves, keys: &[], gains: &["coordination.stiffness_n_per_m=1590"] }];
+    const KINDS: &'static [Kind] = &[D::KIND];
     type State = LineState<S, D::State>;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {

@@ -50,6 +50,8 @@ pub trait Scalar:
     }
     /// As [`Scalar::to_f64`] rounds.
     fn to_counter(self) -> Self::Counter;
+    /// As [`Scalar::from_f64`] rounds. With it, what a law keeps in counters never leaves the number types, whichever they are.
+    fn of_counter(counter: Self::Counter) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The bits that make two values the same, for state hashes.
@@ -64,6 +66,11 @@ pub trait Scalar:
     }
     /// Quotient; 0 where the divisor is 0, so that it is total.
     fn ratio(self, divisor: Self) -> Self;
+    /// Quotient by a divisor that is known not to be 0.
+    #[inline]
+    fn over(self, divisor: Self) -> Self {
+        self.ratio(divisor)
+    }
 
     /// Absolute value; NaN stays NaN.
     #[inline]
@@ -83,6 +90,11 @@ pub trait Scalar:
         } else {
             Self::ZERO
         }
+    }
+    /// The value if it lies between these two, ends included, and `other` if not, or if one of them is NaN.
+    #[inline]
+    fn if_between(self, lowest: Self, highest: Self, other: Self) -> Self {
+        if self >= lowest && self <= highest { self } else { other }
     }
     /// The larger of the two; `other` where `self` is NaN.
     #[inline]
@@ -116,6 +128,10 @@ macro_rules! float_scalar {
                 f64::from(self)
             }
             #[inline]
+            fn of_counter(counter: f64) -> Self {
+                counter as $float
+            }
+            #[inline]
             fn from_i32(value: i32) -> Self {
                 value as $float
             }
@@ -147,6 +163,10 @@ macro_rules! float_scalar {
             #[inline]
             fn ratio(self, divisor: Self) -> Self {
                 if divisor == 0.0 { 0.0 } else { self / divisor }
+            }
+            #[inline]
+            fn over(self, divisor: Self) -> Self {
+                self / divisor
             }
             $($fast)*
         }
@@ -215,6 +235,10 @@ impl Scalar for Fixed {
     #[inline]
     fn to_counter(self) -> f64 {
         self.to_f64()
+    }
+    #[inline]
+    fn of_counter(counter: f64) -> Self {
+        Self::from_f64(counter)
     }
     #[inline]
     fn from_i32(value: i32) -> Self {

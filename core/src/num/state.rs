@@ -42,12 +42,12 @@ impl<S, T: StateVector<S>, const N: usize> StateVector<S> for [T; N] {
 }
 
 /// Visits a number that is kept in another type than the peer computes in; untouched unless it is changed.
-pub(crate) fn visit_counter<S: Scalar, C: Scalar>(number: &mut C, each: &mut impl FnMut(&mut S)) {
-    let before = S::from_f64(number.to_f64());
+pub(crate) fn visit_counter<S: Scalar>(number: &mut S::Counter, each: &mut impl FnMut(&mut S)) {
+    let before = S::of_counter(*number);
     let mut visited = before;
     each(&mut visited);
     if visited.bits() != before.bits() {
-        *number = C::from_f64(visited.to_f64());
+        *number = visited.to_counter();
     }
 }
 

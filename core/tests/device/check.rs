@@ -57,7 +57,7 @@ fn a_cutoff_above_half_the_sample_rate_is_refused_only_where_it_is_used() {
 
 #[test]
 fn names_are_those_of_scene_files() {
-    assert_eq!(KinematicsName::NAMES, ["direct", "capstan", "five-bar"]);
+    assert_eq!(KinematicsName::NAMES, ["direct", "capstan", "five-bar", "arm"]);
     for name in ["measured", "difference", "filtered", "adaptive"] {
         assert_eq!(VelocityName::from_name(name).map(Choice::name), Some(name));
     }

@@ -1,6 +1,7 @@
 //! The `axis` room against oracles that do not share its code: brute force, exact integers, inverse kinematics, finite
 //! differences, closed forms.
 
+mod arm;
 mod check;
 mod current;
 mod encoder;

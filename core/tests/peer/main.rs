@@ -1,11 +1,16 @@
 //! A peer through its entries alone: what makes it stop, what makes it start again, and what its forces do meanwhile.
 
+mod clutch;
 mod encoders;
 mod envelope;
+mod fixture;
 mod midpoint;
 mod parting;
 mod safety;
+mod scale;
 mod self_timed;
+mod shared;
+mod silence;
 mod stage;
 
 use haptic_core::device::Reading;

@@ -66,14 +66,17 @@ impl<S: Scalar> Way<S> {
     }
 
     /// What is sent at this tick, and the newest that comes.
-    fn cross(&mut self, tick: u32, sent: Packet<S>) -> Option<Packet<S>> {
+    fn cross(&mut self, tick: u32, sent: Option<Packet<S>>) -> Option<Packet<S>> {
         if self.burst == 0 && self.random.unit() < self.loss / 20.0 {
             self.burst = (100.0 * self.random.unit()) as u32;
         }
         self.burst = self.burst.saturating_sub(1);
         let copies = 1 + u32::from(self.random.unit() < self.twice);
         for _ in 0..copies {
-            if self.burst == 0 && self.random.unit() >= self.loss {
+            if self.burst == 0
+                && self.random.unit() >= self.loss
+                && let Some(sent) = sent
+            {
                 let late = self.delay + (self.jitter * self.random.unit()) as u32;
                 self.flying.push((tick + late, sent));
             }
@@ -96,21 +99,24 @@ struct Couple<S: Scalar> {
     benches: [Bench<S>; 2],
     ways: [Way<S>; 2],
     tick: u32,
+    /// Packets of both.
+    sent: u32,
 }
 
 impl<S: Scalar> Couple<S> {
     fn new(settings: &Settings, seed: u64) -> Self {
         let ways = [Way::new(2 * seed), Way::new(2 * seed + 1)];
-        Self { benches: [(); 2].map(|()| Bench::armed(settings)), ways, tick: 0 }
+        Self { benches: [(); 2].map(|()| Bench::armed(settings)), ways, tick: 0, sent: 0 }
     }
 
     fn step(&mut self, hands: [Motion<f64>; 2]) {
-        let sent = [0, 1].map(|at| self.benches[at].peer.outgoing());
+        let sent = [0, 1].map(|at| self.benches[at].peer.speak());
         for at in 0..2 {
+            self.sent += u32::from(sent[at].is_some());
             let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
             let bench = &mut self.benches[at];
             incoming.into_iter().for_each(|packet| bench.peer.hear(packet));
-            bench.peer.exchange();
+            bench.peer.listen();
             bench.at(S::from_f64(hands[at].position), S::from_f64(hands[at].velocity));
             assert_eq!(bench.peer.mode(), Mode::Armed);
         }
@@ -143,10 +149,9 @@ fn hands(tick: u32) -> [Motion<f64>; 2] {
 
 /// At no moment has an end emitted more than the other has sent; and once all is at rest and has come, both ends are as far
 /// apart as they began, however much was lost on the way.
-fn is_passive_and_does_not_drift<S: Scalar>(credit_ticks: f64, seeds: u64, rounding_m: f64) {
-    let settings = settings(credit_ticks);
+fn is_passive_and_does_not_drift<S: Scalar>(settings: &Settings, seeds: u64, rounding_m: f64) {
     for seed in 0..seeds {
-        let mut couple = Couple::<S>::new(&settings, seed);
+        let mut couple = Couple::<S>::new(settings, seed);
         // Armed at rest: what is sent before the other end has heard anything is not in the line.
         (0..500).for_each(|_| couple.step([Motion::REST; 2]));
         for tick in 0..4000 {
@@ -169,15 +174,69 @@ fn is_passive_and_does_not_drift<S: Scalar>(credit_ticks: f64, seeds: u64, round
 
 #[test]
 fn any_network_is_passive_and_without_drift() {
-    is_passive_and_does_not_drift::<f64>(30.0, 60, 1e-7);
-    is_passive_and_does_not_drift::<f32>(30.0, 20, 2e-6);
-    is_passive_and_does_not_drift::<Fixed>(30.0, 10, 2e-6);
+    let settings = settings(30.0);
+    is_passive_and_does_not_drift::<f64>(&settings, 60, 1e-7);
+    is_passive_and_does_not_drift::<f32>(&settings, 20, 2e-6);
+    is_passive_and_does_not_drift::<Fixed>(&settings, 10, 2e-6);
 }
 
 #[test]
 fn a_line_that_follows_the_network_is_passive_too() {
-    is_passive_and_does_not_drift::<f64>(0.0, 60, 1e-7);
-    is_passive_and_does_not_drift::<f32>(0.0, 20, 2e-6);
+    let settings = settings(0.0);
+    is_passive_and_does_not_drift::<f64>(&settings, 60, 1e-7);
+    is_passive_and_does_not_drift::<f32>(&settings, 20, 2e-6);
+}
+
+/// The same line, which says only what is worth a packet.
+fn of_events(together: f64, threshold: f64) -> Settings {
+    let mut settings = settings(0.0);
+    // Hands that do not give way to a line that stands.
+    settings.safety.saturated_ticks = 10_000;
+    let own = [("event.longest_s", 0.05), ("event.together_ticks", together), ("event.threshold_root_w", threshold)];
+    for (key, value) in own {
+        settings.set(key, Value::Number(value)).expect("it is allowed");
+    }
+    settings
+}
+
+#[test]
+fn whatever_is_not_worth_a_packet_makes_no_energy_and_no_drift() {
+    for (together, threshold) in [(1.0, 0.01), (9.0, 0.2), (40.0, 0.2), (9.0, 0.001), (9.0, 100.0)] {
+        let settings = of_events(together, threshold);
+        is_passive_and_does_not_drift::<f64>(&settings, 20, 1e-7);
+        is_passive_and_does_not_drift::<f32>(&settings, 5, 2e-6);
+    }
+}
+
+/// In motion a packet each N ticks, and at rest each longest silence, where the threshold is out of reach.
+#[test]
+fn packets_go_as_often_as_the_keys_say() {
+    for (together, threshold, every) in [(9.0, 0.2, 9), (40.0, 0.2, 40), (9.0, 100.0, 50)] {
+        let mut couple = Couple::<f64>::new(&of_events(together, threshold), 1);
+        for way in &mut couple.ways {
+            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        }
+        // Both press with the same force for ever: the waves are F/√(2b) each, some 0.4 √W, and do not change.
+        let press = |at: f64| [Motion::at(at), Motion::at(-at)];
+        (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
+        couple.sent = 0;
+        (0..1800).for_each(|_| couple.step(press(0.01)));
+        assert_eq!(couple.sent, 2 * 1800 / every, "{together} ticks together, {threshold} √W");
+    }
+}
+
+/// A wave that jumps is told in the tick after.
+#[test]
+fn a_jolt_goes_at_once() {
+    let mut couple = Couple::<f64>::new(&of_events(40.0, 0.2), 1);
+    for way in &mut couple.ways {
+        *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+    }
+    (0..500).for_each(|_| couple.step([Motion::REST; 2]));
+    couple.sent = 0;
+    let struck = [Motion { position: 0.01, velocity: 0.0 }, Motion::REST];
+    (0..3).for_each(|_| couple.step(struck));
+    assert!(couple.sent >= 1, "{} packets in the 3 ms after a blow", couple.sent);
 }
 
 /// THEORY §8: what runs ahead borrows E₀ and no more.

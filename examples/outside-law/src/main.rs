@@ -31,6 +31,8 @@ impl<S: Scalar> Law<S> for Predict<S> {
         sends: Sends::Motion,
         keys: &[AHEAD],
         gains: &["coordination.stiffness_n_per_m=310"],
+        source: "",
+        promises: &[],
     }];
     /// The remote copy's motion, carried on.
     type State = Motion<S>;

@@ -65,7 +65,9 @@ impl Actor<usize> for Seat {
 
     fn speak(&mut self, _: u64, out: &mut Out<'_, usize, Self::Packet>) {
         if self.peer.packet_due() {
-            out(1 - self.number, &Numbered { number: self.sent, what: self.peer.outgoing() });
+            if let Some(what) = self.peer.speak() {
+                out(1 - self.number, &Numbered { number: self.sent, what });
+            }
             self.sent += 1;
         }
     }
@@ -75,7 +77,7 @@ impl Actor<usize> for Seat {
             self.peer.hear(packet);
         }
         if self.peer.packet_due() {
-            self.peer.exchange();
+            self.peer.listen();
         }
         let Motion { position, velocity } = self.handle.motion;
         let reading = Reading::Exact([Motion { position: position as f32, velocity: velocity as f32 }, Motion::REST]);

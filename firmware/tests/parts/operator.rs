@@ -10,6 +10,10 @@ fn lines_are_read_as_written() {
     assert_eq!(parse("arm alone"), Ok(Request::Arm { alone: true }));
     assert_eq!(parse("clear"), Ok(Request::Clear));
     assert_eq!((parse("home"), parse("home 1")), (Ok(Request::Home), Err(Misread::Arguments)));
+    assert_eq!(
+        (parse("clutch"), parse("release"), parse("clutch 1")),
+        (Ok(Request::Clutch), Ok(Request::Release), Err(Misread::Arguments))
+    );
     assert_eq!(parse(" status "), Ok(Request::Status));
     assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
     assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));

@@ -34,7 +34,16 @@ fn words_carry_what_was_put_in() {
 #[test]
 fn the_same_command_given_again_is_another_order() {
     let signals = Signals::at_power_on();
-    for command in [Command::Arm, Command::Arm, Command::Disarm, Command::Clear, Command::Clear, Command::Home] {
+    for command in [
+        Command::Arm,
+        Command::Arm,
+        Command::Disarm,
+        Command::Clear,
+        Command::Clear,
+        Command::Home,
+        Command::Clutch,
+        Command::Release,
+    ] {
         let order = signals.order.get().next(command);
         signals.order.release(order);
         assert!(signals.order.acquire() == order && signals.done.acquire() != order);

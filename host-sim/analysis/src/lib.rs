@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`judge`] | is this scene stable in every mode that it can enter, and by how much? |
 //! | [`verdict`] | and with both hands on, and nothing else: the papers' question |
+//! | [`is_linear`] | does a matrix say all of its law? |
 //! | [`limit`] | at which values of one key does that change? |
 //! | [`map`] | and of two keys? |
 //! | [`advice`] | what to change in a scene that is unstable |
@@ -26,6 +27,7 @@ mod family;
 pub mod figure4;
 mod lifted;
 mod limit;
+mod linear;
 mod map;
 mod matrix;
 mod modes;
@@ -48,6 +50,7 @@ pub use lifted::driven::Response;
 pub use lifted::pair::{is_symmetric, pair_matrix};
 pub use lifted::{Lifted, Matrix, apply};
 pub use limit::{Effort, Limit, limit};
+pub use linear::is_linear;
 pub use map::{Axis, Column, Map, map};
 pub use modes::{Hands, Judgement, Mode, judge};
 pub use sweep::Range;

@@ -3,7 +3,8 @@
 //! A verdict holds for the mode that it looked at. A scene that is stable while both hold the object may be unstable when one
 //! or both let go of it, and a one-sided contact or one with a gap lets go by itself. Each mode is the linear scene
 //! ([`Scene::linear`]) with contact at two, one or no peers ([`Scene::hands_off`]), judged at every constant delay that the
-//! network table can produce ([`super::delays`]). The worst radius decides.
+//! network table can produce ([`super::delays`]). Where a device or the object can meet a wall, each is judged with every wall met for
+//! good as well ([`Scene::at_walls`]). The worst radius decides.
 //!
 //! Rendered by impacts, a contact that lasts is the spring and the damper of the same table: they are judged, the impacts are not.
 //!
@@ -44,11 +45,26 @@ impl Choice for Hands {
 pub struct Mode {
     /// Whose hands are on.
     pub mode: Hands,
+    /// What walls there are hold what they can hold ([`Scene::at_walls`]).
+    #[serde(skip_serializing_if = "is_false")]
+    pub at_walls: bool,
     /// The worst of every delay, and of either peer let go where that matters.
     #[serde(flatten)]
     pub verdict: Verdict,
     /// Delays to peer 1 and to peer 2 that gave it, ticks; absent where it is the scene's own.
     pub at_delay_ticks: Option<[usize; 2]>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_false(flag: &bool) -> bool {
+    !flag
+}
+
+impl Mode {
+    /// For a person.
+    pub fn name(&self) -> String {
+        self.mode.name().to_owned() + if self.at_walls { ", at the walls" } else { "" }
+    }
 }
 
 /// The verdict on every mode of a scene.
@@ -72,7 +88,11 @@ impl Judgement {
 
 /// Judges every mode that a scene can enter.
 pub fn judge(scene: &Scene) -> Result<Judgement, AnalysisError> {
-    let modes = Analyser::default().modes(scene, None)?;
+    let mut analyser = Analyser::default();
+    let mut modes = analyser.modes(scene, None)?;
+    if let Some(met) = scene.at_walls() {
+        modes.extend(analyser.modes(&met, None)?.into_iter().map(|mode| Mode { at_walls: true, ..mode }));
+    }
     Ok(Judgement { worst: worst(&modes), modes, not_judged: not_judged(scene) })
 }
 
@@ -104,12 +124,13 @@ impl Analyser {
             Hands::One => &[[false, true]],
             Hands::None => &[[true; 2]],
         };
-        let mut worst = Mode { mode, verdict: Verdict::LEAST, at_delay_ticks: None };
+        let mut worst = Mode { mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
         for delays in delays {
             for released in let_go {
                 let verdict = self.joined(*released, *delays)?;
                 if verdict.spectral_radius > worst.verdict.spectral_radius {
-                    worst = Mode { mode, verdict, at_delay_ticks: (*delays != own).then_some(*delays) };
+                    worst =
+                        Mode { mode, at_walls: false, verdict, at_delay_ticks: (*delays != own).then_some(*delays) };
                 }
             }
         }
@@ -150,8 +171,11 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (peer.axis.velocity == VelocityName::Adaptive, "the velocity window that adapts"),
         (peer.axis.count > 1, "the axes that are held on their line"),
         (peer.kinematics.model != KinematicsName::Direct, "the geometry of the mechanism"),
+        (scene.at_walls().is_some(), "walls that are met and left (each state is judged by itself)"),
+        (scene.users.iter().any(|user| user.settings.user.clutch_for_s > 0.0), "clutches that open and close"),
         (law.ledger, "the energy ledger, when it cuts"),
         (scene.law().sends == Sends::Counters, "ticks in which the line stands, or is made longer or shorter"),
+        (scene.law().budgets().next().is_some(), "what the law's energy tank holds back when it is short"),
         (law.drift_correction, "the correction of drift"),
         (recorded, "what the recorded network did"),
         (drawn(network.loss > 0.0 || network.corrupt > 0.0), "packets that are lost"),

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::error::AnalysisError;
 use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
-use super::lifted::pair::{Joined, is_apart, same_arms, seat};
+use super::lifted::pair::{Joined, is_apart, same_arms, same_ends, seat};
 use super::lifted::{Lifted, Matrix, prune, rest};
 use super::spectrum::{Polar, Spectrum, radius};
 use haptic_sim::scene::Scene;
@@ -91,7 +91,9 @@ pub(crate) struct Reduced {
 #[derive(Debug, Default)]
 struct Answers {
     held: [Heard; 2],
-    released: Heard,
+    released: [Heard; 2],
+    /// What is left of either peer when it is let go is the same, so that one answer is enough.
+    released_alike: bool,
     /// M.
     ticks_per_packet: usize,
     /// Both users' arms are the same, so that one answer is enough.
@@ -172,7 +174,13 @@ impl Analyser {
             }
         }
         if released || answers.apart {
-            answers.released.measure(&seat(linear, true), 0, &at_ticks)?;
+            let seat = seat(linear, true);
+            let [first, second] = seat.peers();
+            answers.released_alike = first.fixture == second.fixture && same_ends(linear);
+            answers.released[0].measure(&seat, 0, &at_ticks)?;
+            if !answers.released_alike {
+                answers.released[1].measure(&seat, 1, &at_ticks)?;
+            }
         }
         Ok(())
     }
@@ -207,11 +215,11 @@ impl Analyser {
 
     /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks.
     pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, AnalysisError> {
-        let Answers { held, released: let_go, alike, apart, ticks_per_packet } = &self.answers;
+        let Answers { held, released: let_go, released_alike, alike, apart, ticks_per_packet } = &self.answers;
         let released = released.map(|released| released || *apart);
         let answer = |at: usize| {
-            let heard = if released[at] { let_go } else { &held[if *alike { 0 } else { at }] };
-            heard.at(delays[at] % ticks_per_packet)
+            let (heard, same) = if released[at] { (let_go, released_alike) } else { (held, alike) };
+            heard[if *same { 0 } else { at }].at(delays[at] % ticks_per_packet)
         };
         let joined = Joined::new([answer(0), answer(1)], delays.map(|ticks| ticks / ticks_per_packet));
         let hands = released.iter().filter(|released| !**released).count();

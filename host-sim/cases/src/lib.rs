@@ -26,7 +26,7 @@ use core::hint::black_box;
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
 use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::law::wave::{Decode, PassiveWave};
-use haptic_core::law::{AnyLaw, Law, Seen};
+use haptic_core::law::{AnyLaw, Kind, Law, Seen};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::{AnyIntegrator, IntegratorName};
 use haptic_core::settings::{Choice, Settings};
@@ -77,8 +77,10 @@ pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
     let velocities = reach::RESOLUTIONS
         .iter()
         .flat_map(|&counts_per_m| VelocityName::ALL.iter().map(move |&name| estimator::<S, M>(name, counts_per_m)));
+    let laws = AnyLaw::<S>::KINDS.iter().map(|kind| law::<S, M>(kind));
     ticks
         .chain(named)
+        .chain(laws)
         .chain(IntegratorName::ALL.iter().map(|&name| integrator::<S, M>(name)))
         .chain(Decode::ALL.iter().map(|&name| decode::<S, M>(name)))
         .chain(filters.into_iter().map(|case| case()))
@@ -88,12 +90,20 @@ pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
 
 /// The ticks of a scene.
 fn tick<S: Scalar, L: Law<S>, M: Meter>(scene: &scenes::Scene) -> Case {
-    let settings = scene.settings();
+    ticks_of::<S, L, M>(format!("tick/{}", scene.name), scene.settings())
+}
+
+/// The ticks of a law at the gains that it declares: every law of the list, in the scene in which they are compared.
+fn law<S: Scalar, M: Meter>(kind: &Kind) -> Case {
+    ticks_of::<S, AnyLaw<S>, M>(format!("law/{}", kind.name), scenes::of_law(kind))
+}
+
+fn ticks_of<S: Scalar, L: Law<S>, M: Meter>(name: String, settings: Settings) -> Case {
     let replay = move || {
         let recording = Recording::<S, L>::new(&settings);
         recording.replay(|peer, input| M::call(&mut |input| step(peer, input), input));
     };
-    Case { name: format!("tick/{}", scene.name), calls: TICKS, replay: Box::new(replay) }
+    Case { name, calls: TICKS, replay: Box::new(replay) }
 }
 
 fn integrator<S: Scalar, M: Meter>(name: IntegratorName) -> Case {

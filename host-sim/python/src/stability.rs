@@ -1,7 +1,6 @@
 //! Stability, as `host-sim stability` computes it from the code that flies.
 
 use haptic_analysis::{Effort, Range};
-use haptic_core::names::Choice;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -34,7 +33,7 @@ pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
     let judged = here(py, |_| haptic_analysis::judge(scene.checked()?).map_err(refused))?;
     let modes = PyDict::new(py);
     for mode in &judged.modes {
-        modes.set_item(mode.mode.name(), mode.verdict.spectral_radius)?;
+        modes.set_item(mode.name(), mode.verdict.spectral_radius)?;
     }
     Ok(Stability {
         stable: judged.worst.stable,

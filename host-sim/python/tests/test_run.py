@@ -29,7 +29,8 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
         assert (run.merits["coordination_force_mean_n"], run.merits["coordination_force_sd_n"]) == (force["mean"], force["sd"])
     judged, told = haptic_sim.stability(scene), host_sim("stability", "point", "--scene", name)
     assert (judged.stable, judged.spectral_radius) == (told["stable"], told["spectral_radius"])
-    assert judged.modes == {mode["mode"]: mode["spectral_radius"] for mode in told["modes"]}
+    walls = {True: ", at the walls", None: ""}
+    assert judged.modes == {mode["mode"] + walls[mode.get("at_walls")]: mode["spectral_radius"] for mode in told["modes"]}
     assert judged.not_judged == told["not_judged"]
     assert haptic_sim.advice(scene) == told["advice"]
 

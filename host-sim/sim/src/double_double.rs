@@ -93,6 +93,9 @@ impl Scalar for DoubleDouble {
     fn to_counter(self) -> f64 {
         self.to_f64()
     }
+    fn of_counter(counter: f64) -> Self {
+        Self::from_f64(counter)
+    }
     fn from_i32(value: i32) -> Self {
         Self::from_f64(f64::from(value))
     }

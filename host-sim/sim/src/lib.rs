@@ -20,6 +20,7 @@ pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod scenes;
+pub mod shared;
 pub mod student;
 pub mod user;
 

@@ -55,6 +55,8 @@ pub struct Node {
     plant: Plant,
     /// Its motors are off until somebody says otherwise.
     halted: bool,
+    /// Its clutch is open.
+    clutched: bool,
     /// Its end of the line to the other one.
     pub line: Line,
     period_s: f64,
@@ -162,6 +164,7 @@ impl Node {
             peer,
             plant,
             halted: false,
+            clutched: false,
             line,
             period_s,
             ticks: 0,
@@ -200,8 +203,9 @@ impl Node {
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }
-        if self.peer.packet_due() {
-            let packet = self.peer.exchange();
+        if self.peer.packet_due()
+            && let Some(packet) = self.peer.exchange()
+        {
             let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);
         }
@@ -215,6 +219,11 @@ impl Node {
             self.until_telemetry -= 1;
         }
         self.ticks = self.ticks.wrapping_add(1);
+        let clutched = self.peer.mode() == Mode::Armed && self.plant.clutches(self.armed_ticks as f64 * self.period_s);
+        if clutched != self.clutched {
+            self.clutched = clutched;
+            self.peer.command(if clutched { Command::Clutch } else { Command::Release });
+        }
         let actuators = self.peer.tick(&self.plant.sensors());
         // A hand that waits for the other one holds still.
         if self.peer.mode() != Mode::Disarmed {
@@ -240,6 +249,11 @@ impl Node {
     /// Another force on its device in the next tick, beside the user's, N.
     pub fn pull(&mut self, force_n: f64) {
         self.plant.pull(force_n);
+    }
+
+    /// What the wall in the room of its device pushes with, N; 0 without one.
+    pub fn wall_n(&self) -> f64 {
+        self.plant.wall_n()
     }
 
     /// Where its device is along the free axis, and how fast it moves.

@@ -19,6 +19,10 @@ pub trait Device<S: Scalar> {
     fn sensors(&self) -> Sensors<S>;
     /// One control period from `time_s` on, under what the peer commands.
     fn step(&mut self, time_s: f64, actuators: &Actuators<S>);
+    /// Whether the clutch is held open at `time_s`.
+    fn clutches(&self, _time_s: f64) -> bool {
+        false
+    }
 }
 
 impl<S: Scalar> Device<S> for Plant {
@@ -29,6 +33,10 @@ impl<S: Scalar> Device<S> for Plant {
     #[inline]
     fn step(&mut self, time_s: f64, actuators: &Actuators<S>) {
         self.step(time_s, actuators);
+    }
+    #[inline]
+    fn clutches(&self, time_s: f64) -> bool {
+        self.clutches(time_s)
     }
 }
 
@@ -41,6 +49,8 @@ pub struct Side<S: Scalar, D = Plant> {
     inbox: Inbox<Packet<S>>,
     /// The seat that its packets are for.
     to: usize,
+    /// Packet periods so far: the number of the next packet.
+    number: u64,
     /// Packets sent so far.
     pub sent: u64,
     /// How long the packet that came last was on its way, ns.
@@ -50,6 +60,8 @@ pub struct Side<S: Scalar, D = Plant> {
     packet_ns: u64,
     heard: Option<Packet<S>>,
     exchanged: bool,
+    /// The clutch is open.
+    clutched: bool,
     sensors: Sensors<S>,
     actuators: Actuators<S>,
 }
@@ -78,6 +90,7 @@ impl<S: Scalar, D: Device<S>> Side<S, D> {
             plant,
             inbox: Inbox::new(scene, 1),
             to,
+            number: 0,
             sent: 0,
             delay_ns: 0,
             period_s: scene.peer.timing.control_period_s,
@@ -85,6 +98,7 @@ impl<S: Scalar, D: Device<S>> Side<S, D> {
             packet_ns: scene.peer.timing.packet_period_ns(),
             heard: None,
             exchanged: false,
+            clutched: false,
             actuators: Actuators::default(),
         }
     }
@@ -108,24 +122,35 @@ impl<S: Scalar, D: Device<S>> Actor<usize> for Side<S, D> {
     #[inline]
     fn speak(&mut self, _: u64, out: &mut Out<'_, usize, Self::Packet>) {
         if self.peer.packet_due() {
-            out(self.to, &Numbered { number: self.sent, what: self.peer.outgoing() });
-            self.sent += 1;
+            if let Some(what) = self.peer.speak() {
+                out(self.to, &Numbered { number: self.number, what });
+                self.sent += 1;
+            }
+            self.number += 1;
         }
     }
 
     #[inline]
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
-        self.heard = self.inbox.take(now_ns);
-        if let Some(packet) = self.heard {
+        // In most ticks nothing: a packet of sixteen lanes is not copied then.
+        self.heard = None;
+        if let Some(packet) = self.inbox.take(now_ns) {
             self.peer.hear(packet);
+            self.heard = Some(packet);
         }
         self.exchanged = self.peer.packet_due();
         if self.exchanged {
-            self.peer.exchange();
+            self.peer.listen();
+        }
+        let time_s = (now_ns / self.period_ns) as f64 * self.period_s;
+        let clutched = self.plant.clutches(time_s);
+        if clutched != self.clutched {
+            self.clutched = clutched;
+            self.peer.command(if clutched { Command::Clutch } else { Command::Release });
         }
         self.sensors = self.plant.sensors();
         let actuators = self.peer.tick(&self.sensors);
-        self.plant.step((now_ns / self.period_ns) as f64 * self.period_s, &actuators);
+        self.plant.step(time_s, &actuators);
         self.actuators = actuators;
     }
 }
@@ -197,6 +222,11 @@ impl<S: Scalar, D: Device<S>> Pair<S, D> {
     /// Ticks done so far, n.
     pub fn tick(&self) -> u64 {
         self.engine.tick()
+    }
+
+    /// Packets that a peer has sent, mean of both, 1/s.
+    pub fn packets_per_s(&self) -> f64 {
+        self.sides().iter().map(|side| side.sent).sum::<u64>() as f64 / (2.0 * self.time_s())
     }
 
     /// Time of the next tick, s.

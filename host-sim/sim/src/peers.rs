@@ -66,8 +66,12 @@ dyn_peer! {
     fn tick(self: &mut Self, sensors: &Sensors<S>) -> Actuators<S>;
     /// Takes in a packet of the other peer: it acts at the next tick.
     fn hear(self: &mut Self, packet: Packet<S>);
-    /// One packet period: gives what to send.
-    fn exchange(self: &mut Self) -> Packet<S>;
+    /// One packet period: gives what to send, if anything.
+    fn exchange(self: &mut Self) -> Option<Packet<S>>;
+    /// The first half of it: what to send.
+    fn speak(self: &mut Self) -> Option<Packet<S>>;
+    /// The second half of it: counts silence.
+    fn listen(self: &mut Self);
     /// What it would send now.
     fn outgoing(self: &Self) -> Packet<S>;
     /// Whether [`DynPeer::exchange`] is due before the next tick.
@@ -213,7 +217,8 @@ impl Laws {
         let maker = Maker { kinds, ..Maker::of::<F>() };
         for kind in maker.kinds {
             assert!(self.kinds().iter().all(|known| known.name != kind.name), "there is a law {} already", kind.name);
-            let taken = kind.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name));
+            let taken =
+                kind.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name && known != **key));
             assert!(taken.is_none(), "{}: there is a key {} already", kind.name, taken.map_or("", |key| key.name));
         }
         let kinds = [self.kinds(), maker.kinds].concat();

@@ -121,5 +121,6 @@ fn run_in<S: Run>(
             Impacts { count, wanted_n_s, delivered_n_s, lost_j }
         })
     });
-    Ok(Outcome { hash, impacts, ..account.outcome() })
+    let packets_per_s = pair.packets_per_s();
+    Ok(Outcome { hash, impacts, packets_per_s, ..account.outcome() })
 }

@@ -14,8 +14,11 @@ use haptic_core::device::current::{self, CurrentLoop};
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::names::FixtureName;
 use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
+use haptic_core::settings::{
+    Allowed, Choice, Fixture, Key, Kind, PLENTY_J, Refused, Scale, SetError, Settings, Tables, Value, number,
+};
 
 use crate::network::trace::NetworkTrace;
 use crate::peers::{DynPeer, Laws, Number};
@@ -141,7 +144,7 @@ haptic_core::settings! {
     /// The world around the peers.
     pub struct World;
 
-    /// The haptic device that both users hold one of.
+    /// The haptic device that both users hold one of, unless one end has its own.
     device: Device {
         mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg", "Moving mass m_HD.";
         damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_HD.";
@@ -223,15 +226,25 @@ impl PlantSettings {
 pub struct Scene {
     /// The laws that it may name.
     pub laws: Laws,
-    /// What the peers are told; peer 2 differs only in the side of the object it is on.
+    /// What the peers are told, unless one of them is told otherwise; peer 2 is on the other side of the object.
     pub peer: Settings,
     /// The world around them.
     pub world: World,
     /// The two users.
     pub users: [User; 2],
+    /// What one end alone is told, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
+    own: [Own; 2],
     /// A recording of what the network did (`network.trace`), instead of what its table would draw.
     pub network_trace: Option<Arc<NetworkTrace>>,
 }
+
+/// Keys of one end alone, with their values, which were checked.
+type Own = Vec<(&'static str, Value<'static>)>;
+
+/// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
+/// devices, scales and limits are unlike. What both must be told alike is shared, and what models the devices have is so in a simulation.
+const OWN: [&str; 6] =
+    ["scale", "device", "fixture", "safety", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
 /// What is wrong with a scene, and where, in one line.
 #[derive(Debug, thiserror::Error)]
@@ -258,6 +271,17 @@ fn users_key(key: &str) -> Option<(usize, String)> {
     Some((["1", "2"].iter().position(|known| *known == user)?, format!("user.{rest}")))
 }
 
+/// Which end a key is of (0 or 1), and the key that both ends have.
+fn own_key(key: &str) -> Option<(usize, &str)> {
+    let (end, rest) = key.strip_prefix("peer.")?.split_once('.')?;
+    Some((["1", "2"].iter().position(|known| *known == end)?, rest))
+}
+
+/// Whether a key may differ between the two ends.
+fn may_differ(key: &str) -> bool {
+    OWN.iter().any(|own| key.strip_prefix(own).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
+}
+
 impl Scene {
     /// Every key of a scene file with what it accepts, those of the two users included.
     pub fn keys(&self) -> Vec<(String, Key)> {
@@ -276,6 +300,10 @@ impl Scene {
             .zip(&self.users)
             .filter_map(|(user, own)| Some((format!("user.{user}.trace"), &own.trace.as_ref()?.file)));
         let network = self.network_trace.iter().map(|trace| ("network.trace".to_owned(), &trace.file));
+        let own = (1..).zip(&self.own).flat_map(|(end, own)| {
+            own.iter().map(move |(key, value)| (format!("peer.{end}.{key}"), value.to_string()))
+        });
+        settings.extend(own);
         settings.extend(users.chain(network).map(|(key, file)| (key, format!("{:?}", file.display().to_string()))));
         settings
     }
@@ -314,7 +342,7 @@ impl Scene {
         let mut scene = Self::new(laws);
         scene.apply(text, place, folder)?;
         overrides.iter().try_for_each(|text| scene.apply_override(text))?;
-        scene.check(place)?;
+        scene.check_any(place)?;
         Ok(scene)
     }
 
@@ -406,10 +434,10 @@ impl Scene {
                 Ok(())
             }
             Some((user, name)) => self.users[user].settings.set(&name, plain),
-            _ if key == "contact.side" => Err(SetError::Unknown),
-            _ => match self.laws.schema().set(&mut self.peer, key, plain) {
-                Err(SetError::Unknown) => self.world.set(key, plain),
-                done => done,
+            _ => match own_key(key) {
+                Some((end, name)) => self.set_own(end, name, plain),
+                None if key == "contact.side" => Err(SetError::Unknown),
+                None => set_of(self.laws, (&mut self.peer, &mut self.world), key, plain),
             },
         };
         outcome.map_err(|error| match error {
@@ -418,7 +446,7 @@ impl Scene {
                 let said = format!("{place}: there is no key {key}{hint}");
                 SceneError { said, unlike: hint.is_empty() }
             }
-            // A user's key is declared once for both users: name the one that was written.
+            // A user's key, or one end's, is declared once for both: name the one that was written.
             SetError::Refused(refused) => {
                 let meant = match (refused.value, refused.allowed) {
                     (Value::Text(text), Allowed::Kinds(kinds)) => nearest(text, kinds.iter().map(|kind| kind.name)),
@@ -431,10 +459,110 @@ impl Scene {
         })
     }
 
-    /// Checks every range and combination, for scenes put together in code.
+    /// Sets a key of one end alone.
+    fn set_own<'a>(&mut self, end: usize, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        if !may_differ(key) {
+            return Err(SetError::Unknown);
+        }
+        let (mut peer, mut world) = (self.peer, self.world);
+        set_of(self.laws, (&mut peer, &mut world), key, value)?;
+        let known = Settings::KEYS.iter().chain(World::KEYS).find(|known| known.name == key);
+        let taken = peer.get(key).or_else(|| world.get(key));
+        let (name, value) = known.map(|known| known.name).zip(taken).ok_or(SetError::Unknown)?;
+        let own = &mut self.own[end];
+        own.retain(|(key, _)| *key != name);
+        own.push((name, value));
+        own.sort_unstable_by_key(|(key, _)| *key);
+        Ok(())
+    }
+
+    /// What each end is told and is: its peer's settings and the world around it.
+    fn ends(&self) -> [(Settings, World); 2] {
+        [0, 1].map(|end| {
+            let (mut peer, mut world) = (self.peer, self.world);
+            peer.contact.side = if end == 0 { Side::Left } else { Side::Right };
+            for (key, value) in &self.own[end] {
+                // It was taken before, and depends on no other.
+                let _ = set_of(self.laws, (&mut peer, &mut world), key, *value);
+            }
+            (peer, world)
+        })
+    }
+
+    /// The device of each end.
+    pub fn devices(&self) -> [Device; 2] {
+        self.ends().map(|(_, world)| world.device)
+    }
+
+    /// A device as the shared world has it must be one that could be written down: the analysis takes it for that.
+    fn check_scale(&self) -> Result<(), String> {
+        for (end, (peer, world)) in (1..).zip(self.ends()) {
+            let scaled = world.device.mass_kg * peer.scale.force / peer.scale.position;
+            if !(1e-4..=1e3).contains(&scaled) {
+                return Err(format!(
+                    "device.mass_kg = {} of peer {end} is not allowed with scale.position = {} and scale.force = {}: in the world it is \
+                     {scaled} kg, it must be 0.0001…1000 kg",
+                    world.device.mass_kg, peer.scale.position, peer.scale.force
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks every range and combination, for scenes put together in code, and that the object is shared along one axis.
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
+        if self.is_shared_along_several() {
+            let said = format!(
+                "axis.shared = {} is not allowed here: `cooperate` shares several axes, everything else shares one",
+                self.peer.axis.shared
+            );
+            return Err(SceneError::at(place, said));
+        }
+        self.check_any(place)
+    }
+
+    /// Whether the object is shared along several axes.
+    pub fn is_shared_along_several(&self) -> bool {
+        self.peer.axis.shared > 1
+    }
+
+    /// Whether a peer that is told this can be built and run, the object being shared along several axes.
+    fn check_shared(&self, peer: &Settings) -> Result<(), Refused<'static>> {
+        let axis = &peer.axis;
+        peer.check_ranges()?;
+        let refused =
+            |key: &'static str, value, what| Err(Refused { key, value, allowed: Allowed::Only(what), unit: "" });
+        if axis.shared < axis.count {
+            let count = Value::Number(f64::from(axis.count));
+            return refused(
+                "axis.count",
+                count,
+                "axis.shared where that is more than 1: a simulated device shares all of its axes",
+            );
+        }
+        let law = peer.coordination.comm;
+        if self.laws.outside().any(|name| name == law) {
+            return refused("coordination.comm", Value::Text(law), "a law of core where axis.shared is more than 1");
+        }
+        if self.users.iter().any(|user| user.settings.user.clutch_for_s > 0.0) {
+            let said = "0 where axis.shared is more than 1: a clutch is along one axis";
+            let held = self.users.iter().map(|user| user.settings.user.clutch_for_s).fold(0.0, f64::max);
+            return refused("user.clutch_for_s", Value::Number(held), said);
+        }
+        peer.check()
+    }
+
+    /// The same of an object that may be shared along several axes ([`crate::shared`]).
+    pub fn check_any(&self, place: &str) -> Result<(), SceneError> {
         let refused = |refused: Refused<'_>| SceneError::at(place, refused);
-        self.laws.peer::<f64>(&self.peer, [Motion::REST; AXES]).map_err(refused)?;
+        let own = self.peers().into_iter().filter(|_| self.own.iter().any(|own| !own.is_empty()));
+        for settings in core::iter::once(self.peer).chain(own) {
+            if self.is_shared_along_several() {
+                self.check_shared(&settings).map_err(refused)?;
+            } else {
+                self.laws.peer::<f64>(&settings, [Motion::REST; AXES]).map_err(refused)?;
+            }
+        }
         self.world.check_ranges().map_err(refused)?;
         for user in &self.users {
             user.settings.check_ranges().map_err(refused)?;
@@ -449,7 +577,10 @@ impl Scene {
                  one of \"difference\", \"filtered\", \"adaptive\"",
             ));
         }
-        self.check_mass().and_then(|()| self.check_winding()).map_err(|said| SceneError::at(place, said))
+        self.check_mass()
+            .and_then(|()| self.check_winding())
+            .and_then(|()| self.check_scale())
+            .map_err(|said| SceneError::at(place, said))
     }
 
     /// A winding is driven by duties, in whole PWM periods, and the loop around it fast enough to be told as a delay.
@@ -511,8 +642,15 @@ impl Scene {
     /// that is negative for any μ̂ > μ. One that is thought lighter keeps some of its approach; below half, most of it.
     fn check_mass(&self) -> Result<(), String> {
         let (contact, device) = (&self.peer.contact, &self.world.device);
-        let arm = self.users.iter().map(|user| user.settings.user.arm_mass_kg).fold(f64::INFINITY, f64::min);
-        let (least, most) = (0.5 * device.mass_kg, device.mass_kg + arm);
+        let ends = self.ends().into_iter().zip(&self.users);
+        let masses = ends.map(|((peer, world), user)| {
+            let in_the_world = peer.scale.force / peer.scale.position;
+            let mass_kg = world.device.mass_kg * in_the_world;
+            (mass_kg, mass_kg + user.settings.user.arm_mass_kg * in_the_world)
+        });
+        let (heaviest, most) =
+            masses.fold((0.0_f64, f64::INFINITY), |(heaviest, most), (mass, all)| (heaviest.max(mass), most.min(all)));
+        let least = 0.5 * heaviest;
         // A rounding of the sum contradicts nothing.
         let agrees = (least..=most * (1.0 + 1e-12)).contains(&contact.device_mass_kg);
         if contact.rendering != RenderingName::Impulsive || agrees {
@@ -529,7 +667,13 @@ impl Scene {
     pub fn get(&self, key: &str) -> Option<Value<'static>> {
         match users_key(key) {
             Some((user, name)) => self.users[user].settings.get(&name),
-            _ => self.laws.schema().get(&self.peer, key).or_else(|| self.world.get(key)),
+            None => match own_key(key) {
+                Some((end, key)) => {
+                    let (peer, world) = self.ends()[end];
+                    peer.get(key).or_else(|| world.get(key)).filter(|_| may_differ(key))
+                }
+                None => self.laws.schema().get(&self.peer, key).or_else(|| self.world.get(key)),
+            },
         }
     }
 
@@ -542,7 +686,11 @@ impl Scene {
         linear.peer.contact.gap_m = 0.0;
         linear.peer.coordination.ledger = false;
         linear.peer.coordination.drift_correction = false;
-        linear.peer.axis.count = 1;
+        for budget in self.law().budgets() {
+            // Refused only where other laws' keys leave no room: then it is judged as it is.
+            let _ = self.laws.schema().set(&mut linear.peer, budget.name, Value::Number(PLENTY_J));
+        }
+        (linear.peer.axis.count, linear.peer.axis.shared) = (1, 1);
         linear.peer.kinematics.model = KinematicsName::Direct;
         linear.world.device.force_delay_ticks = self.force_delay_ticks();
         linear.world.device.mass_kg += self.back_emf_mass_kg();
@@ -557,14 +705,64 @@ impl Scene {
             asymmetry_s: network.asymmetry_s,
             ..Network::default()
         };
-        for (user, own) in linear.users.iter_mut().zip(&self.users) {
+        linear.peer.scale = Scale::default();
+        // What draws to another place is the same about zero; a wall that is away is none.
+        let guides = |fixture: Fixture| if fixture.kind == FixtureName::Guide { fixture } else { Fixture::default() };
+        linear.peer.fixture = Fixture { position_m: 0.0, ..guides(self.peer.fixture) };
+        let ends = self.ends().into_iter().zip(linear.users.iter_mut().zip(&mut linear.own));
+        for (((peer, world), (user, own)), from) in ends.zip(&self.users) {
+            // A scaled device is another device in the world; so is its arm.
+            let heavier = peer.scale.force / peer.scale.position;
+            let own_device = heavier != 1.0 || world.device != self.world.device;
+            own.retain(|(key, _)| key.starts_with("contact."));
+            let fixture = Fixture { position_m: 0.0, ..guides(peer.fixture) };
+            if fixture != linear.peer.fixture {
+                own.extend([
+                    ("fixture.kind", Value::Text(fixture.kind.name())),
+                    ("fixture.stiffness_n_per_m", Value::Number(fixture.stiffness_n_per_m)),
+                    ("fixture.damping_n_s_per_m", Value::Number(fixture.damping_n_s_per_m)),
+                ]);
+            }
+            if own_device {
+                let device = &world.device;
+                let delay = if self.world.plant.winding { self.force_delay_ticks() } else { device.force_delay_ticks };
+                own.extend([
+                    ("device.mass_kg", Value::Number(heavier * (device.mass_kg + self.back_emf_mass_kg()))),
+                    ("device.damping_n_s_per_m", Value::Number(heavier * device.damping_n_s_per_m)),
+                    ("device.force_delay_ticks", Value::Number(delay)),
+                ]);
+            }
             // The arm is part of the plant; what the user wants to do is not.
-            let (to, from) = (&mut user.settings.user, &own.settings.user);
-            to.arm_stiffness_n_per_m = from.arm_stiffness_n_per_m;
-            to.arm_damping_n_s_per_m = from.arm_damping_n_s_per_m;
-            to.arm_mass_kg = from.arm_mass_kg;
+            let (to, from) = (&mut user.settings.user, &from.settings.user);
+            to.arm_stiffness_n_per_m = heavier * from.arm_stiffness_n_per_m;
+            to.arm_damping_n_s_per_m = heavier * from.arm_damping_n_s_per_m;
+            to.arm_mass_kg = heavier * from.arm_mass_kg;
         }
         linear
+    }
+
+    /// The same with every wall that a device or the object can meet met for good: each is a spring and a damper that holds what it
+    /// pushes, as the linear analysis has it. None where there are no walls.
+    pub fn at_walls(&self) -> Option<Self> {
+        let is_wall = |kind| matches!(kind, FixtureName::ForbiddenAbove | FixtureName::ForbiddenBelow);
+        let forbidden = self.peers().map(|peer| is_wall(peer.fixture.kind));
+        if !self.users.iter().any(User::has_wall) && forbidden == [false; 2] {
+            return None;
+        }
+        let mut met = self.clone();
+        for user in &mut met.users {
+            let user = &mut user.settings.user;
+            user.arm_stiffness_n_per_m += user.wall_stiffness_n_per_m;
+            user.arm_damping_n_s_per_m += user.wall_damping_n_s_per_m;
+            (user.wall_stiffness_n_per_m, user.wall_damping_n_s_per_m) = (0.0, 0.0);
+        }
+        for (own, forbidden) in met.own.iter_mut().zip(forbidden) {
+            if forbidden {
+                own.retain(|(key, _)| *key != "fixture.kind");
+                own.push(("fixture.kind", Value::Text(FixtureName::Guide.name())));
+            }
+        }
+        Some(met)
     }
 
     /// The same with both devices let go: K_LC = B_LC = 0, nothing that strikes, and users without arms who do nothing. What is
@@ -574,6 +772,7 @@ impl Scene {
         off.peer.contact.rendering = RenderingName::Continuous;
         off.peer.contact.stiffness_n_per_m = 0.0;
         off.peer.contact.damping_n_s_per_m = 0.0;
+        off.own.iter_mut().for_each(|own| own.retain(|(key, _)| !key.starts_with("contact.")));
         off.users = Default::default();
         off
     }
@@ -599,27 +798,25 @@ impl Scene {
         at: usize,
         device: [Motion<f64>; AXES],
     ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-        self.laws.peer(&self.peers()[at], device.map(|axis| Motion::at(S::from_f64(axis.position))))
+        let settings = &self.peers()[at];
+        let in_the_world = |axis: Motion<f64>| Motion::at(S::from_f64(settings.scale.position * axis.position));
+        self.laws.peer(settings, device.map(in_the_world))
     }
 
     /// Where the device of peer 1 or 2 (`at` 0 or 1) is at first: at rest, just clear of the object.
-    pub fn start(&self, at: usize) -> [Motion<f64>; AXES] {
+    pub fn start<const N: usize>(&self, at: usize) -> [Motion<f64>; N] {
         let contact = &self.peer.contact;
-        let mut axes = [Motion::REST; AXES];
+        let mut axes = [Motion::REST; N];
         if contact.one_sided {
-            axes[0].position = if at == 0 { -contact.gap_m } else { contact.gap_m };
+            let gap_m = contact.gap_m / self.peers()[at].scale.position;
+            axes[0].position = if at == 0 { -gap_m } else { gap_m };
         }
         axes
     }
 
     /// What each of the two peers is told.
     pub fn peers(&self) -> [Settings; 2] {
-        let on = |side| {
-            let mut settings = self.peer;
-            settings.contact.side = side;
-            settings
-        };
-        [on(Side::Left), on(Side::Right)]
+        self.ends().map(|(peer, _)| peer)
     }
 
     /// The law that the scene names; one that is not known here has been refused.
@@ -632,6 +829,9 @@ impl Scene {
         if let Some((_, now)) = RENAMED.iter().find(|(before, _)| *before == key) {
             return format!("; it is {now} now");
         }
+        if key.starts_with("peer.") {
+            return format!("; what one end alone may be told is peer.1. or peer.2. and a key of {}", OWN.join(", "));
+        }
         let keys = self.keys();
         if let Some((table, _)) =
             key.rsplit_once('.').filter(|(table, _)| !keys.iter().any(|(k, _)| k.starts_with(&format!("{table}."))))
@@ -643,6 +843,19 @@ impl Scene {
         }
         let near = nearest(key, keys.iter().map(|(name, _)| name.as_str()));
         near.map_or_else(String::new, |name| format!("; did you mean {name}?"))
+    }
+}
+
+/// Sets a key of peer or world.
+fn set_of<'a>(
+    laws: Laws,
+    (peer, world): (&mut Settings, &mut World),
+    key: &str,
+    value: Value<'a>,
+) -> Result<(), SetError<'a>> {
+    match laws.schema().set(peer, key, value) {
+        Err(SetError::Unknown) => world.set(key, value),
+        done => done,
     }
 }
 

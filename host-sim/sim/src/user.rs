@@ -20,7 +20,10 @@ haptic_core::settings! {
         pulse_every_s: f64 = 2.5, number(1e-3, 1e6), "s", "Time from one pulse to the next.";
         sine_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Amplitude of a sine.";
         sine_rad_per_s: f64 = 3.0, number(0.0, 1e4), "rad/s", "Angular frequency of the sine.";
-        side_push_n: f64 = 0.0, number(-100.0, 100.0), "N", "Push along the axes that are held on their line.";
+        side_push_n: f64 = 0.0, number(-100.0, 100.0), "N", "Push along every axis but the first.";
+        direction_rad: f64 = 0.0, number(-6.3, 6.3), "rad",
+            "Where the user's forces and reaches point, from the first axis toward the second; peer 2's point the opposite way.";
+        elevation_rad: f64 = 0.0, number(-1.6, 1.6), "rad", "And up from there, toward the third axis.";
         arm_stiffness_n_per_m: f64 = 0.0, number(0.0, 1e4), "N/m",
             "Stiffness of the arm that pulls the device to where the user wants it; 0 is no arm.";
         arm_damping_n_s_per_m: f64 = 0.0, number(0.0, 1e3), "N·s/m", "Damping of the arm.";
@@ -30,6 +33,13 @@ haptic_core::settings! {
         reach_s: f64 = 1.0, number(0.01, 1e4), "s", "Duration of the reach.";
         tremor_m: f64 = 0.0, number(0.0, 0.1), "m", "Amplitude of the tremor of the reach.";
         tremor_hz: f64 = 9.0, number(0.0, 100.0), "Hz", "Frequency of the tremor.";
+        wall_m: f64 = 0.0, number(-10.0, 10.0), "m",
+            "How far away from the other peer the device meets a wall, as a follower's tool does.";
+        wall_stiffness_n_per_m: f64 = 0.0, number(0.0, 1e6), "N/m", "Stiffness of that wall; 0 is none.";
+        wall_damping_n_s_per_m: f64 = 0.0, number(0.0, 1e4), "N·s/m", "Damping of that wall.";
+        clutch_at_s: f64 = 0.0, number(0.0, 1e6), "s", "When the user opens the clutch for the first time.";
+        clutch_for_s: f64 = 0.0, number(0.0, 1e6), "s", "How long it then stays open; 0 is never opened.";
+        clutch_every_s: f64 = 1e6, number(1e-3, 1e6), "s", "Time from one opening to the next.";
     }
 }
 
@@ -52,7 +62,20 @@ impl User {
         self.trace.is_some() || forces.iter().any(|n| *n != 0.0) || has_arm && reaches.iter().any(|m| *m != 0.0)
     }
 
+    /// Whether there is a wall in the room of the device.
+    pub fn has_wall(&self) -> bool {
+        self.settings.user.wall_stiffness_n_per_m > 0.0
+    }
+
+    /// Whether the clutch is held open at `time_s`.
+    pub fn clutches(&self, time_s: f64) -> bool {
+        let user = &self.settings.user;
+        let since_s = time_s - user.clutch_at_s + 1e-9;
+        since_s >= 0.0 && since_s % user.clutch_every_s < user.clutch_for_s
+    }
+
     /// Force at `time_s`, N toward the other peer.
+    #[inline]
     pub fn force_n(&self, time_s: f64) -> f64 {
         let user = &self.settings.user;
         let mut force = user.push_n;
@@ -67,6 +90,13 @@ impl User {
             force += trace.force_n(time_s);
         }
         force
+    }
+
+    /// The direction of what the user does, as parts along the axes; exactly the first one where no key says otherwise.
+    pub fn way(&self) -> [f64; 3] {
+        let (sine, cosine) = libm::sincos(self.settings.user.direction_rad);
+        let (up, level) = libm::sincos(self.settings.user.elevation_rad);
+        [cosine * level, sine * level, up]
     }
 
     /// Where the arm wants the device (m) and how fast it wants it there (m/s), toward the other peer: a reach of minimum

@@ -1,9 +1,20 @@
-//! `host-sim campaign`: every kind of communications, or one scene, over every kind of bad network, and what each costs.
+//! `host-sim campaign`: every kind of communications, laws, or one scene, over every kind of bad network, and what each costs.
+
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptic_core::num::Scalar;
+use haptic_plot::{ReportError, write_file};
+use serde_json::json;
 
+use super::flags::Out;
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::campaign::{campaign, columns, cost_columns, costs, of_scene};
+use crate::studies::campaign::laws::page::{PICTURES, page};
+use crate::studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
+use crate::studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
+
+/// What the page tells beside the usual packets.
+const EACH_TICK: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];
 
 #[derive(Debug, Args)]
 pub(super) struct Campaign {
@@ -12,10 +23,24 @@ pub(super) struct Campaign {
     /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
     #[arg(long, conflicts_with_all = ["scene", "set", "seed"])]
     costs: bool,
+    /// Instead: laws beside each other, all in the same scene, each at the gains that it declares.
+    #[arg(long, value_name = "all|LAW,…", conflicts_with = "costs")]
+    laws: Option<String>,
+    /// Also write the page of the laws in Markdown, its pictures beside it.
+    #[arg(long, value_name = "FILE", requires = "laws", conflicts_with_all = ["scene", "set", "seed"])]
+    page: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
 }
 
 impl Campaign {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        if let Some(names) = &self.laws {
+            return self.laws(ui, names);
+        }
+        if self.out.out.is_some() {
+            return Err("--out goes with --laws: the other tables are printed, or a document with --json".into());
+        }
         let table = if self.costs {
             cost_columns(&costs(ui.laws)?)
         } else if self.scene.is_given() {
@@ -25,4 +50,58 @@ impl Campaign {
         };
         ui.result(&table)
     }
+
+    /// Laws on the bench.
+    fn laws(&self, ui: &Ui, names: &str) -> Result<(), Failure> {
+        let kinds = asked_for(ui.laws, names).map_err(|error| format!("--laws: {error}"))?;
+        let (file, set) = self.scene.parts();
+        let scenes = law_scenes(ui.laws, &kinds, file, &set)?;
+        let (rows, wall_s) = ui.work(kinds.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
+        let cells: Vec<Cell> = rows.iter().flat_map(|row| row.cells.clone()).collect();
+        let (table, networks, impedance) = (tables::columns(&rows), columns(&cells), tables::impedance_columns(&rows));
+        let made = ui.made().with("number_type", f64::NAME).settings(scenes[0].settings());
+        let mut files = Vec::new();
+        for (name, table, figure) in [
+            ("laws", &table, Some(figures::laws(&rows))),
+            ("laws-networks", &networks, None),
+            ("laws-impedance", &impedance, Some(figures::impedance(&rows))),
+        ] {
+            files.extend(ui.files(&self.out, "laws", name, &made, |files| {
+                files.csv(table)?;
+                files.parquet(table)?;
+                figure.map_or(Ok(()), |figure| files.figure(None, &figure))
+            })?);
+        }
+        if let Some(file) = &self.page {
+            let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
+            let scenes = law_scenes(ui.laws, &kinds, None, &set)?;
+            let (each_tick, _) = ui.work(kinds.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
+            files.extend(written(file, &rows, &each_tick)?);
+        }
+        ui.document_of(
+            &made,
+            &json!({ "laws": table, "networks": networks, "impedance": impedance, "wall_s": wall_s, "files": files }),
+        )?;
+        ui.table(&table);
+        writeln!(ui, "{} laws over {} networks in {wall_s:.0} s", rows.len(), cells.len() / rows.len().max(1));
+        ui.wrote(&files);
+        Ok(())
+    }
+}
+
+/// Writes the page and its pictures.
+fn written(file: &Path, rows: &[Row], each_tick: &[Row]) -> Result<Vec<PathBuf>, Failure> {
+    let old = std::fs::read_to_string(file).unwrap_or_default();
+    write_file(file, "Markdown", page(rows, each_tick, &old).as_bytes())?;
+    let mut files = vec![file.to_owned()];
+    for (name, figure) in PICTURES.into_iter().zip([figures::laws(rows), figures::impedance(rows)]) {
+        let path = file.with_file_name(name);
+        let painted = haptic_plot::paint(&figure, haptic_plot::Print::default(), "");
+        let painted = painted.map_err(ReportError::write(&path, "a figure"))?;
+        for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
+            write_file(&path, "PNG", &bytes)?;
+        }
+        files.push(path);
+    }
+    Ok(files)
 }

@@ -93,7 +93,7 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
         Kind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
         Kind::new(
             "campaign",
-            "`campaign --json`",
+            "`campaign --json`; laws-networks.csv, laws-networks.parquet",
             "a way to hold the copies together, and a network",
             campaign::columns(&[]),
         ),
@@ -102,6 +102,13 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
             "`campaign --costs --json`",
             "a network, and a way to hold the copies together",
             campaign::cost_columns(&[]),
+        ),
+        Kind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
+        Kind::new(
+            "laws-impedance",
+            "laws-impedance.csv, laws-impedance.parquet",
+            "a law, and a frequency",
+            campaign::laws::tables::impedance_columns(&[]),
         ),
         Kind::new("paper", "paper.csv, reproduce-experiments.csv", "an experiment", paper::experiment_columns(&[])),
         Kind::new(

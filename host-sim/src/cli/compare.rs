@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::flags::{Out, Time};
 use super::{Failure, Ui};
-use crate::studies::campaign::{BASE, PEERS};
+use crate::studies::campaign::laws::law_scene;
 use crate::studies::compare::{Comparison, Entrant};
 use crate::studies::sweep::MERITS;
 
@@ -88,20 +88,15 @@ impl Compare {
         let mut parts = text.split(',').map(str::trim);
         let name = parts.next().unwrap_or_default();
         let own = parts.map(str::to_owned);
+        let seed = self.seed.map(|seed| format!("network.seed={seed}"));
+        let settings: Vec<String> = self.set.iter().cloned().chain(own).chain(seed).collect();
         let law = ui.laws.kinds().iter().find(|law| law.name == name);
-        let (file, mut settings) = match law {
-            Some(law) => {
-                let peers = PEERS.iter().filter(|_| self.scene.is_none());
-                let settings = peers.chain(law.gains).map(|setting| (*setting).to_owned());
-                let file = self.scene.as_deref().unwrap_or(Path::new(BASE));
-                (file, std::iter::once(format!("coordination.comm={name}")).chain(settings).collect())
-            }
-            None => (Path::new(name), Vec::new()),
+        let scene = match law {
+            Some(law) => law_scene(ui.laws, law, self.scene.as_deref(), &settings),
+            None => scenes::find(ui.laws, Some(Path::new(name)), &settings),
         };
-        settings.extend(self.set.iter().cloned().chain(own));
-        settings.extend(self.seed.map(|seed| format!("network.seed={seed}")));
         let laws = || ui.laws.kinds().iter().map(|law| law.name).collect::<Vec<_>>().join(", ");
-        let scene = scenes::find(ui.laws, Some(file), &settings).map_err(|error| match law {
+        let scene = scene.map_err(|error| match law {
             None if !Path::new(name).exists() && scenes::text(name).is_none() => {
                 format!("{error}; the laws are {}", laws())
             }

@@ -1,33 +1,21 @@
 //! `host-sim cooperate`: two peers hold one object.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use haptic_analysis::{Verdict, judge};
 use haptic_core::names::Choice;
 use haptic_core::num::{Fixed, Scalar};
-use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde_json::json;
 
-use super::flags::{Out, RecordTo, Time};
-use super::{Failure, SceneArgs, Ui};
+use super::flags::{Out, RecordTo, ScalarName, Time};
+use super::several::stop;
+use super::{Failure, SceneArgs, Ui, several};
 use crate::studies::{doubt, figures};
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
-
-/// The number type the peers compute in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum ScalarName {
-    /// What flies on the board.
-    F32,
-    /// What the analyser drives.
-    #[default]
-    F64,
-    /// Fixed point, I32F32.
-    I32f32,
-}
 
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {
@@ -46,9 +34,17 @@ pub(super) struct Cooperate {
 
 impl Cooperate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_any(ui)?;
         let period_s = scene.peer.timing.control_period_s;
         self.time.check(&scene)?;
+        if scene.is_shared_along_several() {
+            if self.record.is_given() {
+                return Err("--record writes one axis: leave it out where axis.shared is more than 1"
+                    .to_owned()
+                    .into());
+            }
+            return several::run(ui, &self.scene, &scene, &self.time, &self.out, self.scalar);
+        }
         let options = match ui.writes(&self.out) {
             true => Options::recorded(self.time.seconds, period_s),
             false => Options { duration_s: self.time.seconds, record_every: 0 },
@@ -134,9 +130,6 @@ fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall
         Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite())
     } else {
         None
-    };
-    let stop = |(peer, fault): (usize, Fault)| {
-        format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
     };
     let per_n = |o: &Outcome| (o.contact_force_n > 0.0).then(|| o.true_discrepancy_mm / o.contact_force_n);
     let mut columns = Columns::of(&[()])

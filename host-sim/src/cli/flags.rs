@@ -1,10 +1,11 @@
 //! Flags that mean the same everywhere, declared once: scene, world, time, output folder, key file, patience; and how numbers
 //! and closed words are read.
 
-use std::{net::SocketAddr, path::PathBuf};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Arg, ArgAction, Args};
+use clap::{Arg, ArgAction, Args, ValueEnum};
 use haptic_core::names::Choice;
 use haptic_protocol::key::{Key, Role};
 use haptic_sim::report::Made;
@@ -47,8 +48,19 @@ impl SceneArgs {
         self.load_with(ui, &[], None)
     }
 
+    /// As [`Self::load`], of an object that may be shared along several axes.
+    pub(super) fn load_any(&self, ui: &Ui) -> Result<Scene, Failure> {
+        self.find(ui, &[], None)
+    }
+
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
     pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
+        let scene = self.find(ui, base, last)?;
+        scene.check(&self.name())?;
+        Ok(scene)
+    }
+
+    fn find(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
         self.built_in()?;
         let base = base.iter().filter(|_| self.scene.is_none()).map(|key| (*key).to_owned());
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
@@ -77,6 +89,12 @@ impl SceneArgs {
         Ok(settings_file::named(&text).into_iter().chain(set).collect())
     }
 
+    /// The scene that is named, if one is, and the settings over it.
+    pub(super) fn parts(&self) -> (Option<&Path>, Vec<String>) {
+        let seed = self.seed.map(|seed| format!("network.seed={seed}"));
+        (self.scene.as_deref(), self.set.iter().cloned().chain(seed).collect())
+    }
+
     pub(super) fn is_given(&self) -> bool {
         self.scene.is_some() || !self.set.is_empty() || self.seed.is_some()
     }
@@ -100,6 +118,18 @@ impl SceneArgs {
         let stem = self.scene.as_ref().and_then(|path| path.file_stem());
         stem.map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
+}
+
+/// The number type the peers compute in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ScalarName {
+    /// What flies on the board.
+    F32,
+    /// What the analyser drives.
+    #[default]
+    F64,
+    /// Fixed point, I32F32.
+    I32f32,
 }
 
 /// Which world.
@@ -198,6 +228,11 @@ pub(super) struct RecordTo {
 }
 
 impl RecordTo {
+    /// Whether a recording is wanted.
+    pub(super) fn is_given(&self) -> bool {
+        self.record.is_some()
+    }
+
     /// Begins a recording of both peers in simulated time, if one is wanted.
     pub(super) fn simulated(&self, made: &Made) -> Result<Option<Recorder>, String> {
         let channel = || Channel::new("/both/ticks", "Tick", Account::columns());

@@ -20,8 +20,10 @@ mod network;
 mod number;
 mod paper;
 mod play;
+mod prove;
 mod recordings;
 mod reproduce;
+mod several;
 mod shared;
 mod stability;
 mod sweep;
@@ -84,6 +86,8 @@ commands! {
         /// Stability regions, limits and margins, computed from the code that flies.
         #[command(subcommand)]
         Stability(stability::Question),
+        /// Forces stay within their limits, law by law: shown for every number from the code that flies.
+        Prove(prove::Prove),
         /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
         Campaign(campaign::Campaign),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.

@@ -116,8 +116,15 @@ fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
     (changed.peer.coordination, changed.peer.safety) = (told.coordination, told.safety);
     let kind = scene.laws.kinds().iter().find(|kind| kind.name == name);
     let gains = kind.filter(|_| recommended.is_none()).map_or(&[][..], |kind| kind.gains);
-    let keys = gains.iter().map(|gain| (*gain).to_owned());
-    Ok((changed, std::iter::once(format!("coordination.comm={name}")).chain(keys).collect()))
+    // What moves and decodes in one solve takes neither from the tick before.
+    let solved = if gains.contains(&"object.integrator=midpoint") {
+        &["coordination.decode=implicit", "object.force_delay_ticks=0"][..]
+    } else {
+        &[]
+    };
+    let comm = format!("coordination.comm={name}");
+    let keys = solved.iter().chain(gains).map(|gain| (*gain).to_owned());
+    Ok((changed, std::iter::once(comm).chain(keys).collect()))
 }
 
 #[cfg(test)]

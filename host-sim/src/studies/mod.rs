@@ -9,6 +9,7 @@ pub mod figures;
 pub mod force;
 pub(crate) mod paper;
 pub(crate) mod precision;
+pub mod proof;
 pub mod record;
 pub(crate) mod reproduce;
 pub mod sweep;

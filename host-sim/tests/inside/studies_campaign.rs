@@ -93,7 +93,7 @@ fn the_way_is_that_of_the_scenes_own_network() {
 #[test]
 fn the_self_timed_row_is_any_network() {
     let laws = Laws::built_in();
-    let rows = scenes(laws, &COMMS.map(|(name, settings, _)| (name, settings))).expect("good scenes");
+    let rows = scenes(laws, &COMMS).expect("good scenes");
     let (_, row) = rows.iter().find(|(name, _)| name == "self-timed").expect("a row");
     let scene = scenes::load(laws, "any-network").expect("a built-in scene");
     assert_eq!(row.peer, scene.peer);

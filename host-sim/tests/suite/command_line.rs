@@ -57,6 +57,27 @@ fn the_matched_line() {
     assert!((0.60..=0.70).contains(&mass), "{mass} kg");
 }
 
+/// Each shared axis has the figures of a run of its own, and all together their distance.
+#[test]
+fn several_axes_in_one_run() {
+    let keys =
+        ["axis.count=3", "axis.shared=3", "user.1.push_n=1", "user.1.direction_rad=0.7", "user.1.elevation_rad=0.4"];
+    let scene = ["user.2.push_n=1", "user.2.direction_rad=0.7", "user.2.elevation_rad=0.4"];
+    let sets = keys.iter().chain(&scene).flat_map(|key| ["--set", key]);
+    let arguments: Vec<_> =
+        ["cooperate", "--json", "--scene", "matched-line", "--seconds", "4"].into_iter().chain(sets).collect();
+    let report = json(&arguments);
+    assert_eq!(report["stable"], true);
+    let axes = report["axes"].as_array().expect("a list of axes");
+    let names: Vec<_> = axes.iter().map(|axis| axis["axis"].as_str().expect("a name")).collect();
+    assert_eq!(names, ["x", "y", "z"]);
+    // Both push with 1 N against each other along one line: the coordination forces are its parts.
+    let force: f64 = axes.iter().map(|axis| axis["coordination_force_n"]["mean"].as_f64().expect("N").powi(2)).sum();
+    close(&Value::from(force.sqrt()), 1.0, 0.02);
+    let apart: f64 = axes.iter().map(|axis| axis["true_discrepancy_mm"].as_f64().expect("mm").powi(2)).sum();
+    close(&report["true_discrepancy_mm"], apart.sqrt(), 0.05);
+}
+
 /// The dot in a scene's name is no extension: scenes in one folder once overwrote each other's files.
 #[test]
 fn files_of_scenes_with_dots_in_their_names() {
@@ -262,14 +283,14 @@ fn old_names_work_and_name_the_new_ones() {
     now("crowd --clients 0", "shared world crowd", 2);
 }
 
-/// Eighteen commands, each with a line of its own in the help.
+/// Twenty commands, each with a line of its own in the help.
 #[test]
-fn nineteen_commands() {
+fn twenty_commands() {
     let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).arg("--help").output().expect("host-sim runs");
     let help = String::from_utf8(output.stdout).expect("text");
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<&str> = listed.filter_map(|line| line.split_whitespace().next()).collect();
-    let want = "paper reproduce play cooperate stability campaign sweep compare architectures accuracy peer hub convert merge columns key board network shared";
+    let want = "paper reproduce play cooperate stability prove campaign sweep compare architectures accuracy peer hub convert merge columns key board network shared";
     assert_eq!(names.join(" "), want);
 }
 

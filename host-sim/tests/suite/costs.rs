@@ -22,9 +22,9 @@ fn added_ms(cost: &Cell) -> Option<f64> {
 #[test]
 fn every_cost_is_what_its_mechanism_must_cost() {
     let mut costs = costs(haptic_sim::Laws::built_in()).expect("the table");
-    // Closed forms are known for the choices that are named there, not for a law that is only in core's list.
-    costs.retain(|cost| CHOICES.iter().any(|(name, _)| *name == cost.comm));
-    assert_eq!(costs.len(), 2 * CHOICES.len());
+    // Closed forms are known where the network alone makes the delay; the self-timed line learns one of its own.
+    costs.retain(|cost| cost.comm != "self-timed");
+    assert_eq!(costs.len(), 2 * (CHOICES.len() - 1));
     // The ledger does not pay for what a plain wave line makes: the copies come apart, and what the hands would feel is no figure.
     let (apart, costs): (Vec<Cell>, Vec<Cell>) = costs.into_iter().partition(|cost| !cost.is_stable());
     let names: Vec<_> = apart.iter().map(|cost| (cost.comm.as_str(), cost.network.as_str())).collect();

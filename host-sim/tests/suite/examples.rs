@@ -77,6 +77,11 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
     assert!(limits.iter().all(|limit| (10.0..5000.0).contains(limit)) && limits[0] != limits[1], "{limits:?}");
     assert!(of(&["stability", "point"], "predict.ahead_s=0.008")["constructions"].is_null());
 
+    // On the bench it has a row, and one for each network.
+    let bench = json(&program, &["campaign", "--laws", "predict"]);
+    assert_eq!((&bench["laws"][0]["law"], &bench["networks"][0]["comm"]), (&"predict".into(), &"predict".into()));
+    assert_eq!(bench["networks"].as_array().map(Vec::len), Some(38));
+
     // Two users push; the run is another one when the copy is carried on, and says what it was told.
     let pushed = ["coordination.stiffness_n_per_m=310", "user.1.push_n=1", "user.2.push_n=0.5"];
     let pushed: Vec<&str> = pushed.iter().flat_map(|setting| ["--set", setting]).collect();

@@ -1,9 +1,9 @@
 //! The silence ladder as a link climbs down it, and what comes after.
 
-use haptic_protocol::link::{Notice, Stage};
+use haptic_protocol::link::{Link, Notice, Stage};
 use haptic_protocol::wire::Telemetry;
 
-use crate::world::{PERIOD, World};
+use crate::world::{CLEAN, PERIOD, World, config};
 
 /// Cuts the wire to peer 1 for `us` and gives what peer 1 was told meanwhile and until both are engaged again.
 fn told_after_a_cut(us: u64) -> (Vec<Notice>, f32) {
@@ -75,6 +75,38 @@ fn a_peer_that_sends_no_flow_keeps_its_session() {
     world.quiet = [true, true];
     world.run(5_000_000);
     assert_eq!(world.stages(), [Stage::Idle; 2]);
+}
+
+/// Flow each 56 ms instead of 8: a link that was told so says little more than that, and gives up a dead peer as soon as one that was not.
+#[test]
+fn a_link_that_keeps_silent_adds_little_to_its_flow_and_is_no_slower_to_give_up() {
+    let run = |longest_us: u32| {
+        let mut world = World::new(8, CLEAN);
+        for (link, (local, remote)) in world.links.iter_mut().zip([(1, 2), (2, 1)]) {
+            let entropy = [local; 32];
+            *link = Link::new(config(local, remote, entropy)).unwrap().apart_after(480_000).keeping_silent(longest_us);
+        }
+        world.run(1_000_000);
+        assert!(world.is_engaged());
+        world.log = Some([vec![], vec![]]);
+        world.notices = [vec![], vec![]];
+        world.flows = [vec![], vec![]];
+        for ms in 0..5_600 {
+            world.quiet = [ms % 56 >= 8; 2];
+            world.step();
+            assert!(world.is_engaged());
+        }
+        assert_eq!(world.notices, [vec![], vec![]]);
+        assert!(world.flows.iter().all(|flows| flows.len().abs_diff(100) <= 1));
+        let said = world.log.as_ref().unwrap().each_ref().map(Vec::len);
+        world.off[0] = true;
+        let gone = world.run_until(1_000_000, |world| world.notices[1].contains(&Notice::Disengaged));
+        (said, gone.unwrap())
+    };
+    let ([chatty, _], within) = run(0);
+    let ([quiet, _], as_well) = run(56_000);
+    assert!(chatty > 300 && (100..130).contains(&quiet), "{chatty} and {quiet} datagrams in 5.6 s");
+    assert!(within.abs_diff(as_well) <= 10_000 && (420_000..500_000).contains(&as_well), "{within} and {as_well} µs");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
+use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Settings, Value};
 use haptic_protocol::peer::{flow_of, packet_of, parameters_of};
 
@@ -35,7 +36,9 @@ fn what_is_each_devices_own_may_differ_and_nothing_else() {
         let other = other.expect("another value");
         let mut changed = settings;
         changed.set(key.name, other).expect("an allowed value");
-        let shared = ["timing.", "object.", "coordination."].iter().any(|table| key.name.starts_with(table));
+        let own = Schema::BUILT_IN.kinds().iter().any(|law| law.keys.iter().any(|own| own.name == key.name));
+        let tables = ["timing.", "object.", "coordination."];
+        let shared = own || tables.iter().any(|table| key.name.starts_with(table));
         assert_eq!(parameters_of(&changed) != parameters_of(&settings), shared, "{}", key.name);
     }
 }

@@ -95,7 +95,7 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
                     side.peer.hear(packet);
                 }
                 if side.peer.packet_due() {
-                    sent[at].push(side.peer.exchange());
+                    sent[at].extend(side.peer.exchange());
                 }
                 let sensors = side.plant.sensors::<f32>();
                 let actuators = side.peer.tick(&sensors);

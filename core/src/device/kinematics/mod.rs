@@ -2,63 +2,86 @@
 //!
 //! | name | mechanism | joints | axes |
 //! |---|---|---|---|
-//! | `direct` | each joint is an axis | 2 slides | 2 |
+//! | `direct` | each joint is an axis | 2 or 3 slides | 2 or 3 |
 //! | `capstan` | a motor drives a paddle through a capstan | 1 turning | 1 |
 //! | `five-bar` | two motors on a base, two links each, one hand | 2 turning | 2 |
+//! | `arm` | two links on a turning base, the outer one held by a parallelogram | 3 turning | 3 |
 //!
 //! Design: one call gives positions, velocities and the Jacobian J of a pose; velocities are J·q̇ and joint forces
 //! Jᵀ·F, from the same J, so that the power at the joints is the power at the axes to rounding: τ·q̇ = F·ẋ.
 //!
 //! Units: joints m or rad, axes m; J in m/m or m/rad; joint forces N or N·m.
 
+pub mod arm;
 pub mod capstan;
 pub mod five_bar;
 
 use crate::num::{Motion, Scalar};
-use crate::settings::{Refused, Settings};
+use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::AXES, model::Model};
 
 pub use crate::names::{KinematicsName, Maths};
 
 /// Where the axes are, and how the joints move them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose<S> {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<S, const N: usize = AXES> {
     /// Position (m) and velocity (m/s) of every axis.
-    pub axes: [Motion<S>; AXES],
+    pub axes: [Motion<S>; N],
     /// How axes move with joints, `jacobian[axis][joint]`, m per m or m per rad.
-    pub jacobian: [[S; AXES]; AXES],
+    pub jacobian: [[S; N]; N],
 }
 
-impl<S: Scalar> Pose<S> {
+impl<S: Scalar, const N: usize> Pose<S, N> {
     /// The pose of a device whose joints are its axes: the Jacobian is the identity.
     #[inline]
-    pub fn direct(axes: [Motion<S>; AXES]) -> Self {
-        Self { axes, jacobian: [[S::ONE, S::ZERO], [S::ZERO, S::ONE]] }
+    pub fn direct(axes: [Motion<S>; N]) -> Self {
+        let mut jacobian = [[S::ZERO; N]; N];
+        for (at, row) in jacobian.iter_mut().enumerate() {
+            if let Some(own) = row.get_mut(at) {
+                *own = S::ONE;
+            }
+        }
+        Self { axes, jacobian }
     }
 
     /// The pose at `positions` (m), with the velocities that `jacobian` gives to the joints' motion.
     #[inline]
-    fn moving(positions: [S; AXES], jacobian: [[S; AXES]; AXES], joints: [Motion<S>; AXES]) -> Self {
-        let ([x, y], [[xa, xb], [ya, yb]], [a, b]) = (positions, jacobian, joints);
-        let axes = [
-            Motion { position: x, velocity: xa * a.velocity + xb * b.velocity },
-            Motion { position: y, velocity: ya * a.velocity + yb * b.velocity },
-        ];
+    fn moving(positions: [S; N], jacobian: [[S; N]; N], joints: [Motion<S>; N]) -> Self {
+        let mut axes = positions.map(Motion::at);
+        for (axis, row) in axes.iter_mut().zip(&jacobian) {
+            let moved = row.iter().zip(&joints).map(|(share, joint)| *share * joint.velocity);
+            axis.velocity = moved.reduce(|sum, one| sum + one).unwrap_or(S::ZERO);
+        }
         Self { axes, jacobian }
     }
 
     /// Joint forces (N or N·m) that act on the axes like `forces` (N): the transpose of the Jacobian.
     #[inline]
-    pub fn joint_forces(&self, forces: [S; AXES]) -> [S; AXES] {
-        let ([[xa, xb], [ya, yb]], [x, y]) = (self.jacobian, forces);
-        [xa * x + ya * y, xb * x + yb * y]
+    pub fn joint_forces(&self, forces: [S; N]) -> [S; N] {
+        let mut rows = self.jacobian.iter().zip(&forces);
+        let mut joints = [S::ZERO; N];
+        if let Some((row, force)) = rows.next() {
+            joints = row.map(|share| share * *force);
+        }
+        for (row, force) in rows {
+            for (joint, share) in joints.iter_mut().zip(row) {
+                *joint = *joint + *share * *force;
+            }
+        }
+        joints
+    }
+
+    /// Whether the joints cannot move the hand at all, which is how a mechanism says that its pose is singular.
+    #[inline]
+    pub fn is_singular(&self) -> bool {
+        self.jacobian.as_flattened().iter().all(|share| *share == S::ZERO)
     }
 }
 
 /// A mechanism.
-pub trait Kinematics<S: Scalar>: Model<S> {
+pub trait Kinematics<S: Scalar, const N: usize = AXES>: Model<S> {
     /// The pose for the joints' positions (m or rad, zero where the encoders were first read) and velocities.
-    fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S>;
+    fn forward(&self, joints: [Motion<S>; N]) -> Pose<S, N>;
 }
 
 /// No mechanism between joints and axes: for slides, and for simulated devices.
@@ -72,27 +95,71 @@ impl<S: Scalar> Model<S> for Direct {
     }
 }
 
-impl<S: Scalar> Kinematics<S> for Direct {
+impl<S: Scalar, const N: usize> Kinematics<S, N> for Direct {
     #[inline]
-    fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S> {
+    fn forward(&self, joints: [Motion<S>; N]) -> Pose<S, N> {
         Pose::direct(joints)
     }
 }
 
-list! {
-    /// Any one of the mechanisms.
-    AnyKinematics, named by KinematicsName in kinematics.model {
+/// Declares a list of mechanisms with as many axes, which is a mechanism itself.
+macro_rules! mechanisms {
+    ($(#[$doc:meta])* $Any:ident of $N:literal, $words:literal { $( $Variant:ident($model:ty), )+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        #[allow(missing_docs)]
+        pub enum $Any<S: Scalar> { $( $Variant($model) ),+ }
+
+        impl<S: Scalar> $Any<S> {
+            /// The one that the settings name.
+            ///
+            /// # Errors
+            /// A mechanism of another number of axes, or lengths that do not go together.
+            pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+                Ok(match settings.kinematics.model {
+                    $( KinematicsName::$Variant => Self::$Variant(<$model as Model<S>>::build(settings)?), )+
+                    _ => return Err(settings.refuses("kinematics.model", Allowed::Only($words))),
+                })
+            }
+
+            /// [`Kinematics::forward`].
+            #[inline]
+            pub fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
+                match self { $( Self::$Variant(model) => model.forward(joints) ),+ }
+            }
+        }
+
+        impl<S: Scalar> Model<S> for $Any<S> {
+            type State = ();
+
+            fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+                Self::build(settings)
+            }
+        }
+
+        impl<S: Scalar> Kinematics<S, $N> for $Any<S> {
+            #[inline]
+            fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
+                self.forward(joints)
+            }
+        }
+    };
+}
+
+mechanisms! {
+    /// Any one of the mechanisms in the plane.
+    AnyKinematics of 2, "\"direct\", \"capstan\" or \"five-bar\" where axis.count is 1 or 2" {
         Direct(Direct),
         Capstan(capstan::Capstan<S>),
         FiveBar(five_bar::FiveBar<S>),
     }
 }
 
-impl<S: Scalar> AnyKinematics<S> {
-    /// [`Kinematics::forward`].
-    #[inline]
-    pub fn forward(&self, joints: [Motion<S>; AXES]) -> Pose<S> {
-        each!(self: Direct | Capstan | FiveBar, model => model.forward(joints))
+mechanisms! {
+    /// Any one of the mechanisms in space.
+    AnySpatial of 3, "\"direct\" or \"arm\" where axis.count is 3" {
+        Direct(Direct),
+        Arm(arm::Arm<S>),
     }
 }
 
@@ -128,6 +195,9 @@ impl Joints {
             KinematicsName::Direct => (slide, 1.0, 1.0),
             KinematicsName::Capstan => (turning, kinematics.capstan_ratio / kinematics.paddle_radius_m, 1.0),
             KinematicsName::FiveBar => (turning, 1.0 / kinematics.proximal_m, five_bar::MIN_ELBOW_SINE),
+            KinematicsName::Arm => {
+                (turning, 1.0 / kinematics.proximal_m.min(kinematics.distal_m), arm::MIN_ELBOW_COSINE)
+            }
         };
         Self { counts_per_unit, most_per_m: usual_per_m / least_sine, usual_per_m }
     }

@@ -73,10 +73,17 @@ impl<S: Scalar> VelocityEstimator<S> for Adaptive<S> {
         }
     }
 
+    #[inline]
+    fn step(&self, history: &mut [S; MAX_WINDOW], reading: Motion<S>) -> S {
+        self.slope(history, reading.position) * self.rate_hz
+    }
+}
+
+impl<S: Scalar> Adaptive<S> {
+    /// Slope of the longest line that fits up to the newest position (m or rad), in m or rad a tick.
     // What every other estimator pays for if this one is inlined: its registers.
     #[inline(never)]
-    fn step(&self, history: &mut [S; MAX_WINDOW], reading: Motion<S>) -> S {
-        let newest = reading.position;
+    fn slope(&self, history: &mut [S; MAX_WINDOW], newest: S) -> S {
         let [last, older @ ..] = history;
         let mut carried = core::mem::replace(last, newest);
         let mut slope = newest - carried;
@@ -88,10 +95,8 @@ impl<S: Scalar> VelocityEstimator<S> for Adaptive<S> {
             // In this order a position that is no number is passed over.
             lowest = (candidate - band).max(lowest);
             highest = (candidate + band).min(highest);
-            if candidate >= lowest && candidate <= highest {
-                slope = candidate;
-            }
+            slope = candidate.if_between(lowest, highest, slope);
         }
-        slope * self.rate_hz
+        slope
     }
 }

@@ -19,8 +19,9 @@
 //! it. What came out ahead is taken back when samples come, no faster than the account pays for and than [`SLEW`]. It gives
 //! mobility, and takes it from the account: what that costs stands in docs/theory.md, section 8.
 
+use super::events::Events;
 use crate::law::Packet;
-use crate::num::{Scalar, visit_counter};
+use crate::num::Scalar;
 use crate::settings::{Key, Settings};
 
 pub(super) const CREDIT: Key = Key::whole(
@@ -69,39 +70,43 @@ pub(super) const ANEW: u32 = 1 << 20;
 
 /// How samples come out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Incoming {
+pub(super) struct Incoming<C> {
     /// T_c, s.
-    period_s: f64,
+    period_s: C,
     /// d₀, or what following begins with.
     credit: i32,
     follows: bool,
-    capital_j: f64,
+    capital_j: C,
     most_ahead: u32,
     /// [`WINDOW_S`] in ticks.
     window: u32,
+    /// [`SLEW`] and [`NEARLY_AT_REST`].
+    slew: C,
+    nearly_at_rest: C,
+    half: C,
 }
 
 /// The other end's counters, as they came.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Counters {
+struct Counters<C> {
     live: u32,
-    integral: f64,
-    energy_j: f64,
+    integral: C,
+    energy_j: C,
 }
 
 /// What is outstanding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outstanding {
+pub(super) struct Outstanding<C> {
     /// The newest that was heard; nothing comes out before.
-    heard: Option<Counters>,
+    heard: Option<Counters<C>>,
     /// R, √W·s.
-    integral: f64,
+    pub(super) integral: C,
     /// k; below 0 while running ahead.
     samples: i32,
     /// E₀ and what was heard, less what was emitted, J.
-    account_j: f64,
+    account_j: C,
     /// The sample that came out last, √W.
-    last: f64,
+    pub(super) last: C,
     /// Ticks that the last sample came again.
     ahead: u32,
     /// What came out ahead may not have been paid back.
@@ -119,27 +124,33 @@ pub(super) struct Outstanding {
     surplus: i32,
 }
 
-impl Incoming {
+impl<C: Scalar> Incoming<C> {
     pub(super) fn build(settings: &Settings) -> Self {
         let timing = &settings.timing;
         let credit = settings.own(&CREDIT) as i32;
         // A cast saturates; a tick is at least 10 µs and a packet at most 1000 of them.
-        let first = timing.ticks_per_packet.cast_signed() - 1 + (FIRST_S / timing.control_period_s) as i32;
+        // Where packets come by events, silence uses up what may always be left.
+        let events = Events::<C>::build(settings);
+        let together = events.map_or(timing.ticks_per_packet - 1, |events| events.beyond(KEPT.cast_unsigned()));
+        let first = together.cast_signed() + (FIRST_S / timing.control_period_s) as i32;
         Self {
-            period_s: timing.control_period_s,
+            period_s: C::from_f64(timing.control_period_s),
             credit: if credit > 0 { credit } else { first },
             follows: credit == 0,
-            capital_j: settings.own(&CAPITAL),
+            capital_j: C::from_f64(settings.own(&CAPITAL)),
             most_ahead: settings.own(&AHEAD) as u32,
             window: (WINDOW_S / timing.control_period_s) as u32,
+            slew: C::from_f64(SLEW),
+            nearly_at_rest: C::from_f64(NEARLY_AT_REST),
+            half: C::from_f64(0.5),
         }
     }
 
     /// Takes in the counters of a packet. Older than the newest: nothing. The first, or a jump: both ends begin anew.
     #[inline]
-    pub(super) fn receive<S: Scalar>(&self, state: &mut Outstanding, packet: &Packet<S>) {
-        let (integral, energy_j) = (packet.wave_integral.to_f64(), packet.energy_j.to_f64());
-        let heard = Counters { live: packet.live_ticks, integral, energy_j };
+    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) {
+        let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
+        let heard = Counters { live, integral, energy_j };
         let Some(before) = state.heard else {
             *state = self.begin(heard);
             return;
@@ -150,8 +161,8 @@ impl Incoming {
         } else if new > 0 {
             state.heard = Some(heard);
             state.samples = state.samples.saturating_add(new);
-            state.integral += heard.integral - before.integral;
-            state.account_j += heard.energy_j - before.energy_j;
+            state.integral = state.integral + (heard.integral - before.integral);
+            state.account_j = state.account_j + (heard.energy_j - before.energy_j);
             if self.follows && state.stood > 0 && state.impatience >= IMPATIENT {
                 // The other end stands as long and adds its half.
                 let half = i32::try_from(state.stood.div_ceil(2)).unwrap_or(i32::MAX);
@@ -163,7 +174,7 @@ impl Incoming {
         }
     }
 
-    fn begin(&self, heard: Counters) -> Outstanding {
+    fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
             samples: self.credit,
@@ -176,17 +187,17 @@ impl Incoming {
 
     /// u_in of this tick, √W; none: the line stands.
     #[inline]
-    pub(super) fn emit<S: Scalar>(&self, state: &mut Outstanding) -> Option<S> {
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>) -> Option<S> {
         state.heard?;
         let mut taken = 1;
         let wave = if state.samples > 0 {
             state.ahead = 0;
-            let mean = state.integral / (f64::from(state.samples) * self.period_s);
+            let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
             if state.owes {
-                self.within_means(state, state.last + (mean - state.last).limit(SLEW))
+                self.within_means(state, state.last + (mean - state.last).limit(self.slew))
             } else if self.follows {
                 taken = self.follow(state, mean);
-                f64::from(taken) * mean
+                C::from_i32(taken) * mean
             } else {
                 mean
             }
@@ -198,18 +209,19 @@ impl Incoming {
             state.stood = state.stood.saturating_add(1);
             state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
             state.fewest = 0;
-            state.last = 0.0;
+            state.last = C::ZERO;
             return None;
         };
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
-        let wave = S::from_f64(wave);
-        state.last = wave.to_f64();
-        state.integral -= self.period_s * state.last;
+        let wave = S::of_counter(wave);
+        state.last = wave.to_counter();
+        state.integral = state.integral - self.period_s * state.last;
         state.samples -= taken;
-        state.account_j -= self.price_j(state.last);
+        state.account_j = state.account_j - self.price_j(state.last);
         if state.owes && state.samples > 0 {
-            let needed = state.integral * state.integral / (2.0 * f64::from(state.samples) * self.period_s);
+            let samples = C::from_i32(2) * C::from_i32(state.samples);
+            let needed = (state.integral * state.integral).over(samples * self.period_s);
             state.owes = needed > state.account_j;
         }
         Some(wave)
@@ -217,26 +229,26 @@ impl Incoming {
 
     /// ½·T_c·u², J.
     #[inline]
-    fn price_j(&self, wave: f64) -> f64 {
-        0.5 * self.period_s * wave * wave
+    fn price_j(&self, wave: C) -> C {
+        self.half * self.period_s * wave * wave
     }
 
     /// The wave, as far as the account pays for it.
     #[inline]
-    fn within_means(&self, state: &Outstanding, wave: f64) -> f64 {
+    fn within_means(&self, state: &Outstanding<C>, wave: C) -> C {
         if self.price_j(wave) <= state.account_j {
             wave
-        } else if state.account_j > 0.0 {
-            let most = Scalar::sqrt(2.0 * state.account_j / self.period_s);
+        } else if state.account_j > C::ZERO {
+            let most = (C::from_i32(2) * state.account_j).over(self.period_s).sqrt();
             wave.limit(most)
         } else {
-            0.0
+            C::ZERO
         }
     }
 
     /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding, mean: f64) -> i32 {
+    fn follow(&self, state: &mut Outstanding<C>, mean: C) -> i32 {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
@@ -244,22 +256,14 @@ impl Incoming {
             state.reach = LEAST_AT_ONCE;
             (state.fewest, state.watched) = (i32::MAX, 0);
         }
-        if state.surplus == 0 || state.samples < 2 || mean.abs() > NEARLY_AT_REST {
+        if state.surplus == 0 || state.samples < 2 || mean.abs() > self.nearly_at_rest {
             return 1;
         }
-        let left = f64::from(state.samples - 2) * self.price_j(mean);
-        if state.account_j - self.capital_j - self.price_j(2.0 * mean) < left {
+        let left = C::from_i32(state.samples - 2) * self.price_j(mean);
+        if state.account_j - self.capital_j - self.price_j(C::from_i32(2) * mean) < left {
             return 1;
         }
         state.surplus -= 1;
         2
-    }
-}
-
-impl Outstanding {
-    /// The one state of a linear line: R.
-    #[inline]
-    pub(super) fn visit<S: Scalar>(&mut self, each: &mut impl FnMut(&mut S)) {
-        visit_counter(&mut self.integral, each);
     }
 }

@@ -14,15 +14,20 @@
 //! Nothing is live before a packet has come; what the other end sent before that (at most d₀ samples, both at rest) is not in
 //! the line.
 //!
+//! Which packets are worth sending, `events` says.
+//!
 //! A peer that begins anew (a restart, a silence after which it was let go of) goes on with its counters, which jump by more
 //! than a line can hold: the other end sees that and begins anew with it. Needs `object.integrator = "midpoint"`.
 
+mod events;
 mod incoming;
 
+use events::{Events, THRESHOLD, TOGETHER, Told};
 use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
 
+use super::event::LONGEST;
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Seen, Sends};
+use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::names::IntegratorName;
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
 use crate::object::Port;
@@ -30,44 +35,46 @@ use crate::settings::{Allowed, Refused, Settings};
 
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
-pub struct SelfTimed<S> {
+pub struct SelfTimed<S: Scalar> {
     end: Terminal<S>,
-    incoming: Incoming,
+    incoming: Incoming<S::Counter>,
+    events: Option<Events<S::Counter>>,
     ticks_per_packet: u32,
     half: S,
     /// T_c, s.
-    period_s: f64,
+    period_s: S::Counter,
     /// 1/√(2b).
-    wave_to_position: f64,
+    wave_to_position: S::Counter,
 }
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SelfTimedState {
+pub struct SelfTimedState<C> {
     /// x_d, m.
-    desired: Sum<f64>,
-    outstanding: Outstanding,
+    desired: Sum<C>,
+    outstanding: Outstanding<C>,
     /// ∫u_out up to the packet before, and since, √W·s.
-    sent: Sum<f64>,
-    fresh: f64,
+    sent: Sum<C>,
+    fresh: C,
     /// Ticks that it is over.
     live: u32,
     /// Ticks since a packet was due.
     phase: u32,
+    told: Told<C>,
 }
 
 /// x_d, what is outstanding, and what the next packet adds: all that a linear line remembers.
-impl<S: Scalar> StateVector<S> for SelfTimedState {
+impl<S: Scalar> StateVector<S> for SelfTimedState<S::Counter> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         let before = self.desired.total();
         let mut desired = before;
-        visit_counter(&mut desired, each);
+        visit_counter::<S>(&mut desired, each);
         if desired != before {
             self.desired = Sum::from(desired);
         }
-        self.outstanding.visit(each);
-        visit_counter(&mut self.fresh, each);
+        visit_counter::<S>(&mut self.outstanding.integral, each);
+        visit_counter::<S>(&mut self.fresh, each);
     }
 }
 
@@ -75,10 +82,18 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const KINDS: &'static [Kind] = &[Kind {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, CAPITAL, AHEAD],
-        gains: &["coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
+        keys: &[CREDIT, CAPITAL, AHEAD, LONGEST, THRESHOLD, TOGETHER],
+        // A line that stands loses nothing by a silence: it is let go of late.
+        gains: &[
+            "coordination.stiffness_n_per_m=10000",
+            "object.integrator=midpoint",
+            "safety.fade_s=5",
+            "safety.disengage_s=8",
+        ],
+        source: "THEORY §8",
+        promises: &[Promise::Passive, Promise::NoDrift],
     }];
-    type State = SelfTimedState;
+    type State = SelfTimedState<S::Counter>;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
@@ -89,56 +104,53 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         Ok(Self {
             end: Terminal::build(settings),
             incoming: Incoming::build(settings),
+            events: Events::build(settings),
             ticks_per_packet: settings.timing.ticks_per_packet,
             half: S::from_f64(0.5),
-            period_s: settings.timing.control_period_s,
-            wave_to_position: 1.0 / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m),
+            period_s: S::Counter::from_f64(settings.timing.control_period_s),
+            wave_to_position: S::Counter::from_f64(1.0 / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m)),
         })
     }
 
-    fn start(&self, local: Motion<S>) -> SelfTimedState {
-        SelfTimedState { desired: Sum::from(local.position.to_f64()), ..SelfTimedState::default() }
+    fn start(&self, local: Motion<S>) -> Self::State {
+        SelfTimedState { desired: Sum::from(local.position.to_counter()), ..SelfTimedState::default() }
     }
 
-    fn restart(&self, state: &mut SelfTimedState, local: Motion<S>) {
+    fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         let SelfTimedState { sent, fresh, live, .. } = *state;
         *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), ..self.start(local) };
     }
 
-    fn receive(&self, state: &mut SelfTimedState, packet: Packet<S>) {
+    fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
         self.incoming.receive(&mut state.outstanding, &packet);
     }
 
-    /// With the copy's velocity as it was: only of use where nothing is solved, which [`SelfTimed::build`] refuses.
-    fn couple(&self, state: &mut SelfTimedState, seen: &Seen<S>) -> Coupled<S> {
-        self.couple_as_port(state, seen, |_| seen.local.velocity)
+    /// No force: where nothing is solved, [`SelfTimed::build`] refuses.
+    fn couple(&self, _: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
+        Coupled { desired: seen.local, ..Coupled::default() }
     }
 
     #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut SelfTimedState,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
         if state.phase == 0 {
             state.sent.add(state.fresh);
-            state.fresh = 0.0;
+            state.fresh = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
         let desired = state.desired.total();
-        let stretch = S::from_f64(desired - seen.local.position.to_f64());
-        let position = S::from_f64(desired);
+        let stretch = S::of_counter(desired - seen.local.position.to_counter());
+        let position = S::of_counter(desired);
         let Some(wave_in) = self.incoming.emit(&mut state.outstanding) else {
             let Ended { velocity, force } = self.end.stand(stretch, solve);
             return Coupled { desired: Motion { position, velocity }, force, ..Coupled::default() };
         };
         let Ended { velocity, force } = self.end.meet(stretch, wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
-        let (taken, given) = (wave_in.to_f64(), wave_out.to_f64());
+        let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));
-        state.fresh += self.period_s * given;
+        state.fresh = state.fresh + self.period_s * given;
         state.live = state.live.wrapping_add(1);
+        state.told.newest = given;
         Coupled {
             desired: Motion { position, velocity },
             force,
@@ -147,9 +159,21 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         }
     }
 
-    fn send(&self, state: &SelfTimedState, _: Motion<S>) -> Packet<S> {
-        let wave_integral = S::Counter::from_f64(state.sent.total() + state.fresh);
+    fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
+        let wave_integral = state.sent.total() + state.fresh;
         Packet { wave_integral, live_ticks: state.live, ..Packet::default() }
+    }
+
+    fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
+        self.events
+            .as_ref()
+            .is_none_or(|events| events.is_worth(&state.told, state.outstanding.last, packet.live_ticks))
+    }
+
+    fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
+        if let Some(events) = &self.events {
+            events.told(&mut state.told, packet.wave_integral, packet.live_ticks);
+        }
     }
 
     /// Counters that came before stay what they are.

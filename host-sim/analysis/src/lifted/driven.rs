@@ -144,7 +144,7 @@ const LEARNING: usize = 64;
 /// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
 /// goes on standing now and then.
 fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant, at_tick: usize) -> Option<Packet<f64>> {
-    if linear.law().sends != Sends::Counters {
+    if !matches!(linear.law().sends, Sends::Counters | Sends::Integrals) {
         return Some(Packet::default());
     }
     let timing = &linear.peer.timing;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use haptic_core::law::Sends;
 use haptic_sim::scene::Scene;
 
 use super::Lifted;
@@ -16,18 +17,25 @@ pub fn is_symmetric(linear: &Scene) -> bool {
     same_arms(linear) && to_first == to_second
 }
 
-/// Whether both users' arms are the same: all in which the two peers of a linear scene can differ.
+/// Whether both ends of the law are the same: of one that compensates what it reflects only the end on the left does.
+pub(crate) fn same_ends(linear: &Scene) -> bool {
+    linear.law().sends != Sends::WavesAndMotion
+}
+
+/// Whether both users' arms, devices, contacts, fixtures and ends of the law are the same: all in which the two peers of a linear scene can differ.
 pub(crate) fn same_arms(linear: &Scene) -> bool {
-    let arm = |user: usize| {
-        let user = &linear.users[user].settings.user;
-        (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg)
+    let (devices, peers) = (linear.devices(), linear.peers());
+    let end = |end: usize| {
+        let (user, contact) = (&linear.users[end].settings.user, &peers[end].contact);
+        let arm = (user.arm_stiffness_n_per_m, user.arm_damping_n_s_per_m, user.arm_mass_kg);
+        (arm, devices[end], contact.stiffness_n_per_m, contact.damping_n_s_per_m, peers[end].fixture)
     };
-    arm(0) == arm(1)
+    end(0) == end(1) && same_ends(linear)
 }
 
 /// Whether nobody can hold anything, for want of stiffness and damping of contact.
 pub(crate) fn is_apart(linear: &Scene) -> bool {
-    linear.peer.contact.stiffness_n_per_m == 0.0 && linear.peer.contact.damping_n_s_per_m == 0.0
+    linear.peers().iter().all(|peer| peer.contact.stiffness_n_per_m == 0.0 && peer.contact.damping_n_s_per_m == 0.0)
 }
 
 /// The linear scene of a peer with its hand on or let go ([`Scene::hands_off`]): a device that holds nothing, and the arm at

@@ -110,3 +110,31 @@ fn overflow_is_instability() {
     let found = verdict(&scene).unwrap();
     assert!(found.spectral_radius.is_infinite() && !found.stable, "{found:?}");
 }
+
+/// Devices, scales and contacts of either end of their own: the construction takes each end's equations, core is driven as it is.
+#[test]
+fn two_constructions_agree_where_the_ends_are_unlike() {
+    let (farthest, differ) = (0..400)
+        .into_par_iter()
+        .map(|seed| {
+            let mut scene = random::scene(seed);
+            let draw = |at: u64| (seed * 7 + at) % 11;
+            for (key, number) in [
+                ("peer.2.device.mass_kg", 0.05 * 1.5_f64.powi(draw(0) as i32)),
+                ("peer.1.scale.position", 0.2 + 0.3 * draw(1) as f64),
+                ("peer.2.scale.force", 0.2 + 0.3 * draw(2) as f64),
+                ("peer.1.contact.stiffness_n_per_m", 50.0 * draw(3) as f64),
+            ] {
+                scene.set_number(key, number).unwrap();
+            }
+            let linear = scene.linear();
+            let mut farthest = 0.0_f64;
+            for mode in judge(&linear).unwrap().modes {
+                let Some(found) = agreement(&linear, mode.mode).unwrap() else { return (0.0, false) };
+                farthest = farthest.max(found.matrix);
+            }
+            (farthest, !is_symmetric(&linear))
+        })
+        .reduce(|| (0.0, false), |a, b| (a.0.max(b.0), a.1 | b.1));
+    assert!(farthest < 1e-9 && differ, "{farthest:e}");
+}

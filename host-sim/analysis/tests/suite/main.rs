@@ -9,6 +9,7 @@ mod hard_cases;
 mod midpoint;
 mod modes;
 mod oracle;
+mod published;
 mod random;
 mod self_timed;
 mod sweeps;

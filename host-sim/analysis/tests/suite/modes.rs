@@ -263,3 +263,13 @@ fn gliding_is_a_rest_mode_and_slowing_down_is_not() {
         assert!((slowed.spectral_radius - wanted).abs() < 0.1 * (1.0 - wanted), "{comm}: {slowed:?} {wanted}");
     }
 }
+
+/// Both hands, one, none, each with the follower's wall met for good as well, at every delay from 80 to 160 ms each way.
+#[test]
+fn the_leader_and_the_follower_are_stable_in_every_mode() {
+    for (name, modes) in [("leader-follower", 3), ("leader-follower-wall", 6)] {
+        let scene = scenes::find(Laws::built_in(), Some(name.as_ref()), &[]).unwrap();
+        let judged = judge(&scene).unwrap();
+        assert!(judged.worst.stable && judged.modes.len() == modes, "{name}: {judged:?}");
+    }
+}

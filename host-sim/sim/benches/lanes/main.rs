@@ -53,23 +53,16 @@ fn of_type<S: InLanes>(scenes: &[Scene]) -> [Measured; 4] {
     let members: Vec<&Scene> = scenes.iter().collect();
     let seconds = f64::from(TICKS) * 1e-3;
     let all = TICKS * LANES as u32;
+    // Built before, as those of C and NumPy are.
+    let mut pair = Pair::<S>::new(&scenes[0]).expect("a built-in scene");
+    let alone = rate(TICKS, || (0..TICKS).for_each(|_| pair.step()));
+    assert_eq!(pair.fault(), None);
+    let mut pairs = Pairs::<S::Lanes>::new(&members).expect("a built-in scene");
+    let side_by_side = rate(all, || (0..TICKS).for_each(|_| pairs.step(&mut |_, _| ())));
+    assert_eq!(lanes_left(), 0);
     [
-        measured(
-            "ticks, alone",
-            rate(TICKS, || {
-                let mut pair = Pair::<S>::new(&scenes[0]).expect("a built-in scene");
-                (0..TICKS).for_each(|_| pair.step());
-                assert_eq!(pair.fault(), None);
-            }),
-        ),
-        measured(
-            "ticks, in lanes",
-            rate(all, || {
-                let mut pairs = Pairs::<S::Lanes>::new(&members).expect("a built-in scene");
-                (0..TICKS).for_each(|_| pairs.step(&mut |_, _| ()));
-                assert_eq!(lanes_left(), 0);
-            }),
-        ),
+        measured("ticks, alone", alone),
+        measured("ticks, in lanes", side_by_side),
         measured(
             "run, alone",
             rate(TICKS, || {

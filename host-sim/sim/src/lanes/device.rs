@@ -42,6 +42,7 @@ impl Plants {
     }
 
     /// Forces on the axes beside the motors', N.
+    #[inline]
     fn pushes(&self, time_s: f64) -> [F64s; AXES] {
         if self.alike {
             return self.plants[0].pushes(time_s).map(F64s::splat);

@@ -266,6 +266,11 @@ macro_rules! lanes {
                 F64s::of(|lane| f64::from(lanes[lane]))
             }
             #[inline(always)]
+            fn of_counter(counter: F64s) -> Self {
+                let lanes = counter.lanes();
+                Self::of(|lane| lanes[lane] as $Alone)
+            }
+            #[inline(always)]
             fn is_finite(self) -> bool {
                 let limit = $Vector::splat($Alone::INFINITY);
                 decide(Self::bits_of(self.each(|a| a.abs().simd_lt(limit))))
@@ -313,11 +318,6 @@ macro_rules! lanes {
         impl Lanes for $Lanes {
             type Alone = $Alone;
             #[inline(always)]
-            fn of_counter(counter: F64s) -> Self {
-                let lanes = counter.lanes();
-                Self::of(|lane| lanes[lane] as $Alone)
-            }
-            #[inline(always)]
             fn each_bits(self) -> [u64; LANES] {
                 self.lanes().map(|number| u64::from(number.to_bits()))
             }
@@ -329,8 +329,6 @@ macro_rules! lanes {
 pub trait Lanes: Scalar<Counter = F64s> {
     /// The type of one of them.
     type Alone: Scalar;
-    /// The nearest of each.
-    fn of_counter(counter: F64s) -> Self;
     /// [`Scalar::bits`] of each.
     fn each_bits(self) -> [u64; LANES];
 }

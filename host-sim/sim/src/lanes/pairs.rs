@@ -55,6 +55,11 @@ impl<S: Lanes + Number> Pairs<S> {
 }
 
 impl<S: Lanes> Pairs<S> {
+    /// [`Pair::packets_per_s`]; those that are there agree on it.
+    pub(super) fn packets_per_s(&self) -> f64 {
+        self.pair.packets_per_s()
+    }
+
     /// A control period of all lanes; `each` sees every peer after its tick.
     #[inline]
     pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S>)) {

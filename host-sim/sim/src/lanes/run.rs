@@ -70,10 +70,10 @@ fn run_group<S: Lanes + Number>(scenes: &[&Scene], options: Options) -> Result<V
             return Ok(scenes.iter().map(|_| None).collect());
         }
     }
-    let (left, hashes) = (lanes_left(), pairs.hashes());
+    let (left, hashes, packets_per_s) = (lanes_left(), pairs.hashes(), pairs.packets_per_s());
     let whole = |lane: usize| {
         let outcome = || account.map(|figure| figure.lane(lane)).outcome();
-        (left >> lane & 1 == 0).then(|| Outcome { hash: hashes[lane], ..outcome() })
+        (left >> lane & 1 == 0).then(|| Outcome { hash: hashes[lane], packets_per_s, ..outcome() })
     };
     Ok((0..scenes.len()).map(whole).collect())
 }

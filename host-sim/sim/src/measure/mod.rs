@@ -1,8 +1,9 @@
 //! What is measured of a run: means over its last half, when what the start left behind has died away, and what a hand feels of a
-//! scene, its mass and its drag.
+//! scene: its mass, its drag, its impedance.
 
 pub mod apparent_mass;
 pub mod growth;
+pub mod impedance;
 pub mod port;
 pub mod swing;
 

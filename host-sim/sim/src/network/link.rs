@@ -17,6 +17,11 @@ pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
     fn corrupt(&mut self) -> bool {
         false
     }
+
+    /// The packet period that it was sent in, counted from 0, where it says so; else packets are counted as they are sent.
+    fn number(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// A datagram: one bit in the middle is another.
@@ -35,13 +40,18 @@ impl Payload for Message {}
 /// A value that crosses without being put into bytes, with the number that a sealed link would give it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Numbered<T> {
-    /// Counted by the sender.
+    /// Packet periods of the sender before this one, those in which it kept silent included.
     pub number: u64,
     /// The value.
     pub what: T,
 }
 
-impl<T: Clone> Payload for Numbered<T> {}
+impl<T: Clone> Payload for Numbered<T> {
+    #[inline]
+    fn number(&self) -> Option<u64> {
+        Some(self.number)
+    }
+}
 
 /// What became of what one way was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -89,7 +99,7 @@ impl Route {
     /// Takes a packet that is sent at `now_ns`; `each` gets every copy and when it is due.
     #[inline]
     pub fn send<P: Payload + ?Sized>(&mut self, now_ns: u64, packet: &P, mut each: impl FnMut(u64, P::Owned)) {
-        let number = self.counts.taken;
+        let number = packet.number().unwrap_or(self.counts.taken);
         self.counts.taken += 1;
         let due_ns = now_ns + self.delay_ns;
         let fate = match &mut self.rule {

@@ -42,7 +42,8 @@ impl Fate {
 /// The network table of a scene is a rule, a recorded trace is one, and so is any closure: `|number, _| if number % 3 == 0
 /// { Fate::Drop } else { Fate::Pass }` loses every third packet in the [`crate::engine`], in a relay and in a test alike.
 pub trait Rule: Send {
-    /// What becomes of packet `number`, counted from 0 in the order of sending, which is sent at `sent_ns`.
+    /// What becomes of packet `number`, counted from 0 in the order of sending, which is sent at `sent_ns`. Numbers are missing where the
+    /// sender says which packet period it is and kept silent in some.
     fn decide(&mut self, number: u64, sent_ns: u64) -> Fate;
 }
 
@@ -96,6 +97,8 @@ pub struct SeededRule {
     rng: Rng,
     /// In a run of losses (Gilbert–Elliott).
     losing: bool,
+    /// The number of the next packet, if one is sent each packet period.
+    next: u64,
     /// When the line is free again, s.
     free_s: f64,
 }
@@ -108,7 +111,7 @@ impl SeededRule {
             Direction::TwoToOne => 1 << 32,
         };
         let rng = Rng::new(u64::from(network.seed) | stream);
-        Self { network, direction, packet_s, rng, losing: false, free_s: 0.0 }
+        Self { network, direction, packet_s, rng, losing: false, next: 0, free_s: 0.0 }
     }
 
     fn lost(&mut self) -> bool {
@@ -159,6 +162,11 @@ impl SeededRule {
 impl Rule for SeededRule {
     fn decide(&mut self, number: u64, sent_ns: u64) -> Fate {
         let (network, sent_s) = (self.network, seconds(sent_ns));
+        if network.loss_burst_packets > 1.0 {
+            // A burst goes on through packet periods in which nothing is sent.
+            (self.next..number).for_each(|_| _ = self.lost());
+        }
+        self.next = number + 1;
         if self.lost() {
             return Fate::Drop;
         }

@@ -9,7 +9,6 @@
 //!
 //! Off, a bridge lets go: the current is gone at once. [`Drive::fail`] breaks one of motor, bridge and sensor.
 
-use haptic_core::device::AXES;
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_PERIOD_S, Sensor};
 use haptic_core::device::motor::Duty;
 use haptic_core::device::stage::{self, Measured};
@@ -85,11 +84,13 @@ impl Closed {
 }
 
 /// What the power stage of a device measured since the last tick; none without a current loop.
-pub(super) fn measured(drives: &[Drive; AXES], supply_counts: u16) -> Option<Measured> {
-    let [Some(one), Some(two)] = drives.each_ref().map(Drive::measured) else { return None };
-    let [Drive { winding, .. }, _] = drives;
-    let supply_mv = (1e3 * winding.supply_v).round() as u16;
-    Some(Measured { motors: [one, two], supply_mv, supply_counts })
+pub(super) fn measured<const N: usize>(drives: &[Drive; N], supply_counts: u16) -> Option<Measured<N>> {
+    let flows = drives.each_ref().map(Drive::measured);
+    if flows.iter().any(Option::is_none) {
+        return None;
+    }
+    let supply_mv = (1e3 * drives.first()?.winding.supply_v).round() as u16;
+    Some(Measured { motors: flows.map(Option::unwrap_or_default), supply_mv, supply_counts })
 }
 
 /// What a tick wants of a drive.

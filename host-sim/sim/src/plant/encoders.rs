@@ -3,7 +3,8 @@
 //! Gray code: A is high in the second and third quarter of a period of four counts, B in the third and fourth. Within a tick an
 //! encoder goes the shortest way. Units: counts, from where the device was built.
 
-use haptic_core::device::AXES;
+use std::array::from_fn;
+
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::settings::Settings;
@@ -15,12 +16,12 @@ const ENOUGH: u64 = 16;
 
 /// The encoders of a device.
 #[derive(Clone, Debug)]
-pub(super) struct Encoders {
+pub(super) struct Encoders<const N: usize> {
     /// Counts from one index to the next, and where one is; none without.
     index: Option<(i64, i64)>,
     /// Where they are, and were at the tick before.
-    at: [i64; AXES],
-    before: [i64; AXES],
+    at: [i64; N],
+    before: [i64; N],
     /// Of the first: how it fails, and where it was when it began to.
     fault: Option<(PlantFault, i64)>,
     ticks: u32,
@@ -31,9 +32,9 @@ fn high(count: i64) -> [bool; 2] {
     [phase == 1 || phase == 2, phase >= 2]
 }
 
-impl Encoders {
+impl<const N: usize> Encoders<N> {
     /// At these counts, with as many of them to the metre or radian.
-    pub(super) fn new(settings: &Settings, counts_per_unit: f64, at: [i64; AXES]) -> Self {
+    pub(super) fn new(settings: &Settings, counts_per_unit: f64, at: [i64; N]) -> Self {
         let turn = match settings.kinematics.model {
             KinematicsName::Direct => i64::MAX,
             _ => settings.encoder.counts_per_rev.round() as i64,
@@ -48,7 +49,7 @@ impl Encoders {
     }
 
     /// The next tick's.
-    pub(super) fn turn(&mut self, at: [i64; AXES]) {
+    pub(super) fn turn(&mut self, at: [i64; N]) {
         (self.before, self.at) = (self.at, at);
         self.ticks = self.ticks.wrapping_add(1);
     }
@@ -70,13 +71,13 @@ impl Encoders {
     }
 
     /// What the counters say.
-    pub(super) fn counts(&self) -> [Counts; AXES] {
-        [0, 1].map(|joint| Counts(self.counter(joint, self.at[joint]) as u16))
+    pub(super) fn counts(&self) -> [Counts; N] {
+        from_fn(|joint| Counts(self.counter(joint, self.at[joint]) as u16))
     }
 
     /// What they showed beside it since the tick before.
-    pub(super) fn marks(&self) -> [Marks; AXES] {
-        [0, 1].map(|joint| {
+    pub(super) fn marks(&self) -> [Marks; N] {
+        from_fn(|joint| {
             let (before, at) = (self.before[joint], self.at[joint]);
             let (way, steps) = ((at - before).signum(), (at - before).unsigned_abs().min(ENOUGH));
             let mut edges = [0_u8; 2];

@@ -2,9 +2,11 @@
 //!
 //! Inverse kinematics by Newton's method on the peer's own forward kinematics in f64, from the last pose on.
 
-use haptic_core::device::kinematics::{self, AnyKinematics, KinematicsName};
+use std::array::from_fn;
+
+use haptic_core::device::kinematics::{self, AnyKinematics, AnySpatial, KinematicsName};
 use haptic_core::device::motor::{Duty, Motor};
-use haptic_core::{device::AXES, num::Motion, settings::Settings};
+use haptic_core::{num::Motion, settings::Settings};
 
 use super::encoders::Encoders;
 use crate::scene::PlantSettings;
@@ -14,11 +16,11 @@ use crate::scene::PlantSettings;
 pub(super) struct Joints {
     /// The peer reads counts.
     pub(super) encoder: bool,
-    kinematics: AnyKinematics<f64>,
+    kinematics: Mechanism,
     motor: Motor<f64>,
     /// Signed counts per metre or radian.
     counts_per_unit: f64,
-    /// Longest step of Newton's method, m or rad: a five-bar's is kept near where its Jacobian holds.
+    /// Longest step of Newton's method, m or rad: that of links is kept near where their Jacobian holds.
     longest: f64,
     /// Duty codes in one PWM step.
     duty_step: f64,
@@ -29,10 +31,13 @@ impl Joints {
         let counts = kinematics::Joints::of(settings).counts_per_unit;
         Self {
             encoder: plant.encoder,
-            kinematics: AnyKinematics::build(settings).expect("a scene that was checked"),
+            kinematics: Mechanism::new(settings),
             motor: Motor::build(settings),
             counts_per_unit: if settings.encoder.reversed { -counts } else { counts },
-            longest: if settings.kinematics.model == KinematicsName::FiveBar { 0.3 } else { f64::MAX },
+            longest: match settings.kinematics.model {
+                KinematicsName::FiveBar | KinematicsName::Arm => 0.3,
+                KinematicsName::Direct | KinematicsName::Capstan => f64::MAX,
+            },
             duty_step: match plant.pwm_steps {
                 0 => 1.0,
                 steps => f64::from(Duty::FULL_SCALE) / f64::from(steps),
@@ -41,12 +46,11 @@ impl Joints {
     }
 
     /// Joint positions at which the axes are where `axes` says.
-    fn inverse(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
-        let mut joints = [0.0; AXES];
+    fn inverse<const N: usize>(&self, axes: [Motion<f64>; N]) -> [f64; N] {
+        let mut joints = [0.0; N];
         for _ in 0..30 {
-            let pose = self.kinematics.forward(joints.map(Motion::at));
-            let error = [0, 1].map(|axis: usize| axes[axis].position - pose.axes[axis].position);
-            let step = solve(pose.jacobian, error);
+            let (hand, jacobian) = self.kinematics.forward(joints);
+            let step = solve(jacobian, from_fn(|axis| axes[axis].position - hand[axis]));
             for (joint, step) in joints.iter_mut().zip(step) {
                 *joint += step.clamp(-self.longest, self.longest);
             }
@@ -58,17 +62,17 @@ impl Joints {
     }
 
     /// Where the encoders are, counts; from 0 where the device is built.
-    pub(super) fn counts(&self, axes: [Motion<f64>; AXES]) -> [i64; AXES] {
+    pub(super) fn counts<const N: usize>(&self, axes: [Motion<f64>; N]) -> [i64; N] {
         self.inverse(axes).map(|joint| (joint * self.counts_per_unit).floor() as i64)
     }
 
     /// The encoders of a device that is built here.
-    pub(super) fn encoders(&self, settings: &Settings, axes: [Motion<f64>; AXES]) -> Encoders {
+    pub(super) fn encoders<const N: usize>(&self, settings: &Settings, axes: [Motion<f64>; N]) -> Encoders<N> {
         Encoders::new(settings, self.counts_per_unit, self.counts(axes))
     }
 
     /// Forces on the axes (N) that the duties give.
-    pub(super) fn forces(&self, axes: [Motion<f64>; AXES], duties: [Duty; AXES]) -> [f64; AXES] {
+    pub(super) fn forces<const N: usize>(&self, axes: [Motion<f64>; N], duties: [Duty; N]) -> [f64; N] {
         let torques = duties.map(|duty| {
             let stepped = (f64::from(duty.0) / self.duty_step).round() * self.duty_step;
             self.motor.joint_force(Duty(stepped as i16))
@@ -77,12 +81,12 @@ impl Joints {
     }
 
     /// How joints and axes move each other where the axes are now.
-    pub(super) fn pose(&self, axes: [Motion<f64>; AXES]) -> Pose {
-        Pose(self.kinematics.forward(self.inverse(axes).map(Motion::at)).jacobian)
+    pub(super) fn pose<const N: usize>(&self, axes: [Motion<f64>; N]) -> Pose<N> {
+        Pose(self.kinematics.forward(self.inverse(axes)).1)
     }
 
     /// Positions of the joints (m or rad) as the peer knows them.
-    pub(super) fn seen(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
+    pub(super) fn seen<const N: usize>(&self, axes: [Motion<f64>; N]) -> [f64; N] {
         let joints = self.inverse(axes);
         if !self.encoder {
             return joints;
@@ -93,29 +97,86 @@ impl Joints {
 
 /// The Jacobian of one pose.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pose([[f64; AXES]; AXES]);
+pub(super) struct Pose<const N: usize>([[f64; N]; N]);
 
-impl Pose {
+impl<const N: usize> Pose<N> {
     /// Speeds of the joints, m/s or rad/s, of axes that move: J·q̇ = ẋ solved for q̇.
-    pub(super) fn speeds(&self, axes: [Motion<f64>; AXES]) -> [f64; AXES] {
+    pub(super) fn speeds(&self, axes: [Motion<f64>; N]) -> [f64; N] {
         solve(self.0, axes.map(|axis| axis.velocity))
     }
 
     /// Forces on the axes (N) that those of the joints give: Jᵀ·F = τ solved for F.
-    pub(super) fn forces(&self, joints: [f64; AXES]) -> [f64; AXES] {
-        let [[a, b], [c, d]] = self.0;
-        solve([[a, c], [b, d]], joints)
+    pub(super) fn forces(&self, joints: [f64; N]) -> [f64; N] {
+        solve(from_fn(|row| from_fn(|column| self.0[column][row])), joints)
     }
 }
 
-/// Solves a 2×2 system; a direction that the matrix does not reach gets 0.
-fn solve([[a, b], [c, d]]: [[f64; 2]; 2], [e, f]: [f64; 2]) -> [f64; 2] {
-    let determinant = a * d - b * c;
-    if determinant != 0.0 {
-        [(e * d - b * f) / determinant, (a * f - e * c) / determinant]
-    } else if a != 0.0 {
-        [e / a, 0.0]
-    } else {
-        [0.0, 0.0]
+/// The peer's own forward kinematics, of as many axes as the device has.
+#[derive(Clone, Copy, Debug)]
+enum Mechanism {
+    Plane(AnyKinematics<f64>),
+    Space(AnySpatial<f64>),
+}
+
+impl Mechanism {
+    fn new(settings: &Settings) -> Self {
+        let checked = "a scene that was checked";
+        if settings.axis.count > 2 {
+            Self::Space(AnySpatial::build(settings).expect(checked))
+        } else {
+            Self::Plane(AnyKinematics::build(settings).expect(checked))
+        }
     }
+
+    /// Where the axes are with the joints there, and the Jacobian.
+    fn forward<const N: usize>(&self, joints: [f64; N]) -> ([f64; N], [[f64; N]; N]) {
+        fn wide<const N: usize, const M: usize>(joints: [f64; N]) -> [Motion<f64>; M] {
+            from_fn(|joint| Motion::at(joints.get(joint).copied().unwrap_or_default()))
+        }
+        let gather = |axes: &[Motion<f64>], rows: &dyn Fn(usize, usize) -> f64| {
+            (from_fn(|axis| axes[axis].position), from_fn(|axis| from_fn(|joint| rows(axis, joint))))
+        };
+        match self {
+            Self::Plane(mechanism) => {
+                let pose = mechanism.forward(wide(joints));
+                gather(&pose.axes, &|axis, joint| pose.jacobian[axis][joint])
+            }
+            Self::Space(mechanism) => {
+                let pose = mechanism.forward(wide(joints));
+                gather(&pose.axes, &|axis, joint| pose.jacobian[axis][joint])
+            }
+        }
+    }
+}
+
+/// Solves a 2×2 or 3×3 system by Cramer's rule. A direction that the matrix does not reach gets 0.
+fn solve<const N: usize>(matrix: [[f64; N]; N], right: [f64; N]) -> [f64; N] {
+    let mut solution = [0.0; N];
+    match (matrix.as_flattened(), right.as_slice(), solution.as_mut_slice()) {
+        (&[a, b, c, d], &[e, f], [x, y]) => {
+            let determinant = a * d - b * c;
+            (*x, *y) = if determinant != 0.0 {
+                ((e * d - b * f) / determinant, (a * f - e * c) / determinant)
+            } else if a != 0.0 {
+                (e / a, 0.0)
+            } else {
+                (0.0, 0.0)
+            };
+        }
+        (rows, right, solution) if N == 3 => {
+            let row = |at: usize| [rows[3 * at], rows[3 * at + 1], rows[3 * at + 2]];
+            let cross = |[a, b, c]: [f64; 3], [d, e, f]: [f64; 3]| [b * f - c * e, c * d - a * f, a * e - b * d];
+            // The columns of the inverse times the determinant.
+            let columns = [cross(row(1), row(2)), cross(row(2), row(0)), cross(row(0), row(1))];
+            let determinant: f64 = (0..3).map(|at| row(0)[at] * columns[0][at]).sum();
+            if determinant != 0.0 {
+                for (at, unknown) in solution.iter_mut().enumerate() {
+                    *unknown =
+                        (0..3).map(|equation| columns[equation][at] * right[equation]).sum::<f64>() / determinant;
+                }
+            }
+        }
+        _ => unreachable!("a device has two axes or three"),
+    }
+    solution
 }

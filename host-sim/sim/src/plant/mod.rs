@@ -14,11 +14,15 @@ mod drive;
 mod encoders;
 mod joints;
 mod linear;
+mod wall;
 mod winding;
+
+use std::array::from_fn;
 
 use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::settings::Scale;
 
 use crate::scene::{PlantFault, Scene};
 use crate::user::User;
@@ -26,45 +30,49 @@ pub use drive::{Converter, Drive};
 use encoders::Encoders;
 use joints::{Joints, Pose};
 pub use linear::Linear;
+use wall::{Moving, Wall};
 pub use winding::{Flow, Winding};
 
 /// The motors of a device that has windings.
 #[derive(Clone, Debug)]
-struct Windings {
-    drives: [Drive; AXES],
+struct Windings<const N: usize> {
+    drives: [Drive; N],
     /// PWM periods in a control period.
     periods: u32,
     /// Joint positions that the last tick read, m or rad.
-    seen: [f64; AXES],
+    seen: [f64; N],
     /// What the power stage measured in the last tick; none without a current loop.
-    measured: Option<Measured>,
+    measured: Option<Measured<N>>,
     supply_counts: u16,
 }
 
 /// What stays as it is through a control period of a device with windings.
 #[derive(Clone, Copy, Debug)]
-pub struct Held {
+pub struct Held<const N: usize = AXES> {
     /// Forces on the axes beside the motors', N.
-    pushes: [f64; AXES],
-    pose: Pose,
+    pushes: [f64; N],
+    pose: Pose<N>,
 }
 
-/// A device, its user's hand on it.
+/// A device of `N` axes, its user's hand on it.
 #[derive(Clone, Debug)]
-pub struct Plant {
+pub struct Plant<const N: usize = AXES> {
     user: User,
+    /// Where its forces point, as parts along the axes.
+    way: [f64; 3],
     /// +1 where toward the other peer is toward positive x.
     toward: f64,
     period_s: f64,
     /// What `linear` advances by: a control period, or a PWM period.
     step_s: f64,
     linear: Linear,
-    windings: Option<Windings>,
+    wall: Option<Wall>,
+    windings: Option<Windings<N>>,
     axes_in_use: usize,
     friction_n: f64,
     moving_mass_kg: f64,
     joints: Option<Joints>,
-    encoders: Option<Encoders>,
+    encoders: Option<Encoders<N>>,
     /// What is going to go wrong, and when (s).
     fault: Option<(PlantFault, f64)>,
     held: bool,
@@ -72,22 +80,31 @@ pub struct Plant {
     arm: bool,
     /// What else pulls on the free axis, N.
     pull_n: f64,
-    motions: [Motion<f64>; AXES],
-    motor_before: [f64; AXES],
+    motions: [Motion<f64>; N],
+    motor_before: [f64; N],
+    /// How much larger than the device the world is in which a peer reads and drives it exactly.
+    scale: Scale,
 }
 
 impl Plant {
     /// The device of peer `index` (0 or 1), at rest and just clear of the object.
     pub fn new(scene: &Scene, index: usize) -> Self {
+        Self::build(scene, index)
+    }
+}
+
+impl<const N: usize> Plant<N> {
+    /// [`Plant::new`], of any number of axes.
+    pub fn build(scene: &Scene, index: usize) -> Self {
         let user = scene.users[index].clone();
-        let (device, profile, world) = (&scene.world.device, &user.settings.user, &scene.world);
+        let (device, profile, world) = (&scene.devices()[index], &user.settings.user, &scene.world);
         let toward = if index == 0 { 1.0 } else { -1.0 };
         let moving_mass_kg = device.mass_kg + profile.arm_mass_kg;
         let settings = &scene.peers()[index];
         let joints = (world.plant.encoder || world.plant.motor).then(|| Joints::new(settings, &world.plant));
         let windings = (joints.as_ref()).filter(|_| world.plant.winding).map(|joints| Windings {
-            drives: [0, 1].map(|joint| {
-                let seed = u64::from(world.network.seed) << 8 | (index * AXES + joint) as u64;
+            drives: from_fn(|joint| {
+                let seed = u64::from(world.network.seed) << 8 | (index * N + joint) as u64;
                 Drive::new(settings, &world.plant, seed).expect("a scene that was checked")
             }),
             periods: periods_per_tick(settings).expect("a scene that was checked"),
@@ -101,17 +118,20 @@ impl Plant {
             Some(windings) => (period_s / f64::from(windings.periods), 0.0),
             None => (period_s, device.force_delay_ticks),
         };
+        let (damping, stiffness) =
+            (device.damping_n_s_per_m + profile.arm_damping_n_s_per_m, profile.arm_stiffness_n_per_m);
+        let wall = user.has_wall().then(|| {
+            let place = (-toward, scene.start::<N>(index)[0].position - toward * profile.wall_m);
+            let gains = [profile.wall_stiffness_n_per_m, profile.wall_damping_n_s_per_m];
+            Wall::new(place, gains, &Moving { mass: moving_mass_kg, damping, stiffness }, (step_s, late))
+        });
         Self {
+            way: user.way(),
             toward,
             period_s,
             step_s,
-            linear: Linear::new(
-                moving_mass_kg,
-                device.damping_n_s_per_m + profile.arm_damping_n_s_per_m,
-                profile.arm_stiffness_n_per_m,
-                late,
-                step_s,
-            ),
+            linear: Linear::new(moving_mass_kg, damping, stiffness, late, step_s),
+            wall,
             windings,
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
@@ -127,14 +147,17 @@ impl Plant {
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
             pull_n: 0.0,
             motions: scene.start(index),
-            motor_before: [0.0; AXES],
+            motor_before: [0.0; N],
+            scale: settings.scale,
             user,
         }
     }
 
-    /// Neither joints nor windings, friction or faults: its peer reads and drives it exactly.
+    /// Neither joints nor windings, a scale, faults, friction, a wall or a clutch: its peer reads and drives it exactly, and nothing else.
     pub(crate) fn is_bare(&self) -> bool {
-        self.joints.is_none() && self.windings.is_none() && self.fault.is_none() && self.friction_n == 0.0
+        let profile = &self.user.settings.user;
+        let exact = self.joints.is_none() && self.windings.is_none() && self.scale == Scale::default();
+        exact && self.fault.is_none() && self.friction_n == 0.0 && self.wall.is_none() && profile.clutch_for_s == 0.0
     }
 
     /// What advances each axis.
@@ -148,7 +171,7 @@ impl Plant {
     }
 
     /// Position and velocity of every axis.
-    pub fn motions(&self) -> [Motion<f64>; AXES] {
+    pub fn motions(&self) -> [Motion<f64>; N] {
         self.motions
     }
 
@@ -172,24 +195,34 @@ impl Plant {
         self.pull_n = force_n;
     }
 
+    /// Whether its user holds the clutch open at this time.
+    pub fn clutches(&self, time_s: f64) -> bool {
+        self.user.clutches(time_s)
+    }
+
+    /// What the wall in its room pushes with, N; 0 without one.
+    pub fn wall_n(&self) -> f64 {
+        self.wall.as_ref().map_or(0.0, Wall::force_n)
+    }
+
     /// The hand holds still, and the motors are off.
     pub fn rest(&mut self) {
         for motion in &mut self.motions {
             motion.velocity = 0.0;
         }
-        self.motor_before = [0.0; AXES];
+        self.motor_before = [0.0; N];
         if let Some(windings) = &mut self.windings {
             windings.drives.iter_mut().for_each(Drive::off);
         }
     }
 
     /// What the peer's sensors say now.
-    pub fn sensors<S: Scalar>(&self) -> Sensors<S> {
+    pub fn sensors<S: Scalar>(&self) -> Sensors<S, N> {
         let reading = match &self.encoders {
             Some(encoders) => Reading::Counts(encoders.counts()),
             None => Reading::Exact(self.motions.map(|motion| Motion {
-                position: S::from_f64(motion.position),
-                velocity: S::from_f64(motion.velocity),
+                position: S::from_f64(self.scale.position * motion.position),
+                velocity: S::from_f64(self.scale.position * motion.velocity),
             })),
         };
         let stage = self.windings.as_ref().and_then(|windings| windings.measured);
@@ -198,7 +231,7 @@ impl Plant {
     }
 
     /// One control period from `time_s` on, under what the peer commands.
-    pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+    pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         self.fail_at(time_s);
         self.drive(time_s, actuators);
         self.turn();
@@ -218,17 +251,17 @@ impl Plant {
 
     /// A control period that begins at `time_s`, of a device whose power stage is somebody else's: what stays as it is through it. None without
     /// windings.
-    pub fn begin(&mut self, time_s: f64) -> Option<Held> {
+    pub fn begin(&mut self, time_s: f64) -> Option<Held<N>> {
         self.fail_at(time_s);
         let joints = self.joints.as_ref().filter(|_| self.windings.is_some())?;
         Some(Held { pushes: self.pushes(time_s), pose: joints.pose(self.motions) })
     }
 
     /// One PWM period of it, under these voltages (counts; none of a bridge that is off): what the converters read. Without a beginning, nothing moves.
-    pub fn period(&mut self, held: Option<&Held>, voltages: [Option<i32>; AXES]) -> [u16; AXES] {
-        let Some(mut windings) = self.windings.take() else { return [0; AXES] };
-        let speeds = held.map_or([0.0; AXES], |held| held.pose.speeds(self.motions));
-        let flows = [0, 1].map(|joint: usize| windings.drives[joint].flow(voltages[joint], speeds[joint]));
+    pub fn period(&mut self, held: Option<&Held<N>>, voltages: [Option<i32>; N]) -> [u16; N] {
+        let Some(mut windings) = self.windings.take() else { return [0; N] };
+        let speeds = held.map_or([0.0; N], |held| held.pose.speeds(self.motions));
+        let flows: [_; N] = from_fn(|joint| windings.drives[joint].flow(voltages[joint], speeds[joint]));
         if let Some(Held { pushes, pose }) = held {
             let motor = pose.forces(flows.map(|(_, force)| force));
             self.advance(motor, motor, *pushes);
@@ -260,7 +293,8 @@ impl Plant {
     }
 
     /// Forces on the axes beside the motors', N.
-    pub(crate) fn pushes(&self, time_s: f64) -> [f64; AXES] {
+    #[inline]
+    pub(crate) fn pushes(&self, time_s: f64) -> [f64; N] {
         let profile = &self.user.settings.user;
         let mut push = self.toward * self.user.force_n(time_s);
         if self.arm {
@@ -268,16 +302,19 @@ impl Plant {
             push +=
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
-        [push + self.pull_n, profile.side_push_n]
+        from_fn(|axis| {
+            let along = self.way[axis] * push;
+            if axis == 0 { along + self.pull_n } else { along + profile.side_push_n }
+        })
     }
 
     /// The hand and the motors, for a control period.
-    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S>) {
+    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         let pushes = self.pushes(time_s);
         let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
             let motor = match &self.joints {
                 Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),
-                _ => actuators.forces.map(S::to_f64),
+                _ => actuators.forces.map(|force| force.to_f64() / self.scale.force),
             };
             self.advance(self.motor_before, motor, pushes);
             self.motor_before = motor;
@@ -292,10 +329,10 @@ impl Plant {
                 drive.open(actuators.duties[joint], actuators.enable);
             }
         }
-        self.motor_before = [0.0; AXES];
+        self.motor_before = [0.0; N];
         for _ in 0..windings.periods {
             let speeds = pose.speeds(self.motions);
-            let joints = [0, 1].map(|joint: usize| windings.drives[joint].period(speeds[joint]));
+            let joints = from_fn(|joint| windings.drives[joint].period(speeds[joint]));
             let motor = pose.forces(joints);
             self.advance(motor, motor, pushes);
             for (mean, force) in self.motor_before.iter_mut().zip(motor) {
@@ -307,10 +344,13 @@ impl Plant {
     }
 
     /// Moves the axes by one step under the motors' forces before and now, and the user's.
-    fn advance(&mut self, before: [f64; AXES], now: [f64; AXES], pushes: [f64; AXES]) {
+    fn advance(&mut self, before: [f64; N], now: [f64; N], pushes: [f64; N]) {
         for axis in 0..self.axes_in_use {
             let (before, now) = (before[axis] + pushes[axis], now[axis] + pushes[axis]);
-            let mut next = self.linear.advance(self.motions[axis], before, now);
+            let mut next = match &mut self.wall {
+                Some(wall) if axis == 0 => wall.advance(self.motions[axis], before, now),
+                _ => self.linear.advance(self.motions[axis], before, now),
+            };
             if self.friction_n > 0.0 {
                 // The impulse of friction brakes what moves and holds what it can stop within the step.
                 let brake = self.friction_n * self.step_s / self.moving_mass_kg;

@@ -197,6 +197,11 @@ impl Account {
         }
     }
 
+    /// |x_o1 − x_o2| after the control period that is over, m.
+    pub(crate) fn true_m(&self) -> f64 {
+        self.true_m
+    }
+
     /// The control period that is over, as a row of [`Self::columns`].
     pub fn row(&self) -> Vec<f64> {
         let time_s = self.tick.saturating_sub(1) as f64 * self.period_s;
@@ -255,6 +260,7 @@ impl Account {
             energy: [first, second],
             impacts: None,
             ticks: self.tick,
+            packets_per_s: f64::NAN,
             hash: 0,
             table: self.table,
         }

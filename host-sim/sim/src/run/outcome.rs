@@ -2,12 +2,16 @@
 
 use haptic_core::contact::Impacts;
 use haptic_core::safety::Fault;
+use haptic_protocol::wire::{Flow, SEAL_LEN};
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
 use crate::measure::port::{PortEnergy, ratio};
 use crate::report::Columns;
 use crate::scene::Scene;
+
+/// Headers of UDP (8) and IP version 4 (20), bytes.
+const UDP_IP_LEN: usize = 28;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +65,8 @@ pub struct Outcome {
     pub impacts: Option<[Impacts<f64>; 2]>,
     /// Ticks done.
     pub ticks: u64,
+    /// Packets that a peer sent, whatever became of them, mean of both, 1/s; no number where nobody counted.
+    pub packets_per_s: f64,
     /// Hash of both peers' states over every tick.
     pub hash: u64,
     /// What was recorded; empty if nothing was.
@@ -68,6 +74,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The same on the wire, with the headers of UDP and IP version 4, bytes/s; what a link says by itself beside the flow is not in it.
+    pub fn bytes_per_s(&self) -> f64 {
+        self.packets_per_s * (SEAL_LEN + Flow::LEN + UDP_IP_LEN) as f64
+    }
+
     /// What is to be said of it.
     pub fn verdict(&self) -> Verdict {
         match self.reason {
@@ -105,8 +116,14 @@ impl Outcome {
     /// **Channel**: energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1
     /// the network makes energy.
     pub fn energy_out_over_in(&self) -> f64 {
+        self.energy_out_over_in_beyond(0.0)
+    }
+
+    /// The same, of what a peer took beyond this energy, J, that its law held when it began.
+    pub fn energy_out_over_in_beyond(&self, start_j: f64) -> f64 {
         let [first, second] = self.energy;
-        ratio(second.received_j, first.sent_j).max(ratio(first.received_j, second.sent_j))
+        let beyond = |received_j: f64| (received_j - start_j).max(0.0);
+        ratio(beyond(second.received_j), first.sent_j).max(ratio(beyond(first.received_j), second.sent_j))
     }
 
     /// **Peer**: energy that left the ports of a peer's coordination or waits in its spring over what entered them, of the worse peer;

@@ -114,6 +114,21 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
     same::<f64>(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
 }
 
+/// What a law keeps in counters is each lane's own, too; gains, losses and what is in the tank differ.
+#[test]
+fn laws_with_energy_tanks_have_the_bits_that_they_have_alone() {
+    for comm in ["set-position", "passivity-control", "two-layer", "wave-integral", "wave-compensator"] {
+        let mut scenes = gains("matched-line", 500.0, 8e3);
+        for scene in &mut scenes {
+            for setting in [&format!("coordination.comm={comm}"), "object.integrator=midpoint", "network.loss=0.2"] {
+                scene.apply_override(setting).expect("a good override");
+            }
+        }
+        same::<f32>(&scenes);
+        same::<f64>(&scenes);
+    }
+}
+
 #[test]
 fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
     let mut scenes = gains("matched-line", 2e4, 8e4);

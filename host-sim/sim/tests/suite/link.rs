@@ -62,6 +62,25 @@ fn losses_come_as_often_and_in_runs_as_long_as_the_scene_says() {
     }
 }
 
+/// Bursts last as long, however few packets are sent through them: of a chain with two states the share p is lost, and of those that
+/// follow a lost one n packet periods later p + (1 − p)·λⁿ, λ = 1 − 1/burst − p/(burst·(1 − p)).
+#[test]
+fn a_burst_goes_on_while_nothing_is_sent() {
+    let (loss, burst, every) = (0.3_f64, 20.0_f64, 10);
+    let mut line = line(&[
+        "network.one_way_delay_packets=0",
+        &format!("network.loss={loss}"),
+        &format!("network.loss_burst_packets={burst}"),
+    ]);
+    let got: Vec<bool> = (0..100_000).map(|number| period(&mut line, every * number).is_some()).collect();
+    let lost = got.iter().filter(|got| !**got).count() as f64;
+    let again = got.windows(2).filter(|pair| !pair[0] && !pair[1]).count() as f64;
+    assert!((lost / 100_000.0 - loss).abs() < 0.02, "{lost} lost");
+    let forgets = 1.0 - 1.0 / burst - loss / (burst * (1.0 - loss));
+    let expected = loss + (1.0 - loss) * forgets.powi(every as i32);
+    assert!((again / lost / expected - 1.0).abs() < 0.03, "{} for {expected}", again / lost);
+}
+
 /// Pareto with shape 2 around its mean of 5 ms, cut at 0.5 s: P(X > x) = (1 + x/λ)^-2 with λ = mean/0.99.
 #[test]
 fn heavy_tails_are_as_heavy_as_their_closed_form() {

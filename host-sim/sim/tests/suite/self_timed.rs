@@ -2,6 +2,7 @@
 
 use haptic_sim::pair::Pair;
 use haptic_sim::rng::Rng;
+use haptic_sim::run::{Options, Outcome};
 use haptic_sim::{Laws, Scene, scenes};
 
 const MATCHED: [&str; 3] =
@@ -208,4 +209,56 @@ fn a_thousand_hostile_runs_make_nothing() {
         stood += u32::from(got.live < 0.95);
     }
     assert!(stood > 300, "networks that stop a line are among them: {stood}");
+}
+
+/// Two hands in ordinary motion over 8 ms: pushes of the cooperation paper's §5.2, and a hand that is led ±50 mm at 1 Hz with the object
+/// in front of it, which the other hand presses with 2 N.
+const PUSHES: &[&str] = &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
+const LED: &[&str] = &[
+    "user.1.arm_stiffness_n_per_m=300",
+    "user.1.arm_damping_n_s_per_m=5",
+    "user.1.arm_mass_kg=0.5",
+    "user.1.tremor_m=0.05",
+    "user.1.tremor_hz=1",
+    "user.1.push_n=2",
+    "user.2.push_n=2",
+];
+
+fn outcome(settings: &[&[&str]]) -> Outcome {
+    let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
+    settings.iter().copied().flatten().for_each(|setting| scene.apply_override(setting).expect("a good override"));
+    scene.check("test").expect("a good scene");
+    haptic_sim::run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| ()).expect("a good scene")
+}
+
+/// N samples in a packet cost the delay of those beyond the 8 spare ones: (N − 8)·T_c of line each way, which is (N − 8)·T_c·F/b
+/// under a push F, and nothing else.
+#[test]
+fn fewer_packets_cost_the_delay_of_the_samples_beyond_the_spare_ones() {
+    let each_tick = outcome(&[PUSHES]);
+    assert!((each_tick.packets_per_s - 1000.0).abs() < 1e-9);
+    assert!((each_tick.bytes_per_s() - 116_000.0).abs() < 1e-6, "88 bytes sealed and 28 of UDP and IP");
+    for together in [8, 9, 10, 12, 16] {
+        let of_events = outcome(&[PUSHES, &["event.longest_s=0.05", &format!("event.together_ticks={together}")]]);
+        let (b, force_n) = (60.0, 1.0);
+        let expected_mm = each_tick.true_discrepancy_mm + f64::from(together - 8) * force_n / b;
+        let ratio = of_events.true_discrepancy_mm / expected_mm;
+        assert!((ratio - 1.0).abs() < 0.01, "{together}: {} mm for {expected_mm}", of_events.true_discrepancy_mm);
+        let rate = 1000.0 / f64::from(together);
+        assert!((of_events.packets_per_s / rate - 1.0).abs() < 0.02, "{together}: {}", of_events.packets_per_s);
+    }
+}
+
+#[test]
+fn a_hundred_packets_a_second_hold_the_object_within_a_tenth_of_a_thousand() {
+    for motion in [PUSHES, LED] {
+        let each_tick = outcome(&[motion]);
+        let of_events = outcome(&[motion, &["event.longest_s=0.05"]]);
+        assert!(of_events.is_stable() && of_events.packets_per_s < 120.0, "{} packets/s", of_events.packets_per_s);
+        let ratio = of_events.true_discrepancy_mm / each_tick.true_discrepancy_mm;
+        assert!((0.9..1.1).contains(&ratio), "{ratio}");
+        assert!(of_events.energy_out_over_in() <= 1.0);
+    }
+    let at_rest = outcome(&[&["event.longest_s=0.05"]]);
+    assert!((19.0..21.0).contains(&at_rest.packets_per_s), "{} packets/s at rest", at_rest.packets_per_s);
 }

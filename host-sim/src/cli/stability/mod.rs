@@ -48,8 +48,9 @@ impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
-        let linear = scene.linear();
-        let seconds = judgement.modes.iter().map(|mode| agreement(&linear, mode.mode));
+        let (linear, met) = (scene.linear(), scene.at_walls().map(|met| met.linear()));
+        let of = |mode: &Mode| met.as_ref().filter(|_| mode.at_walls).unwrap_or(&linear);
+        let seconds = judgement.modes.iter().map(|mode| agreement(of(mode), mode.mode));
         let seconds = seconds.collect::<Result<Option<Vec<Agreement>>, _>>()?;
         // How far apart the two constructions of the lifted matrix are in the mode in which they are farthest.
         let second = seconds.as_deref().and_then(|all| all.iter().copied().reduce(Agreement::or_farther));
@@ -65,7 +66,7 @@ impl Point {
             None => "its own".to_owned(),
         };
         let table = Columns::of(&rows)
-            .value("mode", |(_, mode)| mode.mode.name())
+            .value("mode", |(_, mode)| mode.name())
             .head("hands on")
             .value("stable", |(_, mode)| mode.verdict.stable)
             .number("spectral_radius", 9, |(_, mode)| mode.verdict.spectral_radius)

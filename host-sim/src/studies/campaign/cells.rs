@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use haptic_core::law::Promise;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use haptic_sim::measure::growth::Forces;
@@ -45,6 +46,8 @@ pub struct Cell {
     pub comm: String,
     /// Which network.
     pub network: String,
+    /// Whether it promises to be passive on any network.
+    pub passive: bool,
     /// What the runs gave, seed by seed.
     pub outcomes: Vec<Outcome>,
     /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`super::costs`] only.
@@ -87,6 +90,11 @@ impl Cell {
     /// The true discrepancy over the seeds, if all runs were whole.
     pub fn true_discrepancy_mm(&self) -> Option<Estimate> {
         self.whole(|outcome| outcome.true_discrepancy_mm).map(|values| Estimate::of(&values))
+    }
+
+    /// The decoded discrepancy at peer 2 over the seeds, if all runs were whole.
+    pub fn decoded_discrepancy_mm(&self) -> Option<Estimate> {
+        self.whole(|outcome| outcome.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
     /// The way under a common push over that on the scene's own network, if no peer stopped in either.
@@ -145,6 +153,11 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
     Ok(pair.fault().is_none().then_some(way))
 }
 
+/// Whether this scene promises to be passive on any network: its law does, or the ledger that pays for what the law emits.
+fn is_passive(scene: &Scene) -> bool {
+    scene.peer.coordination.ledger || scene.law().promises.contains(&Promise::Passive)
+}
+
 /// How far a common push gets on the scene's own network, m, if no peer stops.
 pub(super) fn free_way_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
     Ok(way(scene)?.map(|way| way.way_m))
@@ -167,8 +180,8 @@ pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u
     let mut done = Vec::new();
     for &(ref comm, network, ref scene, free_way_m) in &cells {
         let (outcomes, ways) = runs.by_ref().take(seeds(scene) as usize).unzip();
-        let (comm, network) = (comm.clone(), network.to_owned());
-        done.push((scene, Cell { comm, network, outcomes, swing: None, ways, free_way_m }));
+        let (comm, network, passive) = (comm.clone(), network.to_owned(), is_passive(scene));
+        done.push((scene, Cell { comm, network, passive, outcomes, swing: None, ways, free_way_m }));
     }
     let swung = |(scene, mut cell): (&Scene, Cell)| {
         if periods > 0 && cell.is_stable() {

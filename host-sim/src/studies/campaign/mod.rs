@@ -26,9 +26,10 @@
 //! Delay, mass and drag are measured on a slow swing ([`haptic_sim::measure::swing`]) with the first seed. A sample that is held for a
 //! packet period is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
 //!
-//! A law that is in neither [`COMMS`] nor [`CHOICES`] is tried as well, at the gains that it declares, and promises nothing.
+//! A law from outside the crate is tried as well, at the gains that it declares; core's own are, if they are asked for: [`laws`].
 
 mod cells;
+pub mod laws;
 mod networks;
 
 use haptic_core::law::Sends;
@@ -44,14 +45,13 @@ use super::Failure;
 
 pub use self::cells::{Cell, DURATION_S, REST_S, SEEDS, WAY_N, WAY_S};
 
-/// Communications, with what they need: name, settings, and whether they promise passivity.
-pub const COMMS: [(&str, &[&str], bool); 5] = [
-    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"], false),
-    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"], false),
+/// Communications, with what they need: name and settings.
+pub const COMMS: [Named; 5] = [
+    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
+    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
     (
         "passive-wave+ledger",
         &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
-        true,
     ),
     (
         "passive-mean+ledger+correction",
@@ -61,9 +61,8 @@ pub const COMMS: [(&str, &[&str], bool); 5] = [
             "coordination.ledger=true",
             "coordination.drift_correction=true",
         ],
-        true,
     ),
-    ("self-timed", SELF_TIMED, true),
+    ("self-timed", SELF_TIMED),
 ];
 
 /// The built-in scene `any-network` on the forces of the others.
@@ -79,21 +78,19 @@ const SELF_TIMED: &[&str] = &[
     "safety.disengage_s=8",
 ];
 
-/// These ways to hold the copies together, and every law that none of them names and that sends something.
-fn with_unnamed(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)> {
+/// These ways to hold the copies together, and every law from outside the crate that sends something.
+fn with_outside(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)> {
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
-    for law in laws.kinds().iter().filter(|law| law.sends != Sends::Nothing) {
-        let comm = format!("coordination.comm={}", law.name);
-        if !all.iter().any(|(_, settings)| settings.contains(&comm)) {
-            all.push((law.name, [vec![comm], owned(law.gains)].concat()));
-        }
+    for name in laws.outside() {
+        let law = laws.kinds().iter().find(|law| law.name == name && law.sends != Sends::Nothing);
+        all.extend(law.map(|law| (name, [vec![format!("coordination.comm={name}")], owned(law.gains)].concat())));
     }
     all
 }
 
 /// Ways to hold the copies together: name and settings.
-pub const CHOICES: [Named; 9] = [
+pub const CHOICES: [Named; 10] = [
     ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
     ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
     ("wave + ledger", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590", "coordination.ledger=true"]),
@@ -126,24 +123,21 @@ pub const CHOICES: [Named; 9] = [
             "network.playout_packets=2",
         ],
     ),
+    (
+        "self-timed",
+        &["coordination.comm=self-timed", "coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
+    ),
 ];
 
 /// The scene that every comm is tried in, with gains of its own.
-pub(crate) const BASE: &str = "paper-5.2-passive-wave-16ms";
+const BASE: &str = "paper-5.2-passive-wave-16ms";
 
 /// With these peers, so that what breaks is the network's doing.
-pub(crate) const PEERS: [&str; 3] =
+const PEERS: [&str; 3] =
     ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
 
 /// Periods of the swing: losses average out.
 const PERIODS: u32 = 60;
-
-impl Cell {
-    /// Whether the comm promises to be passive on any network.
-    pub fn passive(&self) -> bool {
-        COMMS.iter().any(|(name, _, passive)| *name == self.comm && *passive)
-    }
-}
 
 /// Runs every one of these scenes over every network.
 fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
@@ -157,19 +151,19 @@ fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -
     cells::run_all(cells, periods)
 }
 
-/// The scenes of these ways to hold the copies together, and of every law that none of them names and that sends something.
+/// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
 fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> {
     let scene = |(comm, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
         PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
         Ok((comm.to_owned(), scene))
     };
-    with_unnamed(laws, named).into_iter().map(scene).collect()
+    with_outside(laws, named).into_iter().map(scene).collect()
 }
 
 /// The campaign.
 pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
-    over_networks(&scenes(laws, &COMMS.map(|(name, settings, _)| (name, settings)))?, networks::IMPAIRMENTS, 0)
+    over_networks(&scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
 }
 
 /// The same of one scene as it is, called `name`: its peers, its packets, its network where an impairment says nothing, its users if
@@ -202,6 +196,12 @@ fn runs<'a>(rows: Rows<'a, Cell>) -> Rows<'a, Cell> {
         .number("true_discrepancy_95_mm", 2, |cell| cell.true_discrepancy_mm().and_then(|estimate| estimate.within_95))
         .means("half of its 95 % interval over the seeds (Student)")
         .head("±")
+        .number("decoded_discrepancy_mm", 2, |cell| cell.decoded_discrepancy_mm().map(|estimate| estimate.mean))
+        .means("mean of |x_o - x_d| at peer 2 over the last half, mean over the seeds")
+        .data_only()
+        .number("decoded_discrepancy_95_mm", 2, |cell| cell.decoded_discrepancy_mm().and_then(|one| one.within_95))
+        .means("half of its 95 % interval over the seeds (Student)")
+        .data_only()
         .number("worst_true_discrepancy_mm", 2, |cell| cell.worst(|o| o.largest_true_discrepancy_mm))
         .means("the largest |x_o1 - x_o2| at any instant of any seed")
         .head("worst")
@@ -218,7 +218,7 @@ pub fn columns(cells: &[Cell]) -> Columns {
     let named = Columns::of(cells)
         .value("comm", |cell| cell.comm.as_str())
         .means("how the copies are held together")
-        .value("passive", Cell::passive)
+        .value("passive", |cell| cell.passive)
         .means("whether it promises to be passive on any network")
         .data_only()
         .value("impairment", |cell| cell.network.as_str())

@@ -92,3 +92,13 @@ pub(super) fn is_random(scene: &Scene) -> bool {
     let chances = [network.loss, network.reorder, network.duplicate, network.corrupt];
     scene.network_trace.is_none() && (network.jitter != Jitter::None || chances.iter().any(|chance| *chance > 0.0))
 }
+
+/// Whether every packet arrives, in order and all equally late, each direction by itself.
+pub(super) fn is_constant(scene: &Scene) -> bool {
+    let network = &scene.world.network;
+    let changes = [network.delay_step_s, network.bandwidth_bit_per_s, network.clock_drift_ppm];
+    !is_random(scene)
+        && scene.network_trace.is_none()
+        && network.reverse_block_packets <= 1
+        && changes.iter().all(|change| *change == 0.0)
+}

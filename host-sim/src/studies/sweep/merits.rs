@@ -46,7 +46,7 @@ macro_rules! merits {
 }
 
 /// All of them. What is told of a run in which the copies came apart, too, is `whole`; the others are of stable runs alone.
-pub const MERITS: [Merit; 10] = merits! {
+pub const MERITS: [Merit; 12] = merits! {
     "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.true_discrepancy_mm);
     "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.whole(|o| o.largest_true_discrepancy_mm);
     "true_discrepancy" "mm_per_n" false "mean of |x_o1 - x_o2| over that of the contact force, over the last half" |o| {
@@ -61,4 +61,6 @@ pub const MERITS: [Merit; 10] = merits! {
     "peer_energy_out_over_in" "" false "energy that the worse peer's coordination gave over what it took" |o| {
         o.whole(Outcome::peer_energy_out_over_in).flatten()
     };
+    "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.whole(|o| o.packets_per_s);
+    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.whole(Outcome::bytes_per_s);
 };

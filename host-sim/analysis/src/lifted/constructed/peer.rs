@@ -6,6 +6,7 @@
 //! implicit decode and the midpoint rule's one solve are written here (core solves them by hand). Equations: THEORY §2, §7.
 
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::names::FixtureName;
 use haptic_core::object::IntegratorName;
 
 use super::hold::{Held, exponential};
@@ -92,6 +93,9 @@ use State::{
 impl Peer {
     /// Peer `index` of the scene, or `None` where its models are not known here.
     pub(super) fn new(scene: &Scene, index: usize) -> Option<Self> {
+        if scene.peers()[index].fixture.kind != FixtureName::None {
+            return None;
+        }
         let comm = scene.peer.coordination.comm;
         let (wave, sends) = match comm {
             "power" => (false, vec![ObjectPosition, ObjectVelocity]),
@@ -135,7 +139,7 @@ impl Peer {
         };
         peer.device(scene, index);
         peer.object(scene)?;
-        peer.velocity(scene);
+        peer.velocity(scene, index);
         match comm {
             "power" => peer.power(scene),
             "none" => {}
@@ -169,7 +173,7 @@ impl Peer {
     }
 
     fn device(&mut self, scene: &Scene, index: usize) {
-        let (device, arm) = (&scene.world.device, &scene.users[index].settings.user);
+        let (device, arm) = (&scene.devices()[index], &scene.users[index].settings.user);
         let held = Held::exact(
             device.mass_kg + arm.arm_mass_kg,
             device.damping_n_s_per_m + arm.arm_damping_n_s_per_m,
@@ -231,8 +235,8 @@ impl Peer {
     }
 
     /// F_LC = K_LC·(x_h − x_o) + B_LC·(ẋ_h − ẋ_o), with ẋ_h as the estimator gives it.
-    fn velocity(&mut self, scene: &Scene) {
-        let (contact, period) = (&scene.peer.contact, scene.peer.timing.control_period_s);
+    fn velocity(&mut self, scene: &Scene, index: usize) {
+        let (contact, period) = (&scene.peers()[index].contact, scene.peer.timing.control_period_s);
         let (k, b) = (contact.stiffness_n_per_m, contact.damping_n_s_per_m);
         let estimate: Vec<(State, f64)> = match scene.peer.axis.velocity {
             VelocityName::Difference => vec![(DevicePosition, 1.0 / period), (LastReading, -1.0 / period)],

@@ -4,7 +4,7 @@
 
 use haptic_core::device::probe::End;
 use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::settings::{Settings, Value};
+use haptic_core::settings::{Choice, Settings, Value};
 use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
 
 use crate::board::status::Probed;
@@ -122,12 +122,12 @@ impl Joint {
         let counts_per_unit = match kinematics.model {
             KinematicsName::Direct => encoder.counts_per_m,
             KinematicsName::Capstan => encoder.counts_per_rev / std::f64::consts::TAU,
-            KinematicsName::FiveBar => {
-                return Err(
-                    "kinematics.model = \"five-bar\" is not allowed here: what one joint moves depends on the \
-                            pose; `calibrate sign` works, the rest is for \"direct\" and \"capstan\""
-                        .to_owned(),
-                );
+            model @ (KinematicsName::FiveBar | KinematicsName::Arm) => {
+                return Err(format!(
+                    "kinematics.model = \"{}\" is not allowed here: what one joint moves depends on the pose; `calibrate sign` \
+                     works, the rest is for \"direct\" and \"capstan\"",
+                    model.name()
+                ));
             }
         };
         let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings)

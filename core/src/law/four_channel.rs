@@ -1,0 +1,150 @@
+//! Four channels: position and force both ways, the reference of transparency where there is no delay (Lawrence 1993).
+//!
+//! Beside its motion a peer sends what its own hand pushes on its copy with, F_LC of the newest tick, as the packet's wave field (N).
+//! With C = K_T + B_T·s (the paper's C₁ and −C₄), λ = C₂ = C₃ on the force of the other hand and μ = C₅ = C₆ on the own one,
+//!
+//! > F_T1 = C·(x_2 − x_1) + λ·F_LC2 + μ·F_LC1   and the same with 1 and 2 exchanged, so that for b_O = 0
+//! > m_O·s²·x_1 = (1 + μ)·F_LC1 + λ·F_LC2 + C·(x_2 − x_1).
+//!
+//! The difference of both copies is (m_O·s² + 2C)·(x_1 − x_2) = (1 + μ − λ)·(F_LC1 − F_LC2): **with λ = 1 + μ nothing drives it** and x_1 = x_2
+//! whatever K_T is and the hands do; else they part by (1 + μ − λ)·ΔF_LC/(2K_T). The sum is m_O·s²·x = λ·(F_LC1 + F_LC2). In Hannaford's hybrid matrix,
+//! \[F_LC1; −ẋ_2\] = H·\[ẋ_1; −F_LC2\],
+//!
+//! > h11 = m_O·s/λ,   h12 = 1,   h21 = −1,   h22 = 0:
+//!
+//! a hand feels m_O·s/λ and the impedance of the other hand. The shared object is there once, where most laws make it weigh 2·m_O; more local feedback μ
+//! makes it lighter still. Lawrence's accelerations (the mass in C₁ and C₄), which would take the last m_O away, are left out: here m_O is the object
+//! that is meant to be felt, and each peer's acceleration would need the other's of the same instant.
+//!
+//! **Promises** nothing: positions are sent, so that nothing drifts while it is stable, but a push that comes back late makes energy, the more the larger λ is.
+//! What arrives does work on the copy at once and is booked as energy from the network.
+//!
+//! Where the copy is moved by ports its contact is solved together with the law, which learns F_LC from how the copy moved,
+//! F_LC = (2m_O/T_c)·(v − ẋ_o) + b_O·v − F_T, in time for what is sent; its own hand it then feeds back a tick late.
+
+use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use crate::num::{Motion, Scalar, StateVector};
+use crate::object::Port;
+use crate::settings::{Key, Refused, Settings};
+
+const REMOTE: Key = Key::number(
+    "four_channel.remote_force",
+    1.0,
+    [0.0, 5.0],
+    "",
+    "Four channels: how much of the other hand's force acts on the copy; transparent at 1 + local_force.",
+);
+const LOCAL: Key = Key::number(
+    "four_channel.local_force",
+    0.0,
+    [-0.9, 4.0],
+    "",
+    "Four channels: how much more of the own hand's force acts on the copy (local force feedback).",
+);
+
+/// A spring to where the other copy is, and the forces of both hands.
+#[derive(Clone, Copy, Debug)]
+pub struct FourChannel<S> {
+    spring: Spring<S>,
+    /// λ.
+    remote: S,
+    /// μ.
+    local: S,
+    /// 2m_O/T_c, N·s/m.
+    inertia: S,
+    /// b_O, N·s/m.
+    damping: S,
+}
+
+/// What the other peer said, and what is to be said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FourChannelState<S> {
+    /// x_d, ẋ_d.
+    desired: Motion<S>,
+    /// The other hand's force on its copy, N.
+    remote_force: S,
+    /// The own hand's, of the newest tick that is known, N.
+    own_force: S,
+}
+
+impl<S> StateVector<S> for FourChannelState<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.desired.visit(each);
+        each(&mut self.remote_force);
+        each(&mut self.own_force);
+    }
+}
+
+impl<S: Scalar> FourChannel<S> {
+    /// λ·F_LC of the other hand and μ·F_LC of the own, N.
+    #[inline]
+    fn hands(&self, state: &FourChannelState<S>) -> S {
+        self.remote * state.remote_force + self.local * state.own_force
+    }
+
+    /// The spring's power comes in where the other copy moves, the other hand's where this one does (m/s).
+    #[inline]
+    fn coupled(&self, state: &FourChannelState<S>, spring: S, hands: S, velocity: S) -> Coupled<S> {
+        let power = spring * state.desired.velocity + self.remote * state.remote_force * velocity;
+        Coupled::of_power(state.desired, spring + hands, power)
+    }
+}
+
+impl<S: Scalar> Law<S> for FourChannel<S> {
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "four-channel",
+        sends: Sends::Motion,
+        keys: &[REMOTE, LOCAL],
+        // Transparent at 1, without delay; at 8 ms each way stable to some 0.4.
+        gains: &["coordination.stiffness_n_per_m=310", "four_channel.remote_force=0.3"],
+        source: "Lawrence 1993, transparency-optimised law (C2 = 1 + C6, C3 = 1 + C5, C4 = -C1), without accelerations",
+        promises: &[],
+    }];
+    type State = FourChannelState<S>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let object = &settings.object;
+        Ok(Self {
+            spring: Spring::build(settings),
+            remote: S::from_f64(settings.own(&REMOTE)),
+            local: S::from_f64(settings.own(&LOCAL)),
+            inertia: S::from_f64(2.0 * object.mass_kg / settings.timing.control_period_s),
+            damping: S::from_f64(object.damping_n_s_per_m),
+        })
+    }
+
+    fn start(&self, local: Motion<S>) -> FourChannelState<S> {
+        FourChannelState { desired: local, ..FourChannelState::default() }
+    }
+
+    fn receive(&self, state: &mut FourChannelState<S>, packet: Packet<S>) {
+        (state.desired, state.remote_force) = (packet.motion, packet.wave);
+    }
+
+    #[inline]
+    fn couple(&self, state: &mut FourChannelState<S>, seen: &Seen<S>) -> Coupled<S> {
+        state.own_force = seen.contact_force;
+        let spring = self.spring.force(state.desired, seen.local);
+        self.coupled(state, spring, self.hands(state), seen.local.velocity)
+    }
+
+    #[inline]
+    fn couple_as_port(
+        &self,
+        state: &mut FourChannelState<S>,
+        seen: &Seen<S>,
+        solve: impl FnOnce(Port<S>) -> S,
+    ) -> Coupled<S> {
+        let (spring, hands) = (self.spring.port(state.desired, seen.local), self.hands(state));
+        let velocity = solve(spring + Port::of_force(hands));
+        let coupled = self.coupled(state, spring.at(velocity), hands, velocity);
+        let inert = self.inertia * (velocity - seen.local.velocity) + self.damping * velocity;
+        state.own_force = inert - coupled.force;
+        coupled
+    }
+
+    fn send(&self, state: &FourChannelState<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, wave: state.own_force, ..Packet::default() }
+    }
+}

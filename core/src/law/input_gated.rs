@@ -1,0 +1,131 @@
+//! Input-gated power: the force that packets ask for acts as far as what the copy has given to this end before pays for it, tick by tick
+//! (the one-port passivity observer and controller of Hannaford & Ryu 2002, which sends nothing beside the motion).
+//!
+//! The **observer** keeps what the coordination may still give to its own copy, exact by the midpoint rule (v: the copy's mean velocity):
+//!
+//! > W ← W − T_c·F_T·v,   W = E₀ when it begins (`coordination.tank_j`).
+//!
+//! The **controller** stands before the spring. As a port the power-domain law is F_T = f − κ·v, κ = K_T·T_c/2 + B_T, and gives the copy no more than
+//! T_c·f²/(4κ) in a tick, at whatever v. So the gate lets through
+//!
+//! > F_T = g·f − κ·v,   g = min(1, √(4κ·W/T_c)/|f|),
+//!
+//! and **W ≥ 0 at every tick, whatever the packets say and the hand does**. What takes power out fills the account, up to [`CAP_J`]; an empty one leaves
+//! the damper κ, which fills it again as soon as the copy moves. Hannaford and Ryu's controller adds the damping that makes good in a tick what the
+//! observer found to be missing; here a tick's worst is known before it is spent, so that nothing need be made good.
+//!
+//! **What holds**: each end is passive by itself, ∫F_T·ẋ_o dt ≤ E₀, on any network and beside any other peer, an untrue one included. **What it costs**: energy does not
+//! cross. A copy that nobody holds is drawn along for as long as its account lasts; who pushes one copy moves the other by no more than was stored there. Laws
+//! that send energy along (a ledger, a tank) do not pay that. Not promised: that drift is made good. Needs `object.integrator = "midpoint"`.
+
+use super::tank::{CAP_J, START, needs_midpoint};
+use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use crate::num::{Motion, Scalar, StateVector};
+use crate::object::Port;
+use crate::settings::{Refused, Settings};
+
+/// A virtual coupling behind a gate.
+#[derive(Clone, Copy, Debug)]
+pub struct InputGated<S> {
+    spring: Spring<S>,
+    /// 4κ/T_c, N²/J.
+    budget: S,
+    start: S,
+    most: S,
+    period: S,
+}
+
+/// What was received, and what may be given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InputGatedState<S> {
+    /// x_d, ẋ_d.
+    desired: Motion<S>,
+    /// W, J, never negative.
+    account: S,
+}
+
+impl<S: Scalar> InputGatedState<S> {
+    /// W, J.
+    pub fn account_j(&self) -> S {
+        self.account
+    }
+}
+
+/// What was received; the account is a constant of a linear law.
+impl<S> StateVector<S> for InputGatedState<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.desired.visit(each);
+    }
+}
+
+impl<S: Scalar> Law<S> for InputGated<S> {
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "input-gated",
+        sends: Sends::Motion,
+        keys: &[START],
+        gains: &[
+            "coordination.stiffness_n_per_m=1590",
+            "coordination.decode=implicit",
+            "object.integrator=midpoint",
+            "object.force_delay_ticks=0",
+        ],
+        source: "Hannaford & Ryu 2002, one-port passivity observer and controller",
+        promises: &[Promise::Passive],
+    }];
+    type State = InputGatedState<S>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        needs_midpoint(settings)?;
+        let (energy, period) = (settings.own(&START), settings.timing.control_period_s);
+        Ok(Self {
+            spring: Spring::build(settings),
+            budget: S::from_f64(4.0 * Spring::<S>::impedance(settings) / period),
+            start: S::from_f64(energy),
+            most: S::from_f64(energy.max(CAP_J)),
+            period: S::from_f64(period),
+        })
+    }
+
+    fn start(&self, local: Motion<S>) -> InputGatedState<S> {
+        InputGatedState { desired: local, account: self.start }
+    }
+
+    fn restart(&self, state: &mut InputGatedState<S>, local: Motion<S>) {
+        // What was spent stays spent.
+        state.desired = local;
+    }
+
+    fn receive(&self, state: &mut InputGatedState<S>, packet: Packet<S>) {
+        state.desired = packet.motion;
+    }
+
+    /// No force: where nothing is solved, [`InputGated::build`] refuses.
+    fn couple(&self, _: &mut InputGatedState<S>, seen: &Seen<S>) -> Coupled<S> {
+        Coupled { desired: seen.local, ..Coupled::default() }
+    }
+
+    #[inline]
+    fn couple_as_port(
+        &self,
+        state: &mut InputGatedState<S>,
+        seen: &Seen<S>,
+        solve: impl FnOnce(Port<S>) -> S,
+    ) -> Coupled<S> {
+        let open = self.spring.port(state.desired, seen.local);
+        let (worst, covered) = (open.force * open.force, self.budget * state.account);
+        // Written so that no number is no force.
+        let force = if worst <= covered { open.force } else { open.force.limit(covered.sqrt()) };
+        let port = Port { force, ..open };
+        let velocity = solve(port);
+        let force = port.at(velocity);
+        let given = self.period * force * velocity;
+        state.account = (state.account - given).max(S::ZERO).min(self.most);
+        // No energy crosses the line.
+        Coupled { desired: state.desired, force, ..Coupled::default() }
+    }
+
+    fn send(&self, _: &InputGatedState<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, ..Packet::default() }
+    }
+}

@@ -1,0 +1,139 @@
+//! Power-domain coordination under time-domain passivity control (Ryu, Artigas & Preusche 2010, "A passive bilateral control scheme for a
+//! teleoperator with time-varying communication delay", Mechatronics 20; Artigas, Ryu & Preusche 2010 for position against position; drift:
+//! Artigas, Ryu, Preusche & Hirzinger 2011, Chawda, Ott & O'Malley).
+//!
+//! The spring K_T between the copies is two springs of 2K_T in a row, and x_m, where they meet, is the network's port: each end holds its
+//! own half, 2K_T·(x_m − x_o), which is the force K_T·(x_d − x_o) where x_m is the middle of the copies. At rest within a tick, x_m moves
+//! between two of them toward the middle, ½(x_o + x_d), x_d of the newest packet, by Δ. That costs
+//!
+//! > ΔV = K_T·((s + Δ)² − s²),   s = x_m − x_o
+//!
+//! - **Observer**: a cost below 0 is energy that this end absorbs; it goes into what the packets say was absorbed, E_in. A cost above 0 is
+//!   what the end emits, E_out. W = E_in of the other end, as far as it is known, less E_out of this one, from the tank's start on.
+//! - **Controller**, of the admittance type: x_m moves so far that W stays at or above 0, and no farther. What would be made is not, to the
+//!   tick, for the cost is known before it is spent.
+//! - **Drift**: what x_m was held back by is not forgotten, for it goes to a position; it moves on as soon as W allows.
+//!
+//! The damper, F_B = B_T·(ẋ_d − v), is held back the same way: ẋ_d is not above what W pays for at any v (T_c·B_T·ẋ_d²/4 ≤ W), and W loses
+//! T_c·F_B·v, or gains what the damper took from the copy. At no delay nothing is held back: what one end emits the other absorbs.
+//!
+//! **What holds**: on any network both copies together get no more from the coordination than both tanks had at first; what is in the halves
+//! of the spring is counted. No drift as long as W is above 0 when the network has recovered; it is, unless dampers of the
+//! object, contacts or hands have taken all there was: then x_m waits for the next energy that anybody puts in.
+
+use super::tank::{START, Tank, Tanks};
+use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
+use crate::num::{Motion, Scalar, StateVector};
+use crate::object::port::{Port, met_midway};
+use crate::settings::{Refused, Settings};
+
+/// Half of a spring, whose far end is moved by what was heard to be absorbed.
+#[derive(Clone, Copy, Debug)]
+pub struct PassivityControl<S: Scalar> {
+    tanks: Tanks<S::Counter>,
+    /// 2K_T, N/m.
+    stiffness: S::Counter,
+    /// B_T, N·s/m.
+    damping: S::Counter,
+    /// √(4/(T_c·B_T)), m/s for each √J; 0 without damping.
+    fastest: S::Counter,
+    /// 2K_T·T_c/2 + B_T, N·s/m.
+    impedance: S,
+}
+
+/// State of one end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassivityControlState<S: Scalar> {
+    /// x_d and ẋ_d as received.
+    remote: Motion<S>,
+    /// x_m, m.
+    middle: S::Counter,
+    /// W.
+    tank: Tank<S::Counter>,
+}
+
+impl<S: Scalar> StateVector<S> for PassivityControlState<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.remote.visit(each);
+    }
+}
+
+impl<S: Scalar> Law<S> for PassivityControl<S> {
+    const KINDS: &'static [Kind] = &[Kind {
+        name: "passivity-control",
+        sends: Sends::Motion,
+        keys: &[START],
+        gains: &["coordination.stiffness_n_per_m=1000", "object.integrator=midpoint"],
+        source: "Ryu, Artigas & Preusche 2010",
+        promises: &[Promise::Passive, Promise::NoDrift],
+    }];
+    type State = PassivityControlState<S>;
+
+    fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+        let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
+        let (stiffness, damping) = (2.0 * coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
+        let fastest = if damping > 0.0 { libm::sqrt(4.0 / (period * damping)) } else { 0.0 };
+        Ok(Self {
+            tanks: Tanks::build(settings, &START)?,
+            stiffness: S::Counter::from_f64(stiffness),
+            damping: S::Counter::from_f64(damping),
+            fastest: S::Counter::from_f64(fastest),
+            impedance: S::from_f64(met_midway(stiffness, damping, settings)),
+        })
+    }
+
+    fn start(&self, local: Motion<S>) -> PassivityControlState<S> {
+        PassivityControlState { remote: local, middle: local.position.to_counter(), tank: self.tanks.start() }
+    }
+
+    fn restart(&self, state: &mut PassivityControlState<S>, local: Motion<S>) {
+        *state = PassivityControlState { tank: self.tanks.restart(&state.tank), ..self.start(local) };
+    }
+
+    fn receive(&self, state: &mut PassivityControlState<S>, packet: Packet<S>) {
+        state.remote = packet.motion;
+        state.tank.receive(&packet);
+    }
+
+    /// No force: where nothing is solved, [`PassivityControl::build`] refuses.
+    fn couple(&self, _: &mut PassivityControlState<S>, seen: &Seen<S>) -> Coupled<S> {
+        Coupled { desired: seen.local, ..Coupled::default() }
+    }
+
+    fn couple_as_port(
+        &self,
+        state: &mut PassivityControlState<S>,
+        seen: &Seen<S>,
+        solve: impl FnOnce(Port<S>) -> S,
+    ) -> Coupled<S> {
+        let period = self.tanks.period_s;
+        let power_in = self.tanks.fill(&mut state.tank);
+        let local = seen.local.position.to_counter();
+        let wanted = self.tanks.half * (state.remote.position.to_counter() - local);
+        let before = state.tank.level_j;
+        let (stretch, cost) = self.tanks.stretch(&mut state.tank, self.stiffness, state.middle - local, wanted);
+        state.middle = local + stretch;
+        let mut absorbed = S::Counter::ZERO;
+        if cost < S::Counter::ZERO {
+            // That is the other end's to spend.
+            (state.tank.level_j, absorbed) = (before, -cost);
+        }
+        let carried = state.remote.velocity.to_counter().limit(self.fastest * state.tank.level_j.sqrt());
+        let port =
+            Port { force: S::of_counter(self.stiffness * stretch + self.damping * carried), impedance: self.impedance };
+        let mean = solve(port);
+        let velocity = mean.to_counter();
+        self.tanks.settle(&mut state.tank, period * self.damping * (velocity - carried) * velocity);
+        Coupled {
+            desired: Motion { position: S::of_counter(local + stretch + stretch), velocity: S::of_counter(carried) },
+            force: port.at(mean),
+            power_in: S::of_counter(power_in),
+            power_out: S::of_counter(absorbed.over(period)),
+        }
+    }
+
+    fn send(&self, _: &PassivityControlState<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, ..Packet::default() }
+    }
+}

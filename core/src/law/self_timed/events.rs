@@ -1,0 +1,96 @@
+//! Which packets of a self-timed line are worth sending, where silence is allowed ([`event`]).
+//!
+//! The line takes any schedule of packets: each brings all that was sent before it, and the receiver emits the mean of what is
+//! outstanding, so no schedule makes energy or drift. What silence costs is spare samples, one a tick, and an end without samples
+//! stands. So N = [`TOGETHER`] samples go in one packet; of the [`super::incoming`] margin of 8 spare samples silence uses up as many,
+//! and each beyond them makes the line a tick longer. A packet is worth sending when
+//!
+//! - N samples have not been told, and the line is in motion: either wave is more than a tenth of θ; or
+//! - the wave has changed by more than θ = [`THRESHOLD`] since the mean of those that the last packet brought: a jolt is not smoothed
+//!   over N ticks.
+//!
+//! At rest nothing is worth a packet until [`event::LONGEST`] is over; the ends stand where they are.
+//!
+//! Repeating the last sample through silence instead (`coordination.run_ahead_ticks`) needs a starting energy: paid from what averaging
+//! has saved alone it runs dry, and what came out ahead can then not be taken back (the copies of two hands that push 1 N drift apart by
+//! 90 mm in 20 s).
+
+use crate::law::event;
+use crate::num::Scalar;
+use crate::settings::{Key, Settings};
+
+pub(super) const THRESHOLD: Key = Key::number(
+    "event.threshold_root_w",
+    0.2,
+    [0.001, 100.0],
+    "√W",
+    "Self-timed line, where it may keep silent: change θ of the outgoing wave that is worth a packet; below θ/10 the line is at rest.",
+);
+pub(super) const TOGETHER: Key = Key::whole(
+    "event.together_ticks",
+    9,
+    [1, 1000],
+    "ticks",
+    "Self-timed line, where it may keep silent: samples that go in one packet while the line is in motion.",
+);
+
+/// Share of θ below which the line is at rest.
+const REST: f64 = 0.1;
+
+/// When to speak.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Events<C> {
+    threshold: C,
+    rest: C,
+    together: u32,
+    /// 1/T_c, 1/s.
+    rate: C,
+}
+
+/// What the other end knows, if everything arrives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Told<C> {
+    /// The counters of the newest packet.
+    integral: C,
+    live: u32,
+    /// The mean of the samples that it added, √W.
+    mean: C,
+    /// The newest sample of all, √W.
+    pub(super) newest: C,
+}
+
+impl<C: Scalar> Events<C> {
+    /// Only where silence is allowed.
+    pub(super) fn build(settings: &Settings) -> Option<Self> {
+        let threshold = settings.own(&THRESHOLD);
+        (settings.own(&event::LONGEST) > 0.0).then(|| Self {
+            threshold: C::from_f64(threshold),
+            rest: C::from_f64(REST * threshold),
+            together: (settings.own(&TOGETHER) as u32).max(settings.timing.ticks_per_packet),
+            rate: C::from_f64(1.0 / settings.timing.control_period_s),
+        })
+    }
+
+    /// Samples that go in one packet, beyond so many.
+    pub(super) fn beyond(&self, spare: u32) -> u32 {
+        self.together.saturating_sub(spare)
+    }
+
+    /// Whether a packet that says so many live ticks is worth sending; `taken` is the wave that came in last, √W.
+    pub(super) fn is_worth(&self, told: &Told<C>, taken: C, live: u32) -> bool {
+        match live.wrapping_sub(told.live) {
+            0 => false,
+            untold if untold >= self.together => told.newest.abs() > self.rest || taken.abs() > self.rest,
+            _ => (told.newest - told.mean).abs() > self.threshold,
+        }
+    }
+
+    /// A packet with these counters goes out.
+    pub(super) fn told(&self, told: &mut Told<C>, integral: C, live: u32) {
+        let samples = live.wrapping_sub(told.live).cast_signed();
+        if samples > 0 {
+            told.mean = ((integral - told.integral) * self.rate).over(C::from_i32(samples));
+        }
+        (told.integral, told.live) = (integral, live);
+    }
+}

@@ -1,0 +1,107 @@
+//! A virtual fixture (Rosenberg 1993): a guide that draws the shared object to a place, or a wall that it may not pass.
+//!
+//! One more port on the copy, solved with all others ([`super::midpoint`]), felt by whoever holds the object and by the other peer.
+//!
+//! **Guide**: a spring and a damper, f = K·(x_f − x_o), z = K·T_c/2 + B: what it stores is ½K·(x_o − x_f)², to rounding.
+//!
+//! **Forbidden**: with d how far the copy is past the wall and v how fast it goes on, the wall pushes back by
+//!
+//! > F = K·(d + T_c·v/2) + B·v   from d > 0,   F = ½K·(d + T_c·v)   from d ≤ 0,   each only where that is a push.
+//!
+//! It stores ½K·max(0, d)². From inside, the first is the midpoint of the spring, and F ≥ 0 gives back no more than is stored. A
+//! copy that crosses within a tick, from d₀ ≤ 0 to d₁ > 0, works ½K·d₁·(d₁ − d₀) ≥ ½K·d₁² against the second: at least what is stored
+//! then. So the wall makes no energy, at any stiffness and any speed.
+
+use crate::names::FixtureName;
+use crate::num::{Motion, Scalar};
+use crate::object::port::{Port, met_midway};
+use crate::settings::{Allowed, Refused, Settings};
+
+/// A guide or a wall at a place of the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixture<S> {
+    /// Toward the place that is forbidden: 1, −1, or 0 for a guide.
+    beyond: S,
+    position: S,
+    stiffness: S,
+    /// K·T_c/2 + B, N·s/m.
+    impedance: S,
+    half_stiffness: S,
+    /// ½K·T_c, N·s/m.
+    entering: S,
+}
+
+/// What pushes, and its sign tells which way alone it may; 0: both ways.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pushes<S> {
+    /// What pushes the copy.
+    pub port: Port<S>,
+    /// Which way alone.
+    pub toward: S,
+}
+
+impl<S: Scalar> Pushes<S> {
+    /// Whether this is how it pushes on a copy of this mean velocity, m/s; and, of a push that was left out, whether it would not.
+    #[inline]
+    fn fits(self, included: bool, velocity: S) -> bool {
+        let force = self.port.at(velocity) * self.toward;
+        if included { force >= S::ZERO } else { self.toward != S::ZERO && force <= S::ZERO }
+    }
+}
+
+impl<S: Scalar> Fixture<S> {
+    /// From the table `fixture`; nothing where there is none.
+    ///
+    /// # Errors
+    /// The copy is not moved by ports.
+    pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
+        let fixture = &settings.fixture;
+        let beyond = match fixture.kind {
+            FixtureName::None => return Ok(None),
+            FixtureName::Guide => 0.0,
+            FixtureName::ForbiddenAbove => 1.0,
+            FixtureName::ForbiddenBelow => -1.0,
+        };
+        if settings.object.integrator != crate::names::IntegratorName::Midpoint {
+            let only =
+                Allowed::Only("\"none\" unless object.integrator is \"midpoint\": it is solved for with the object");
+            return Err(settings.refuses("fixture.kind", only));
+        }
+        let (stiffness, period) = (fixture.stiffness_n_per_m, settings.timing.control_period_s);
+        Ok(Some(Self {
+            beyond: S::from_f64(beyond),
+            position: S::from_f64(fixture.position_m),
+            stiffness: S::from_f64(stiffness),
+            impedance: S::from_f64(met_midway(stiffness, fixture.damping_n_s_per_m, settings)),
+            half_stiffness: S::from_f64(0.5 * stiffness),
+            entering: S::from_f64(0.5 * period * stiffness),
+        }))
+    }
+
+    /// What it does to a copy that begins a tick like this.
+    pub fn pushes(&self, object: Motion<S>) -> Pushes<S> {
+        let away = self.position - object.position;
+        let from_inside =
+            Pushes { port: Port { force: self.stiffness * away, impedance: self.impedance }, toward: -self.beyond };
+        if self.beyond * away < S::ZERO || self.beyond == S::ZERO {
+            from_inside
+        } else {
+            Pushes { port: Port { force: self.half_stiffness * away, impedance: self.entering }, ..from_inside }
+        }
+    }
+}
+
+/// Finds the mean velocity of a copy that two things push of which either may be one that only pushes: `solve` gives it for the ports
+/// that act, and is last asked for those that do. There is one such choice, for each force falls with the velocity. The force of the first, N.
+pub fn solve_both<S: Scalar>(first: Pushes<S>, second: Pushes<S>, mut solve: impl FnMut(Port<S>) -> S) -> S {
+    for (one, two) in [(true, true), (true, false), (false, true)] {
+        let [of_first, of_second] =
+            [(first, one), (second, two)].map(|(pushes, acts)| if acts { pushes.port } else { Port::default() });
+        let velocity = solve(of_first + of_second);
+        if first.fits(one, velocity) && second.fits(two, velocity) {
+            return of_first.at(velocity);
+        }
+    }
+    solve(Port::default());
+    S::ZERO
+}

@@ -1,0 +1,175 @@
+//! One shared axis: the local copy of the object along it, what pushes that copy, and the law that holds it to the other peer's.
+//!
+//! Axes know nothing of each other: a law, an integrator and a way of contact are scalar, and each axis has a state of its own of each.
+
+use crate::contact::{AnyRendering, Strikes};
+use crate::law::ledger::Ledger;
+use crate::law::{Coupled, Law, Packet, Seen};
+use crate::num::{Motion, Scalar, StateVector};
+use crate::object::fixture::{self, Fixture, Pushes};
+use crate::object::{AnyIntegrator, Port};
+
+/// What a tick saw and did along one shared axis, for telemetry, reports and tests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observed<S> {
+    /// Device motion x_h.
+    pub device: Motion<S>,
+    /// The local copy x_o as the forces of this tick saw it.
+    pub object: Motion<S>,
+    /// The decoded remote copy x_d as F_T of this tick used it.
+    pub desired: Motion<S>,
+    /// F_LC on the object, N.
+    pub contact_force: S,
+    /// F_T on the object, N.
+    pub coordination_force: S,
+}
+
+/// The local copy along one axis.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
+    pub(super) coordination: L::State,
+    pub(super) object: Motion<S>,
+    pub(super) observed: Observed<S>,
+    pub(super) ledger: Ledger<S>,
+    /// The packet that stands.
+    pub(super) standing: Packet<S>,
+    integrator: AnyIntegrator<S>,
+    pub(super) strikes: Strikes<S>,
+}
+
+/// What is the same for all axes in a tick.
+pub(super) struct Tick<'a, S: Scalar, L> {
+    pub(super) law: &'a L,
+    pub(super) contact: &'a AnyRendering<S>,
+    pub(super) fixture: Option<Fixture<S>>,
+    /// The coordination acts.
+    pub(super) engaged: bool,
+    pub(super) age_ticks: u32,
+    /// T_c, s.
+    pub(super) period_s: S,
+}
+
+impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
+    /// At rest, clear of a device at `position` (m).
+    pub(super) fn new(law: &L, contact: &AnyRendering<S>, integrator: AnyIntegrator<S>, position: S) -> Self {
+        let object = Motion::at(contact.clear_of(position));
+        Self {
+            coordination: law.start(object),
+            object,
+            observed: Observed::default(),
+            ledger: Ledger::default(),
+            standing: Packet::default(),
+            integrator,
+            strikes: Strikes::default(),
+        }
+    }
+
+    /// The same for one that has been in use.
+    pub(super) fn engage(&mut self, law: &L, contact: &AnyRendering<S>, position: S) {
+        self.object = Motion::at(contact.clear_of(position));
+        self.strikes = Strikes::default();
+        self.integrator.rest();
+        self.coordination = law.start(self.object);
+        self.ledger = Ledger::default();
+        self.standing = Packet::default();
+    }
+
+    /// Nothing is rendered, with the device here.
+    pub(super) fn rest(&mut self, device: Motion<S>) {
+        let object = Motion::at(self.object.position);
+        self.observed = Observed { device, object, desired: object, ..Observed::default() };
+    }
+
+    /// What would be sent now.
+    pub(super) fn outgoing(&self, law: &L, engaged: bool) -> Packet<S> {
+        let mut packet =
+            Packet { energy_j: self.ledger.sent_j().to_counter(), ..law.send(&self.coordination, self.object) };
+        let finite = packet.is_finite();
+        if !(engaged && finite) {
+            // At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
+            (packet.motion, packet.wave) = (Motion::at(self.object.position), S::ZERO);
+            if !finite {
+                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (S::Counter::ZERO, S::Counter::ZERO, 0);
+            }
+        }
+        packet
+    }
+
+    /// Gives the law the packet that stands, of which this share still counts.
+    pub(super) fn fade(&mut self, law: &L, share: S) {
+        let packet = if share == S::ONE { self.standing } else { law.fade(share, self.standing, self.object) };
+        law.receive(&mut self.coordination, packet);
+    }
+
+    /// Contact, coordination and the copy's motion through one tick: in stages, as the papers have it, or in one solve. The force on
+    /// the copy whose reaction the device feels, N; none if it left the range of numbers. `PLAIN`: there is no fixture.
+    #[inline(always)]
+    pub(super) fn advance<const PLAIN: bool>(
+        &mut self,
+        tick: &Tick<'_, S, L>,
+        device: Motion<S>,
+        commanded: S,
+    ) -> Option<S> {
+        let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
+        let uncoupled = |object| Coupled { desired: object, ..Coupled::default() };
+        let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+            let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
+            let seen = Seen { local: object, contact_force: self.observed.contact_force, age_ticks };
+            let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
+            let mut solve = |coordination: Port<S>| {
+                if let Some(fixture) = fixture.filter(|_| !PLAIN) {
+                    let contact = Pushes { port: press.port, toward: press.toward };
+                    contact_force = fixture::solve_both(contact, fixture.pushes(object), |ports| {
+                        half_change = midpoint.half_change(object.velocity, ports + coordination);
+                        object.velocity + half_change
+                    });
+                    return object.velocity + half_change;
+                }
+                half_change = midpoint.half_change(object.velocity, press.port + coordination);
+                contact_force = press.port.at(object.velocity + half_change);
+                if contact_force * press.toward < S::ZERO {
+                    // What can only push does not pull.
+                    contact_force = S::ZERO;
+                    half_change = midpoint.half_change(object.velocity, coordination);
+                }
+                object.velocity + half_change
+            };
+            let coupled = if engaged {
+                law.couple_as_port(&mut self.coordination, &seen, solve)
+            } else {
+                solve(Port::default());
+                uncoupled(object)
+            };
+            (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
+        } else {
+            let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
+            let seen = Seen { local: object, contact_force: touch.felt, age_ticks };
+            let coupled = if engaged { law.couple(&mut self.coordination, &seen) } else { uncoupled(object) };
+            (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
+        };
+        self.ledger.book(&coupled, period_s);
+        self.observed = Observed {
+            device,
+            object,
+            desired: coupled.desired,
+            contact_force: felt,
+            coordination_force: coupled.force,
+        };
+        if !(next.is_finite() && coupled.is_finite()) {
+            return None;
+        }
+        self.object = next;
+        Some(felt)
+    }
+}
+
+/// Object, integrator and coordination law, in this order.
+impl<S: Scalar, L: Law<S>> StateVector<S> for SharedAxis<S, L> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        self.object.visit(each);
+        self.integrator.visit(each);
+        self.coordination.visit(each);
+    }
+}

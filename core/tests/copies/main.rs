@@ -1,0 +1,129 @@
+//! Two copies that a law holds together, hands and packets prescribed: each law's own promise, and numbers of the paper it comes from.
+
+mod average_position;
+mod four_channel;
+mod input_gated;
+mod model_mediated;
+mod remote_dynamic_proxy;
+
+use std::collections::VecDeque;
+
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::wave::Decode;
+use haptic_core::law::{AnyLaw, Packet};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::IntegratorName;
+use haptic_core::peer::{Observed, Peer, Sensors};
+use haptic_core::safety::Command;
+use haptic_core::schema::Schema;
+use haptic_core::settings::{Settings, Value};
+
+/// T_c, s.
+const PERIOD: f64 = 0.001;
+
+/// A packet each tick and the copy moved by ports, with these keys.
+fn settings(law: &'static str, keys: &[(&str, f64)]) -> Settings {
+    let mut settings = Settings::default();
+    settings.timing.ticks_per_packet = 1;
+    settings.object.integrator = IntegratorName::Midpoint;
+    settings.object.force_delay_ticks = 0.0;
+    settings.object.damping_n_s_per_m = 0.0;
+    settings.coordination.decode = Decode::Implicit;
+    settings.coordination.comm = law;
+    settings.safety.max_force_n = 200.0;
+    for (key, number) in keys {
+        Schema::BUILT_IN
+            .set(&mut settings, key, Value::Number(*number))
+            .unwrap_or_else(|error| panic!("{key}: {error:?}"));
+    }
+    settings
+}
+
+/// Two armed peers, and what is under way between them.
+struct Copies<S: Scalar> {
+    peers: [Peer<S, AnyLaw<S>>; 2],
+    /// What peer 2 and peer 1 have yet to hear, newest last.
+    under_way: [VecDeque<Packet<S>>; 2],
+    /// Packet periods on the way.
+    delay: usize,
+}
+
+impl<S: Scalar> Copies<S> {
+    fn new(settings: &Settings, delay: usize) -> Self {
+        let armed = || {
+            let mut peer = Peer::new(settings, [Motion::REST; AXES]).expect("a good scene");
+            peer.command(Command::Arm);
+            peer
+        };
+        Self { peers: [armed(), armed()], under_way: Default::default(), delay }
+    }
+
+    /// A tick, the devices here; what may come through is said by `lets_through`, which is asked of each packet that is due.
+    fn tick_over(&mut self, devices: [Motion<f64>; 2], mut lets_through: impl FnMut() -> bool) -> [Observed<S>; 2] {
+        if self.peers[0].packet_due() {
+            let sent = self.peers.each_ref().map(Peer::outgoing);
+            for (to, packet) in [(1, sent[0]), (0, sent[1])] {
+                self.under_way[to].push_back(packet);
+                if self.under_way[to].len() > self.delay
+                    && let Some(packet) = self.under_way[to].pop_front()
+                    && lets_through()
+                {
+                    self.peers[to].hear(packet);
+                }
+                self.peers[to].exchange();
+            }
+        }
+        for (peer, device) in self.peers.iter_mut().zip(devices) {
+            let device = Motion { position: S::from_f64(device.position), velocity: S::from_f64(device.velocity) };
+            peer.tick(&Sensors::of(Reading::Exact([device, Motion::REST])));
+        }
+        self.peers.each_ref().map(|peer| *peer.observed())
+    }
+
+    fn tick(&mut self, devices: [Motion<f64>; 2]) -> [Observed<S>; 2] {
+        self.tick_over(devices, || true)
+    }
+}
+
+/// A complex amplitude: value = Re(z·e^(iωt)), z = re + i·im.
+#[derive(Clone, Copy, Debug, Default)]
+struct Phasor {
+    re: f64,
+    im: f64,
+}
+
+impl Phasor {
+    fn see(&mut self, value: f64, angle: f64) {
+        self.re += value * angle.cos();
+        self.im -= value * angle.sin();
+    }
+
+    fn over(self, other: Self) -> Self {
+        let size = other.re * other.re + other.im * other.im;
+        Self {
+            re: (self.re * other.re + self.im * other.im) / size,
+            im: (self.im * other.re - self.re * other.im) / size,
+        }
+    }
+
+    /// |this − other| over |other|.
+    fn off(self, other: Self) -> f64 {
+        (self.re - other.re).hypot(self.im - other.im) / other.re.hypot(other.im)
+    }
+}
+
+/// A device that swings, 1 cm at this angular frequency (rad/s).
+fn swing(omega: f64, time: f64) -> Motion<f64> {
+    Motion { position: 0.01 * (omega * time).sin(), velocity: 0.01 * omega * (omega * time).cos() }
+}
+
+/// Period of what crosses zero upward at these times, s.
+fn period(values: &[f64]) -> f64 {
+    let crossings: Vec<f64> = values
+        .windows(2)
+        .enumerate()
+        .filter(|(_, pair)| pair[0] < 0.0 && pair[1] >= 0.0)
+        .map(|(at, pair)| (at as f64 - pair[0] / (pair[1] - pair[0])) * PERIOD)
+        .collect();
+    (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64
+}

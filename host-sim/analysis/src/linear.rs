@@ -1,0 +1,56 @@
+//! Whether a scene's law is linear, so that its matrix says all of it.
+//!
+//! A peer of the linear scene is driven from two states drawn at random, from their sum and from the second one turned round. What comes
+//! out must add up, to rounding, at every draw. What only shows at some size (a dead band around rest) does not show here: states are
+//! small ([`super::lifted::driven`]); it shows in what is felt at two speeds.
+
+use haptic_sim::scene::Scene;
+
+use super::lifted::driven::Response;
+use crate::error::AnalysisError;
+
+/// Pairs of states that are tried.
+const DRAWS: u32 = 8;
+
+/// How far sums may be off, relative to the largest number among them.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether either peer of the scene, its contact, network and motors made linear, answers to a sum with the sum of its answers.
+///
+/// # Errors
+/// Settings that no peer accepts.
+pub fn is_linear(scene: &Scene) -> Result<bool, AnalysisError> {
+    let linear = scene.linear();
+    let mut response = Response::default();
+    response.measure(&linear, 0, 0)?;
+    let sizes = [response.states(), response.packet()];
+    // Numbers in [-1, 1) from a linear congruential generator: any will do.
+    let mut seed = 1_u32;
+    let mut draw = || {
+        sizes.map(|size| -> Vec<f64> {
+            let next = |_| {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(seed) / f64::from(1_u32 << 31) - 1.0
+            };
+            (0..size).map(next).collect()
+        })
+    };
+    for _ in 0..DRAWS {
+        let (first, second) = (draw(), draw());
+        let joined = |sign: f64| {
+            let sum = |at: usize| -> Vec<f64> {
+                first[at].iter().zip(&second[at]).map(|(one, other)| one + sign * other).collect()
+            };
+            Response::drive(&linear, 0, &sum(0), &sum(1))
+        };
+        let [one, other] = [&first, &second].map(|[local, packet]| Response::drive(&linear, 0, local, packet));
+        let (one, other, sum, difference) = (one?, other?, joined(1.0)?, joined(-1.0)?);
+        let scale = one.iter().chain(&other).fold(0.0_f64, |most, number| most.max(number.abs()));
+        let adds = |at: usize, sign: f64, got: &[f64]| (one[at] + sign * other[at] - got[at]).abs() <= ROUNDING * scale;
+        // What is not finite is no sum.
+        if !(0..one.len()).all(|at| adds(at, 1.0, &sum) && adds(at, -1.0, &difference)) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}

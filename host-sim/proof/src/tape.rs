@@ -1,0 +1,484 @@
+//! What is known of every number that a tick has computed so far, and which way each question about them was answered.
+//!
+//! A number is a place on the tape of its thread: what it was computed from, and the [`Range`] that it lies in. **The same operation on
+//! the same numbers is the same place**, so that what is learnt of a difference once holds wherever it is taken again. A comparison
+//! that ranges leave open is answered both ways, one after the other ([`explore`]): the tick runs once for every sequence of answers,
+//! depth first. An answer **narrows** what it was about, and what that was computed from: of a < b, a is below the largest b. Where a
+//! contradiction comes of it, no number goes that way and the path is no path.
+//!
+//! Narrowing only ever takes away what cannot be; where it does nothing the result is wider, never wrong.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+use crate::range::{Float, Op, Range, at_least, below, of_two};
+
+/// Paths of one tick that are tried.
+pub(crate) const MOST_PATHS: usize = 200_000;
+
+/// A place on the tape.
+pub(crate) type Place = u32;
+/// 0 and 1 of every type.
+pub(crate) const ZERO: Place = 0;
+pub(crate) const ONE: Place = 1;
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    range: Range,
+    /// No number in it is nearer to 0.
+    away: f64,
+    from: From,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum From {
+    Constant,
+    Unknown,
+    Computed(Op, Place, Place),
+}
+
+/// Who answers what ranges leave open.
+enum Answers {
+    /// As written, then yes.
+    Script,
+    /// As written, then by chance.
+    Chance(u64),
+}
+
+/// The tape of a thread.
+struct Tape {
+    nodes: Vec<Node>,
+    constants: HashMap<u64, Place>,
+    computed: HashMap<(Op, Place, Place, bool), Place>,
+    /// What narrowing has changed since the last mark.
+    trail: Vec<(Place, Range, f64)>,
+    script: Vec<bool>,
+    asked: usize,
+    answers: Answers,
+    impossible: bool,
+    /// Whole numbers stand for every whole number.
+    any_whole: bool,
+    /// A number was taken out of its type, which no range follows.
+    escaped: bool,
+    /// Codes that motors were given.
+    codes: Range,
+}
+
+thread_local! {
+    static TAPE: RefCell<Tape> = RefCell::new(Tape::new());
+}
+
+fn on<T>(act: impl FnOnce(&mut Tape) -> T) -> T {
+    TAPE.with_borrow_mut(act)
+}
+
+impl Tape {
+    fn new() -> Self {
+        let mut tape = Self {
+            nodes: Vec::new(),
+            constants: HashMap::new(),
+            computed: HashMap::new(),
+            trail: Vec::new(),
+            script: Vec::new(),
+            asked: 0,
+            answers: Answers::Script,
+            impossible: false,
+            any_whole: false,
+            escaped: false,
+            codes: Range::EMPTY,
+        };
+        tape.constant(0.0);
+        tape.constant(1.0);
+        tape
+    }
+
+    fn push(&mut self, range: Range, from: From) -> Place {
+        self.nodes.push(Node { range, away: 0.0, from });
+        // A tape of 4e9 numbers would be 200 GB.
+        (self.nodes.len() - 1) as Place
+    }
+
+    fn constant(&mut self, number: f64) -> Place {
+        if let Some(place) = self.constants.get(&number.to_bits()) {
+            return *place;
+        }
+        let place = self.push(Range::point(number), From::Constant);
+        self.constants.insert(number.to_bits(), place);
+        place
+    }
+
+    fn range(&self, place: Place) -> Range {
+        self.nodes[place as usize].range
+    }
+
+    fn is_constant(&self, place: Place) -> bool {
+        self.nodes[place as usize].from == From::Constant
+    }
+
+    fn compute<F: Float>(&mut self, op: Op, a: Place, b: Place) -> Place {
+        let (of_a, of_b) = (self.range(a), self.range(b));
+        let mut range = of_two::<F>(op, of_a, of_b);
+        if self.is_constant(a) && self.is_constant(b) && range.is_point() {
+            return self.constant(if range.nan { f64::NAN } else { range.lo });
+        }
+        if a == b {
+            range = range.and(match op {
+                // What is no number, or infinite, less itself is none.
+                Op::Sub => Range { nan: range.nan, ..Range::point(0.0) },
+                Op::Mul => Range { lo: 0.0, ..Range::ANY },
+                _ => range,
+            });
+        }
+        if op == Op::Sub {
+            range = range.and(self.regained::<F>(a, b));
+        }
+        let key = (op, a, b, F::EPSILON == f64::EPSILON);
+        if let Some(place) = self.computed.get(&key).copied() {
+            self.narrow::<F>(place, range, 0);
+            return place;
+        }
+        let place = self.push(range, From::Computed(op, a, b));
+        self.computed.insert(key, place);
+        place
+    }
+
+    /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number.
+    fn regained<F: Float>(&self, a: Place, b: Place) -> Range {
+        let From::Computed(op, one, two) = self.nodes[a as usize].from else { return Range::ANY };
+        let (other, negative) = match op {
+            Op::Add if one == b => (self.range(two), false),
+            Op::Add if two == b => (self.range(one), false),
+            Op::Sub if one == b => (self.range(two), true),
+            _ => return Range::ANY,
+        };
+        let ranges = [self.range(a), self.range(b), other];
+        if !ranges.iter().all(|range| range.is_finite() && range.has_numbers()) {
+            return Range::ANY;
+        }
+        let [_, least] = F::ENDS;
+        let rounding = 2.0 * F::EPSILON * ranges.iter().map(|range| range.most()).fold(0.0, f64::max) + least;
+        let (lo, hi) = if negative { (-other.hi, -other.lo) } else { (other.lo, other.hi) };
+        Range::of(F::at_most(lo - rounding), at_least::<F>(hi + rounding))
+    }
+
+    /// Takes away from a number, and from what it was computed from, what is not in this range.
+    fn narrow<F: Float>(&mut self, place: Place, to: Range, depth: u32) {
+        let Node { range: old, away, from } = self.nodes[place as usize];
+        let mut range = old.and(to);
+        if range.lo > -away {
+            range.lo = range.lo.max(away);
+        }
+        if range.hi < away {
+            range.hi = range.hi.min(-away);
+        }
+        if !range.has_numbers() {
+            range = Range { nan: range.nan, ..Range::EMPTY };
+        }
+        if range == old || from == From::Constant && !range.is_empty() {
+            return;
+        }
+        if range.is_empty() {
+            self.impossible = true;
+            return;
+        }
+        self.trail.push((place, old, away));
+        self.nodes[place as usize].range = range;
+        let From::Computed(op, a, b) = from else { return };
+        if depth < 16 {
+            self.narrow_operands::<F>(op, [a, b], range, depth + 1);
+        }
+    }
+
+    fn narrow_operands<F: Float>(&mut self, op: Op, [a, b]: [Place; 2], range: Range, depth: u32) {
+        let (of_a, of_b) = (self.range(a), self.range(b));
+        match op {
+            Op::Add | Op::Sub | Op::Mul if !range.nan => {
+                // A finite result has finite operands, and one that is a number has numbers.
+                let zero = |range: Range| op == Op::Mul && range == Range::point(0.0);
+                let finite = range.is_finite();
+                let numbers = Range { nan: false, ..Range::ANY };
+                let kind = |other| if finite || zero(other) { Range::finite::<F>() } else { numbers };
+                self.narrow::<F>(a, kind(of_b), depth);
+                self.narrow::<F>(b, kind(of_a), depth);
+                if op == Op::Mul || !(range.has_numbers() && of_a.has_numbers() && of_b.has_numbers()) {
+                    return;
+                }
+                // The sum before rounding lies between the neighbours of what it was rounded to.
+                let (least, most) = (below::<F>(range.lo), F::above(range.hi));
+                let other = |place: &Self, at| {
+                    let range = place.range(at);
+                    if op == Op::Sub { (-range.hi, -range.lo) } else { (range.lo, range.hi) }
+                };
+                let (b_lo, b_hi) = other(self, b);
+                self.narrow::<F>(a, between::<F>(least - b_hi, most - b_lo), depth);
+                let of_a = self.range(a);
+                let (lo, hi) = (least - of_a.hi, most - of_a.lo);
+                let (lo, hi) = if op == Op::Sub { (-hi, -lo) } else { (lo, hi) };
+                self.narrow::<F>(b, between::<F>(lo, hi), depth);
+            }
+            Op::Neg => self.narrow::<F>(a, Range { lo: -range.hi, hi: -range.lo, ..range }, depth),
+            Op::Abs => {
+                let node = self.nodes[a as usize];
+                if range.lo > node.away {
+                    self.trail.push((a, node.range, node.away));
+                    self.nodes[a as usize].away = range.lo;
+                }
+                self.narrow::<F>(a, Range { lo: -range.hi, ..range }, depth);
+            }
+            // A counter has other neighbours than what it is of: what is learnt of one is not passed on.
+            _ => {}
+        }
+    }
+
+    /// One of two answers that may both be.
+    fn decide(&mut self, yes: bool, no: bool) -> bool {
+        if !(yes && no) {
+            return yes;
+        }
+        if let Some(answer) = self.script.get(self.asked) {
+            self.asked += 1;
+            return *answer;
+        }
+        let answer = match &mut self.answers {
+            Answers::Script => true,
+            Answers::Chance(state) => {
+                // Marsaglia's xorshift.
+                *state ^= *state << 13;
+                *state ^= *state >> 7;
+                *state ^= *state << 17;
+                *state & 1 == 1
+            }
+        };
+        self.script.push(answer);
+        self.asked += 1;
+        answer
+    }
+
+    fn compare<F: Float>(&mut self, a: Place, b: Place, strict: bool) -> bool {
+        let (of_a, of_b) = (self.range(a), self.range(b));
+        let numbers = of_a.has_numbers() && of_b.has_numbers();
+        let lost = of_a.nan || of_b.nan;
+        let (can, can_not) = if a == b {
+            (!strict && numbers, strict || lost)
+        } else if strict {
+            (numbers && of_a.lo < of_b.hi, lost || numbers && of_a.hi >= of_b.lo)
+        } else {
+            (numbers && of_a.lo <= of_b.hi, lost || numbers && of_a.hi > of_b.lo)
+        };
+        let answer = self.decide(can, can_not);
+        if a == b {
+            if answer {
+                self.narrow::<F>(a, Range { nan: false, ..Range::ANY }, 0);
+            }
+        } else if answer {
+            self.order::<F>(a, b, strict);
+        } else if !lost {
+            self.order::<F>(b, a, !strict);
+        }
+        answer
+    }
+
+    /// That one number is less than another, or no more than it.
+    fn order<F: Float>(&mut self, less: Place, more: Place, strict: bool) {
+        let (hi, lo) = (self.range(more).hi, self.range(less).lo);
+        let (hi, lo) = if strict { (below::<F>(hi), F::above(lo)) } else { (hi, lo) };
+        self.narrow::<F>(less, Range::of(f64::NEG_INFINITY, hi), 0);
+        self.narrow::<F>(more, Range::of(lo, f64::INFINITY), 0);
+    }
+
+    /// Everything since the mark is forgotten.
+    fn back_to(&mut self, mark: usize) {
+        while let Some((place, range, away)) = self.trail.pop() {
+            let node = &mut self.nodes[place as usize];
+            (node.range, node.away) = (range, away);
+        }
+        self.nodes.truncate(mark);
+        self.computed.clear();
+        self.constants.retain(|_, place| (*place as usize) < mark);
+        (self.asked, self.impossible) = (0, false);
+    }
+}
+
+fn between<F: Float>(lo: f64, hi: f64) -> Range {
+    // What f64 rounds away is less than the step of f32; ∞ − ∞ says nothing.
+    let lo = if lo.is_nan() { f64::NEG_INFINITY } else { at_least::<F>(lo.next_down()) };
+    let hi = if hi.is_nan() { f64::INFINITY } else { F::at_most(hi.next_up()) };
+    Range::of(lo, hi)
+}
+
+pub(crate) fn constant(number: f64) -> Place {
+    on(|tape| tape.constant(number))
+}
+
+pub(crate) fn unknown(range: Range) -> Place {
+    on(|tape| tape.push(range, From::Unknown))
+}
+
+pub(crate) fn range(place: Place) -> Range {
+    on(|tape| tape.range(place))
+}
+
+pub(crate) fn compute<F: Float>(op: Op, a: Place, b: Place) -> Place {
+    on(|tape| tape.compute::<F>(op, a, b))
+}
+
+pub(crate) fn less<F: Float>(a: Place, b: Place, strict: bool) -> bool {
+    on(|tape| tape.compare::<F>(a, b, strict))
+}
+
+pub(crate) fn equal<F: Float>(a: Place, b: Place) -> bool {
+    on(|tape| {
+        let (of_a, of_b) = (tape.range(a), tape.range(b));
+        let both = Range { nan: false, ..of_a.and(of_b) };
+        let same = a == b || of_a.is_point() && of_b.is_point() && both.has_numbers();
+        let answer = tape.decide(both.has_numbers(), of_a.nan || of_b.nan || !same);
+        if answer {
+            tape.narrow::<F>(a, both, 0);
+            tape.narrow::<F>(b, both, 0);
+        }
+        answer
+    })
+}
+
+pub(crate) fn is_finite<F: Float>(place: Place) -> bool {
+    on(|tape| {
+        let range = tape.range(place);
+        let finite = Range::finite::<F>();
+        let answer = tape.decide(range.and(finite).has_numbers(), !range.is_finite());
+        if answer {
+            tape.narrow::<F>(place, finite, 0);
+        }
+        answer
+    })
+}
+
+/// A whole number that is a constant while things are built, and afterwards any.
+pub(crate) fn whole<F: Float>(value: i32) -> Place {
+    on(|tape| {
+        let of = |value: i32| F::from_i32(value).to_f64();
+        if tape.any_whole {
+            tape.push(Range::of(of(i32::MIN), of(i32::MAX)), From::Unknown)
+        } else {
+            tape.constant(of(value))
+        }
+    })
+}
+
+/// The number itself, if there is only one; otherwise it is noted that it was taken out of its type.
+pub(crate) fn taken_out(place: Place) -> f64 {
+    on(|tape| {
+        let range = tape.range(place);
+        if range.is_point() && !range.is_empty() {
+            return if range.nan { f64::NAN } else { range.lo };
+        }
+        tape.escaped = true;
+        0.0
+    })
+}
+
+/// One of the ends of a code, which a motor is given.
+pub(crate) fn code<F: Float>(place: Place) -> i32 {
+    on(|tape| {
+        let range = tape.range(place);
+        let [least, most] = [range.lo, range.hi].map(|end| F::from_f64(end).round_to_i32());
+        tape.codes = tape.codes.or(Range::of(f64::from(least), f64::from(most)));
+        tape.codes.nan |= range.nan;
+        if tape.decide(true, least != most) { most } else { least }
+    })
+}
+
+/// Whether whole numbers stand for any.
+pub(crate) fn any_whole(any: bool) {
+    on(|tape| tape.any_whole = any);
+}
+
+/// A new tape: no [`Unknown`](crate::unknown::Unknown) of before means anything any more.
+pub fn begin() {
+    on(|tape| *tape = Tape::new());
+}
+
+/// What a way to go through a piece of program came to.
+pub struct Path<T> {
+    /// What it gave.
+    pub gave: T,
+    /// Codes that motors were given on it.
+    pub codes: Range,
+    /// A number was taken out of its type.
+    pub escaped: bool,
+}
+
+/// Runs a piece of program in every way that it may go, and hands over what came of each. False: there are more than 200,000 of them.
+pub fn explore<T>(run: impl Fn() -> T, mut each: impl FnMut(Path<T>)) -> bool {
+    let mark = on(|tape| {
+        tape.trail.clear();
+        tape.script.clear();
+        tape.answers = Answers::Script;
+        tape.nodes.len()
+    });
+    for _ in 0..MOST_PATHS {
+        on(|tape| {
+            tape.back_to(mark);
+            (tape.escaped, tape.codes) = (false, Range::EMPTY);
+        });
+        let gave = run();
+        let (codes, escaped, impossible) = on(|tape| (tape.codes, tape.escaped, tape.impossible));
+        if !impossible {
+            each(Path { gave, codes, escaped });
+        }
+        let done = on(|tape| {
+            // The last question that was answered yes is answered no.
+            let Some(last) = tape.script.iter().rposition(|answer| *answer) else { return true };
+            tape.script.truncate(last);
+            tape.script.push(false);
+            false
+        });
+        if done {
+            on(|tape| tape.back_to(mark));
+            return true;
+        }
+    }
+    false
+}
+
+/// Runs a piece of program in one way, by chance, until `good` is what came of it; the last answer is the first that is changed. None
+/// after so many tries.
+pub(crate) fn one_way<T>(seed: u64, tries: usize, run: impl Fn() -> T, good: impl Fn(&T) -> bool) -> Option<T> {
+    let mark = on(|tape| {
+        tape.trail.clear();
+        tape.script.clear();
+        tape.answers = Answers::Chance(seed | 1);
+        tape.nodes.len()
+    });
+    for _ in 0..tries {
+        on(|tape| tape.back_to(mark));
+        let gave = run();
+        let (impossible, asked) = on(|tape| (tape.impossible, tape.asked));
+        if !impossible && good(&gave) {
+            return Some(gave);
+        }
+        on(|tape| {
+            tape.script.truncate(asked);
+            let last = tape.script.pop();
+            tape.script.extend(last.map(|answer| !answer));
+        });
+    }
+    None
+}
+
+/// Of everything that was computed since the tape began, nothing is known any more but that these lie in these ranges; what was
+/// constant stays. So whatever holds of a program that goes on from here holds for any numbers in its state.
+pub(crate) fn forget(but: &[(Place, Range)]) {
+    on(|tape| {
+        tape.trail.clear();
+        tape.computed.clear();
+        for node in tape.nodes.iter_mut().filter(|node| node.from != From::Constant) {
+            *node = Node { range: Range::ANY, away: 0.0, from: From::Unknown };
+        }
+        for (place, range) in but {
+            let node = &mut tape.nodes[*place as usize];
+            if node.from != From::Constant {
+                node.range = *range;
+            }
+        }
+    });
+}

@@ -1,0 +1,60 @@
+//! The law that says anything: each number it gives may be any, infinite or none, each time another. What is proved with it holds for
+//! every law there could be, whatever is in its state and whole numbers.
+
+use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::Port;
+use haptic_core::settings::{Refused, Settings};
+
+use crate::unknown::{Number, Unknown};
+
+/// Any law.
+#[derive(Clone, Copy, Debug)]
+pub struct Whatever;
+
+fn motion() -> Motion<Number> {
+    Motion { position: Number::any(), velocity: Number::any() }
+}
+
+fn packet() -> Packet<Number> {
+    Packet {
+        motion: motion(),
+        wave: Number::any(),
+        energy_j: Unknown::any(),
+        wave_integral: Unknown::any(),
+        live_ticks: 0,
+    }
+}
+
+impl Law<Number> for Whatever {
+    const KINDS: &'static [Kind] =
+        &[Kind { name: "(any law)", sends: Sends::Waves, keys: &[], gains: &[], source: "", promises: &[] }];
+    type State = ();
+
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
+    }
+    fn start(&self, _: Motion<Number>) {}
+    fn receive(&self, (): &mut (), _: Packet<Number>) {}
+    fn couple(&self, (): &mut (), _: &Seen<Number>) -> Coupled<Number> {
+        Coupled { desired: motion(), force: Number::any(), power_in: Number::any(), power_out: Number::any() }
+    }
+    fn couple_as_port(
+        &self,
+        (): &mut (),
+        seen: &Seen<Number>,
+        solve: impl FnOnce(Port<Number>) -> Number,
+    ) -> Coupled<Number> {
+        // It may ask for the copy's velocity, or not.
+        if Number::any() > Number::ZERO {
+            solve(Port { force: Number::any(), impedance: Number::any() });
+        }
+        self.couple(&mut (), seen)
+    }
+    fn send(&self, (): &(), _: Motion<Number>) -> Packet<Number> {
+        packet()
+    }
+    fn fade(&self, _: Number, _: Packet<Number>, _: Motion<Number>) -> Packet<Number> {
+        packet()
+    }
+}

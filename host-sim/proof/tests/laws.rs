@@ -1,0 +1,33 @@
+//! Every law of core, whichever there are, and the law that says anything.
+
+use haptic_core::law::{AnyLaw, Law};
+use haptic_core::peer::Peer;
+use haptic_proof::prove::prove_shared;
+use haptic_proof::{Number, Proved, Whatever, prove};
+
+fn holds(name: &str, proved: &Proved, scenes: usize) {
+    println!("{name}: {proved:?}");
+    assert_eq!(proved.broken, None, "{name}");
+    assert!(proved.scenes >= scenes && proved.states >= 2 * proved.scenes && proved.paths > 1000, "{name}: {proved:?}");
+    // The limits are reached: what was looked at was not nothing.
+    assert!(proved.widest_n == 40.0 && (proved.widest_step_n - 20.0).abs() < 1e-4, "{name}: {proved:?}");
+}
+
+#[test]
+fn every_law_keeps_forces_within_their_limits() {
+    for kind in AnyLaw::<Number>::KINDS {
+        holds(kind.name, &prove::<AnyLaw<Number>>(kind, Peer::tick), 10);
+    }
+}
+
+#[test]
+fn so_does_a_law_that_says_anything() {
+    let [kind] = Whatever::KINDS else { unreachable!() };
+    holds(kind.name, &prove::<Whatever>(kind, Peer::tick), 10);
+}
+
+#[test]
+fn so_it_does_along_two_shared_axes() {
+    let [kind] = Whatever::KINDS else { unreachable!() };
+    holds(kind.name, &prove_shared::<Whatever>(kind), 2);
+}

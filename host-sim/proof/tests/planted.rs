@@ -1,0 +1,102 @@
+//! What is wrong is found: ticks with a fault put into them, and a law that leaves its number type.
+
+use haptic_core::law::power::Power;
+use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::peer::{Actuators, Peer, Sensors};
+use haptic_core::settings::{Refused, Settings};
+use haptic_proof::prove::{Broken, Tick};
+use haptic_proof::{Number, prove};
+
+type Held = Power<Number>;
+
+fn found(tick: Tick<Held>) -> Broken {
+    let [kind] = Held::KINDS else { unreachable!() };
+    prove::<Held>(kind, tick).broken.expect("a fault was put into it").1
+}
+
+/// The tick with something done to its first force.
+fn first(
+    peer: &mut Peer<Number, Held>,
+    sensors: &Sensors<Number>,
+    change: impl Fn(Number) -> Number,
+) -> Actuators<Number> {
+    let mut actuators = peer.tick(sensors);
+    if actuators.enable {
+        actuators.forces[0] = change(actuators.forces[0]);
+    }
+    actuators
+}
+
+#[test]
+fn a_force_past_its_limit() {
+    // By one part in a million, which no run would meet.
+    let broken = found(|peer, sensors| first(peer, sensors, |force| force * Number::from_f64(1.000_001)));
+    assert!(matches!(broken, Broken::Force(range) if !range.nan && range.hi > 40.0), "{broken:?}");
+}
+
+#[test]
+fn a_force_that_is_no_number() {
+    let broken = found(|peer, sensors| {
+        let wanted = peer.observed().contact_force;
+        first(peer, sensors, |force| force + Number::ZERO * wanted)
+    });
+    assert!(matches!(broken, Broken::Force(range) if range.nan), "{broken:?}");
+}
+
+#[test]
+fn a_force_without_its_slew_limit() {
+    let broken = found(|peer, sensors| {
+        let mut actuators = peer.tick(sensors);
+        if actuators.enable {
+            actuators.forces[0] = (-peer.observed().contact_force).limit(Number::from_f64(40.0));
+        }
+        actuators
+    });
+    assert!(matches!(broken, Broken::Slew(change) if change.hi > 20.1), "{broken:?}");
+}
+
+#[test]
+fn a_force_after_a_fault() {
+    let broken = found(|peer, sensors| {
+        let mut actuators = peer.tick(sensors);
+        if !actuators.enable {
+            actuators.forces[0] = Number::from_f64(1e-3);
+        }
+        actuators
+    });
+    assert_eq!(broken, Broken::Off);
+}
+
+/// Sums up what it hears in f64, where no range follows.
+#[derive(Clone, Copy, Debug)]
+struct Outside;
+
+impl<S: Scalar> Law<S> for Outside {
+    const KINDS: &'static [Kind] =
+        &[Kind { name: "outside", sends: Sends::Motion, keys: &[], gains: &[], source: "", promises: &[] }];
+    type State = Motion<S>;
+
+    fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
+    }
+    fn start(&self, local: Motion<S>) -> Motion<S> {
+        local
+    }
+    fn receive(&self, state: &mut Motion<S>, packet: Packet<S>) {
+        *state = Motion::at(S::from_f64(0.5 * packet.motion.position.to_f64()));
+    }
+    fn couple(&self, state: &mut Motion<S>, _: &Seen<S>) -> Coupled<S> {
+        Coupled { desired: *state, ..Coupled::default() }
+    }
+    fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: local, ..Packet::default() }
+    }
+}
+
+#[test]
+fn a_law_that_leaves_its_number_type() {
+    let [kind] = <Outside as Law<Number>>::KINDS else { unreachable!() };
+    let broken = prove::<Outside>(kind, Peer::tick).broken.expect("it does").1;
+    assert_eq!(broken, Broken::Escaped);
+}

@@ -1,0 +1,127 @@
+//! Objects shared along two and three axes: where nothing couples the axes, each is a run of one axis, to the bit.
+
+use haptic_sim::Laws;
+use haptic_sim::report::Columns;
+use haptic_sim::run::{self, Options, Outcome};
+use haptic_sim::scene::Scene;
+use haptic_sim::shared;
+
+const RECORDED: Options = Options { duration_s: 1.5, record_every: 1 };
+
+/// A scene of the law with these keys on top; it may be of several axes.
+fn scene(keys: &[&str]) -> Scene {
+    let mut scene = Scene::new(Laws::built_in());
+    for key in ["object.force_delay_ticks=0", "coordination.decode=implicit", "user.1.push_n=1", "user.2.sine_n=0.5"] {
+        scene.apply_override(key).expect("a good key");
+    }
+    keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
+    scene.check_any("test").unwrap_or_else(|error| panic!("{error}"));
+    scene
+}
+
+fn bits(table: &Columns) -> Vec<u64> {
+    let columns = run::Account::columns().map(|(name, _)| table.column(&name).expect("recorded").to_vec());
+    columns.flatten().map(f64::to_bits).collect()
+}
+
+/// The one axis of which the shares of both users' forces are these.
+fn alone(of_several: &Scene, axis: usize) -> Outcome {
+    let mut scene = of_several.clone();
+    (scene.peer.axis.count, scene.peer.axis.shared) = (1, 1);
+    for user in &mut scene.users {
+        let share = user.way()[axis];
+        let profile = &mut user.settings.user;
+        profile.push_n *= share;
+        profile.sine_n *= share;
+        (profile.direction_rad, profile.elevation_rad) = (0.0, 0.0);
+    }
+    run::run::<f32>(&scene, RECORDED, &|_| ()).expect("a good scene")
+}
+
+#[test]
+fn each_axis_is_a_run_of_one_to_the_bit() {
+    let angles = ["user.1.direction_rad=0.7", "user.1.elevation_rad=0.4", "user.2.direction_rad=-1.9"];
+    for axes in ["2", "3"] {
+        for law in ["power", "wave", "passive-wave", "passive-mean", "self-timed"] {
+            let mut keys = vec!["coordination.stiffness_n_per_m=300", "network.jitter_s=0.004", "network.loss=0.1"];
+            let (count, share, comm) =
+                (format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("coordination.comm={law}"));
+            keys.extend([&*count, &*share, &*comm]);
+            keys.extend(angles);
+            if law == "self-timed" {
+                keys.push("object.integrator=midpoint");
+            }
+            let scene = scene(&keys);
+            let several = shared::run::<f32>(&scene, RECORDED, &|_| true).expect("a good scene");
+            assert_eq!(several.axes.len().to_string(), axes);
+            for (axis, outcome) in several.axes.iter().enumerate() {
+                let alone = alone(&scene, axis);
+                assert_eq!(bits(&outcome.table), bits(&alone.table), "{law}, axis {axis} of {axes}");
+                assert!(outcome.peak_coordination_force_n > 0.0 || axis == 2 && alone.peak_coordination_force_n == 0.0);
+            }
+        }
+    }
+}
+
+/// Down to encoders and motors the axes of a mechanism are coupled by its geometry alone, and hardly where it stays near home.
+#[test]
+fn mechanisms_with_all_axes_shared_come_near_to_exact_ones() {
+    for (axes, mechanism) in [("2", "five-bar"), ("3", "arm")] {
+        let (count, share, model) =
+            (format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("kinematics.model={mechanism}"));
+        let keys = [
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=1000",
+            "object.integrator=midpoint",
+            "user.1.direction_rad=0.6",
+            "user.1.elevation_rad=0.5",
+            "user.2.push_n=1",
+            "user.2.direction_rad=0.6",
+            "user.2.elevation_rad=0.5",
+            "axis.velocity=filtered",
+            &count,
+            &share,
+        ];
+        let exact = scene(&keys);
+        let device = ["plant.encoder=true", "plant.motor=true", "motor.newton_or_newton_metre_per_a=0.5", &model];
+        let real = scene(&[&keys[..], &device].concat());
+        let [exact, real] = [&exact, &real].map(|scene| {
+            let run = shared::run::<f32>(scene, RECORDED, &|_| true).expect("a good scene");
+            assert!(
+                run.axes.iter().all(|axis| axis.fault.is_none()),
+                "{mechanism}: {:?}",
+                run.axes.iter().map(|axis| axis.reason).collect::<Vec<_>>()
+            );
+            run
+        });
+        for (axis, (exact, real)) in exact.axes.iter().zip(&real.axes).enumerate() {
+            let path = |outcome: &Outcome| outcome.table.column("object_1_m").expect("recorded").to_vec();
+            let (exact, real) = (path(exact), path(real));
+            let most = exact.iter().fold(0.0_f64, |most, at| most.max(at.abs()));
+            let off = exact.iter().zip(&real).fold(0.0_f64, |most, (one, two)| most.max((one - two).abs()));
+            assert!(most > 1e-4 && off < 0.1 * most, "{mechanism}, axis {axis}: {off} of {most}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_shared_is_refused_by_name() {
+    let refused = |keys: &[&str]| {
+        let mut scene = Scene::new(Laws::built_in());
+        keys.iter().for_each(|key| scene.apply_override(key).expect("a good key"));
+        scene.check_any("test").unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(&["axis.count=3", "axis.shared=2"]),
+        "test: axis.count = 3 is not allowed: it must be axis.shared where that is more than 1: a simulated device shares all of \
+         its axes"
+    );
+    assert!(
+        refused(&["axis.shared=2"]).contains("axis.shared = 2 is not allowed: it must be a whole number from 1 to 1")
+    );
+    assert!(refused(&["axis.count=2", "axis.shared=2", "contact.one_sided=true"]).contains("contact.one_sided = true"));
+    assert!(refused(&["axis.count=3"]).contains("axis.count = 3 is not allowed"));
+    let several = scene(&["axis.count=2", "axis.shared=2"]);
+    assert!(several.check("test").unwrap_err().to_string().contains("axis.shared = 2 is not allowed here"));
+    assert!(haptic_sim::pair::Pair::<f32>::new(&several).is_err());
+}

@@ -1,0 +1,97 @@
+//! The bench as a page of the documentation: docs/laws.md, whole but for the section of the proofs, which is kept as it is found.
+
+use haptic_core::settings::Key;
+use haptic_sim::run::Verdict;
+
+use super::tables::parts;
+use super::{PACKET_BYTES, Row};
+
+/// Between these lines of the page stands what another command writes.
+pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
+
+/// What stands there at first.
+const NO_PROOFS: &str = "No law is proved here yet.";
+
+/// How the page calls its pictures.
+pub const PICTURES: [&str; 2] = ["laws.png", "laws-impedance.png"];
+
+/// The page, from the bench in the campaign's scene and with a packet a tick; of the `old` page the section of the proofs.
+pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
+    let networks = rows.first().map_or(0, |row| row.cells.len());
+    let [first, felt, judged] = parts(rows);
+    let [fast, ..] = parts(each_tick);
+    let sections: String = rows.iter().map(section).collect();
+    let proofs = proofs(old);
+    let [begin, end] = PROOFS;
+    let [laws, impedance] = PICTURES;
+    format!(
+        "# Coordination laws beside each other\n\n\
+         Written by `host-sim campaign --laws all --page docs/laws.md`; do not edit it by hand. A law is one file in `core/src/law/` and one line in its\n\
+         list, or a crate of its own ([example](../examples/outside-law)); whatever stands here of it comes from what it declares beside itself and from what is measured.\n\n\
+         **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's §5.2); m_O = 0.3 kg, K_LC = 1000 N/m, B_LC = 2 N·s/m,\n\
+         8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode = \"implicit\"`, no object delay). Each law\n\
+         has the gains that it declares, in the column K_T and below, and nothing is tuned here. {networks} networks, 20 seeds wherever a network draws random numbers, 20 s each; a\n\
+         network counts for a law only with what its worst seed does. Means are over the networks on which the law is stable: of a law that is stable on few they are\n\
+         of the easy ones. [What the columns mean](data.md#laws); [what stable, apart and NO mean](networks.md).\n\n\
+         ## Over {networks} networks\n\n```text\n{first}```\n\n\
+         ![True discrepancy against way, and the verdict of every law over every network]({laws})\n\n\
+         The same with a packet every tick (`--set timing.ticks_per_packet=1 --set network.one_way_delay_packets=8`):\n\n```text\n{fast}```\n\n\
+         ## What a hand feels, and what it costs\n\n\
+         Z-width: the impedance with the far hand holding its device over that with it off, 0.5 to 2 Hz, in dB; lacks: damping that the device would need for what is felt to be passive\n\
+         from 0.5 to 50 Hz. A packet has {PACKET_BYTES} bytes (sealed, UDP, IPv4). Instructions are of a tick in f32 on a Cortex-M7 (QEMU;\n\
+         `cargo xtask count`); `-` was not counted.\n\n```text\n{felt}```\n\n\
+         ![Impedance that a hand feels, law by law]({impedance})\n\n\
+         ## Stability region\n\n\
+         First unstable K_T with both hands on, one and none, and first unstable K_LC in the worst mode, by the analyser, from 0 to 20,000 N/m (20000: none). Nothing is said of a law that is not\n\
+         linear. Every crossing is in the files (`--out`).\n\n```text\n{judged}```\n\n\
+         ## Proofs\n\n{begin}\n{proofs}\n{end}\n\n\
+         ## Law by law\n{sections}"
+    )
+}
+
+/// What the old page had between the lines of the proofs.
+fn proofs(old: &str) -> &str {
+    let found = old.split_once(PROOFS[0]).and_then(|(_, rest)| rest.split_once(PROOFS[1]));
+    found.map(|(proofs, _)| proofs.trim()).filter(|proofs| !proofs.is_empty()).unwrap_or(NO_PROOFS)
+}
+
+/// A law.
+fn section(row: &Row) -> String {
+    let law = row.law;
+    let mut text = format!("\n### `{}`\n\n", law.name);
+    let mut say = |what: &str, words: String| text += &format!("- {what}: {words}\n");
+    let or_none = |words: &str| if words.is_empty() { "none".to_owned() } else { words.to_owned() };
+    say("Source", or_none(law.source));
+    say("Promises", row.told().unwrap_or_else(|| "none".to_owned()));
+    say("Gains", or_none(&law.gains.iter().map(|gain| format!("`{gain}`")).collect::<Vec<_>>().join(", ")));
+    match &row.stability {
+        Ok(stability) => {
+            let verdict = if stability.judgement.worst.stable { "stable in every mode" } else { "NOT stable" };
+            say(
+                "Analyser",
+                format!("{verdict} at these gains, spectral radius {:.4}", stability.judgement.worst.spectral_radius),
+            );
+            let left_out = stability.judgement.not_judged.join("; ");
+            say("Not judged", left_out);
+        }
+        Err(why) => say("Analyser", format!("not judged: {why}")),
+    }
+    let failing = |verdict: Verdict| -> String {
+        let of = row.cells.iter().filter(|cell| cell.count(verdict) > 0);
+        or_none(&of.map(|cell| cell.network.as_str()).collect::<Vec<_>>().join(", "))
+    };
+    say("A run stops or grows on", failing(Verdict::Unstable));
+    say("Copies come apart in a run on", failing(Verdict::Apart));
+    if !law.keys.is_empty() {
+        text += "\n| key | here | unit | meaning |\n|---|---|---|---|\n";
+        law.keys.iter().for_each(|key| text += &key_row(row, key));
+    }
+    text
+}
+
+/// A key of a law.
+fn key_row(row: &Row, key: &Key) -> String {
+    let value = row.scene.get(key.name).map_or_else(String::new, |value| value.to_string());
+    let unit = if key.unit.is_empty() { "–" } else { key.unit };
+    format!("| `{}` | {value} | {unit} | {} |\n", key.name, key.doc.replace('|', "\\|"))
+}

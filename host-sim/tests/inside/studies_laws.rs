@@ -1,0 +1,201 @@
+//! The bench: which laws it has, in which scenes, and what its figures must be.
+
+use haptic_core::law::Sends;
+
+use super::*;
+
+/// All of them in the order of the registry, or those that are named; a slip of the pen is told from what there is not.
+#[test]
+fn laws_are_asked_for_by_name() {
+    let laws = Laws::built_in();
+    let names = |text: &str| asked_for(laws, text).map(|kinds| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>());
+    let all: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).collect();
+    assert_eq!(names("all"), Ok(all));
+    assert_eq!(names("wave, power,wave"), Ok(vec!["wave", "power"]));
+    let refusal = |text: &str| names(text).expect_err("no law");
+    assert_eq!(refusal("power,wavee"), "there is no law called \"wavee\"; did you mean wave?");
+    assert!(refusal("zzz").contains("the laws are power, wave, "), "{}", refusal("zzz"));
+    assert!(refusal("").contains("no law called \"\""));
+}
+
+/// Every law is tried in the same scene but for what it declares; what is set over that is set for all.
+#[test]
+fn every_law_has_the_same_scene_and_its_own_gains() {
+    let laws = Laws::built_in();
+    let common: Vec<_> = law_scene(laws, &laws.kinds()[0], None, &[]).expect("a scene").settings();
+    for law in laws.kinds() {
+        let scene = law_scene(laws, law, None, &["user.1.push_n=0.5".to_owned()]).expect("a scene");
+        let own = |key: &str| {
+            let declared = |gain: &str| gain.split_once('=').is_some_and(|(name, _)| name == key);
+            law.gains.iter().chain(laws.kinds()[0].gains).any(|gain| declared(gain))
+        };
+        for (key, value) in scene.settings() {
+            match key.as_str() {
+                "coordination.comm" => assert_eq!(value.to_string(), format!("\"{}\"", law.name)),
+                "user.1.push_n" => assert_eq!(value.to_string(), "0.5"),
+                key if own(key) || !common.iter().any(|(known, _)| known == key) => {}
+                key => assert!(common.contains(&(key.to_owned(), value)), "{}: {key}", law.name),
+            }
+        }
+    }
+}
+
+/// A flow of 40 bytes, sealed.
+#[test]
+fn a_packet_has_116_bytes() {
+    assert_eq!(PACKET_BYTES, 88 + 28);
+}
+
+mod outside {
+    //! A crate outside, in small: the power-domain law under another name, which promises too much, and one that is not linear.
+
+    use haptic_core::law::power::Power;
+    use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+    use haptic_core::num::{Motion, Scalar};
+    use haptic_core::object::port::Port;
+    use haptic_core::settings::{Promise, Refused, Settings};
+
+    const KINDS: [Kind; 2] = [
+        Kind {
+            name: "pretends",
+            sends: Sends::Motion,
+            keys: &[],
+            gains: &["coordination.stiffness_n_per_m=310"],
+            source: "nobody, never",
+            promises: &[Promise::Passive, Promise::NoDrift],
+        },
+        Kind {
+            name: "pushes-only",
+            sends: Sends::Motion,
+            keys: &[],
+            gains: &["coordination.stiffness_n_per_m=310"],
+            source: "",
+            promises: &[],
+        },
+    ];
+
+    /// Power-domain, as it is or without its pulls.
+    #[derive(Clone, Copy, Debug)]
+    pub(super) struct Outside<S> {
+        power: Power<S>,
+        pushes_only: bool,
+    }
+
+    impl<S: Scalar> Law<S> for Outside<S> {
+        const KINDS: &'static [Kind] = &KINDS;
+        type State = Motion<S>;
+
+        fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+            Ok(Self { power: Power::build(settings)?, pushes_only: settings.coordination.comm == "pushes-only" })
+        }
+        fn start(&self, local: Motion<S>) -> Motion<S> {
+            local
+        }
+        fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
+            *desired = packet.motion;
+        }
+        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
+            let coupled = self.power.couple(desired, seen);
+            if self.pushes_only { Coupled { force: coupled.force.max(S::ZERO), ..coupled } } else { coupled }
+        }
+        fn couple_as_port(
+            &self,
+            desired: &mut Motion<S>,
+            seen: &Seen<S>,
+            solve: impl FnOnce(Port<S>) -> S,
+        ) -> Coupled<S> {
+            if self.pushes_only {
+                let coupled = self.couple(desired, seen);
+                solve(Port::of_force(coupled.force));
+                return coupled;
+            }
+            self.power.couple_as_port(desired, seen, solve)
+        }
+        fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
+            Packet { motion: local, ..Packet::default() }
+        }
+    }
+
+    pub(super) struct Family;
+
+    impl haptic_sim::Family for Family {
+        type Of<S: Scalar> = Outside<S>;
+    }
+}
+
+fn with_outside() -> Laws {
+    Laws::built_in().with::<outside::Family>()
+}
+
+/// The rows of these laws over a network that loses nothing and one that does.
+fn rows(names: &str, networks: &[Named]) -> Vec<Row> {
+    let laws = with_outside();
+    let kinds = asked_for(laws, names).expect("laws");
+    let scenes = law_scenes(laws, &kinds, None, &[]).expect("scenes");
+    over(laws, &scenes, networks, &|| ()).expect("a bench")
+}
+
+const OWN: &[Named] = &[("none", &[])];
+
+/// Whatever is in the registry has a row and says of itself what it declares, laws from outside too; where the analyser calls the gains
+/// stable with both hands on, the run is.
+#[test]
+fn every_law_has_a_row_and_runs_as_it_was_judged() {
+    let rows = rows("all", OWN);
+    let laws = with_outside();
+    let names: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).collect();
+    assert_eq!(rows.iter().map(|row| row.law.name).collect::<Vec<_>>(), names);
+    assert!(names.contains(&"pretends") && names.contains(&"power"));
+    let table = tables::columns(&rows);
+    for (at, row) in rows.iter().enumerate() {
+        let told = table.row(at);
+        assert_eq!(told["law"], row.law.name);
+        assert_eq!(row.promises.len(), row.law.promises.len());
+        assert!(
+            told["packets_per_s"].as_f64().is_some_and(|packets| packets > 0.0 || row.law.name == "none"),
+            "{told}"
+        );
+        let Ok(stability) = &row.stability else { continue };
+        let stiffness = row.scene.peer.coordination.stiffness_n_per_m;
+        let (verdict, name) = (row.own().verdict(), row.law.name);
+        if stability.coordination[0].is_stable(stiffness) && row.law.sends != Sends::Nothing {
+            // How far apart a soft law leaves the copies is no matter of stability.
+            assert!(!verdict.starts_with("NO"), "{name}: {verdict}, {:?}", row.own().reason());
+        }
+    }
+    let sections = page::page(&rows, &rows, &format!("{}\nwritten elsewhere\n{}", page::PROOFS[0], page::PROOFS[1]));
+    assert!(names.iter().all(|name| sections.contains(&format!("### `{name}`"))), "{sections}");
+    assert!(sections.contains("nobody, never") && sections.contains("written elsewhere"), "{sections}");
+}
+
+/// A promise is held against what was measured: the power-domain law under another name is not passive on a bad network, whatever
+/// it says; it does not drift. Nor is anything judged of a law that pushes and never pulls.
+#[test]
+fn a_false_promise_is_found_and_what_is_not_linear_is_not_judged() {
+    let late: &[Named] = &[("none", &[]), ("bursts", &["network.loss=0.2", "network.loss_burst_packets=100 ms"])];
+    let rows = rows("pretends,power,pushes-only", late);
+    let kept: Vec<bool> = rows[0].promises.iter().map(|kept| kept.kept).collect();
+    assert_eq!(kept, [false, true], "{:?}", rows[0].promises);
+    let limits = |row: &Row| {
+        let stability = row.stability.as_ref().expect("linear");
+        stability.coordination.iter().map(stability::stable_to).collect::<Vec<_>>()
+    };
+    assert_eq!(limits(&rows[0]), limits(&rows[1]), "the same law under two names");
+    assert_eq!(rows[0].touch.width_db(), rows[1].touch.width_db());
+    let why = rows[2].stability.as_ref().expect_err("not linear");
+    assert!(why.contains("not linear"), "{why}");
+}
+
+/// THEORY §7: the largest K_LC of the midpoint peer at device delays of 0, 0.5 and 1 tick (K_T = 10⁴, mean of eight).
+#[test]
+fn the_largest_contact_is_that_of_the_theory() {
+    let laws = Laws::built_in();
+    let kinds = asked_for(laws, "passive-mean").expect("a law");
+    for (delay, want) in [("0", 7295.0), ("0.5", 3511.0), ("1", 2318.0)] {
+        let set = [format!("device.force_delay_ticks={delay}"), "coordination.stiffness_n_per_m=10000".to_owned()];
+        let scene = law_scenes(laws, &kinds, None, &set).expect("a scene").remove(0);
+        let stability = stability::judged(&scene, true).expect("linear");
+        let got = stability::stable_to(&stability.contact);
+        assert!((got / want - 1.0).abs() < 0.01, "delay {delay}: {got} N/m, not {want}");
+    }
+}
