@@ -708,7 +708,7 @@ impl Settings {
     }
 
     /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by
-    /// table, and of laws' own keys those that are not at their default.
+    /// table; of laws' own keys those that are not at their default; and how many axes are shared, where that is not one.
     pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
         let tables = <Self as Tables>::KEYS.iter().filter_map(|key| {
             let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
@@ -717,6 +717,7 @@ impl Settings {
         let own = self.own.0.iter().flatten().filter_map(|(name, number)| {
             name.split_once('.').map(|(table, short)| (table, short, Value::Number(*number)))
         });
-        tables.chain(own)
+        let several = (self.axis.shared > 1).then(|| ("axis", "shared", Value::Number(self.axis.shared.into())));
+        tables.chain(own).chain(several)
     }
 }

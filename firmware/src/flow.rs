@@ -13,7 +13,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::peer::{flow_of, open, packet_of};
+use haptic_protocol::peer::{flow_of, open, packets_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -73,7 +73,8 @@ impl Flow {
                         self.signals.life.count();
                     }
                     let life = self.signals.life.get();
-                    self.incoming.write(Received { life, packet: packet_of(&flow) });
+                    let [packet] = packets_of(&flow);
+                    self.incoming.write(Received { life, packet });
                 }
             }
             Ok(_) => {}
@@ -133,7 +134,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
             Either3::First(()) => {
                 if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
                     && !flow.outdated
-                    && let Some(length) = flow.link.send(now(), flow_of(packet, armed, tick), &mut out)
+                    && let Some(length) = flow.link.send(now(), flow_of([packet], armed, tick), &mut out)
                 {
                     let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
                     (if sent { &signals.sent } else { &signals.dropped }).count();

@@ -23,7 +23,7 @@
 //! ```
 //! use haptic_protocol::ends::Ends;
 //! use haptic_protocol::link::{Config, Link, Notice, Stage};
-//! use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Message, PeerId};
+//! use haptic_protocol::wire::{Along, Event, Flow, MAX_DATAGRAM, Message, PeerId};
 //! use haptic_protocol::{key::Key, parameters::Parameters, parameters::Table};
 //!
 //! fn link(local: u8, remote: u8) -> Link {
@@ -61,7 +61,8 @@
 //! let (mut to_one, mut seen) = (Vec::new(), None);
 //! for tick in (0..400).step_by(8) {
 //!     let now = u64::from(tick) * 1_000;
-//!     let flow = Flow { engaged: one.engagement() > 0.0, tick, position: 0.01, ..Flow::default() };
+//!     let axes = [Along { position: 0.01, ..Along::default() }];
+//!     let flow = Flow { engaged: one.engagement() > 0.0, tick, axes, ..Flow::default() };
 //!     let (to_two, _) = period(&mut one, now, to_one, flow);
 //!     let (said, newest) = period(&mut two, now, to_two, Flow::default());
 //!     to_one = said;
@@ -69,7 +70,7 @@
 //! }
 //! assert_eq!((one.stage(), two.stage()), (Stage::Running, Stage::Running));
 //! assert_eq!((one.engagement(), two.engagement()), (1.0, 1.0));
-//! assert_eq!(seen.map(|flow| (flow.tick, flow.position)), Some((392, 0.01)));
+//! assert_eq!(seen.map(|flow| (flow.tick, flow.axes[0].position)), Some((392, 0.01)));
 //! assert_eq!(two.take_event().map(|event| event.payload().to_vec()), Some(b"take it".to_vec()));
 //! assert_eq!(two.take_event(), None);
 //! assert_eq!(one.take_notice(), Some(Notice::NewPeer(0)));

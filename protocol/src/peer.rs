@@ -6,7 +6,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
-use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Flow};
+use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Along, wire::Flows};
 
 /// What both peers must have been told alike, as a greeting names it.
 pub fn parameters_of(settings: &Settings) -> Parameters {
@@ -34,45 +34,43 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 
-/// A packet of tick `tick` as it goes out; `engaged` while the motors are on.
-pub fn flow_of<S: Scalar>(packet: Packet<S>, engaged: bool, tick: u32) -> Flow {
+/// What an exchange gave at tick `tick`, a packet for each shared axis, as it goes out; `engaged` while the motors are on.
+pub fn flow_of<S: Scalar, const AXES: usize>(packets: [Packet<S>; AXES], engaged: bool, tick: u32) -> Flows<AXES> {
     // From f32 and back to it nothing is lost.
     let wire = |value: S| value.to_f64() as f32;
-    Flow {
-        engaged,
-        tick,
+    let axes = packets.map(|packet| Along {
         position: wire(packet.motion.position),
         velocity: wire(packet.motion.velocity),
         wave: wire(packet.wave),
         wave_integral: packet.wave_integral.to_f64(),
         live_ticks: packet.live_ticks,
         energy_sent: packet.energy_j.to_f64(),
-        ..Flow::default()
-    }
+    });
+    Flows { engaged, fading: false, tick, axes }
 }
 
-/// The packet in a flow.
-pub fn packet_of<S: Scalar>(flow: &Flow) -> Packet<S> {
+/// The packets in a flow.
+pub fn packets_of<S: Scalar, const AXES: usize>(flow: &Flows<AXES>) -> [Packet<S>; AXES] {
     let core = |value: f32| S::from_f64(value.into());
-    Packet {
-        motion: Motion { position: core(flow.position), velocity: core(flow.velocity) },
-        wave: core(flow.wave),
-        energy_j: S::Counter::from_f64(flow.energy_sent),
-        wave_integral: S::Counter::from_f64(flow.wave_integral),
-        live_ticks: flow.live_ticks,
-    }
+    flow.axes.map(|along| Packet {
+        motion: Motion { position: core(along.position), velocity: core(along.velocity) },
+        wave: core(along.wave),
+        energy_j: S::Counter::from_f64(along.energy_sent),
+        wave_integral: S::Counter::from_f64(along.wave_integral),
+        live_ticks: along.live_ticks,
+    })
 }
 
 /// Flow of the other end that no exchange has taken yet: the newest, or, with play-out, what is due.
 #[derive(Clone, Debug)]
-pub struct Inbox {
-    newest: Option<Flow>,
+pub struct Inbox<const AXES: usize = 1> {
+    newest: Option<Flows<AXES>>,
     /// The other end's motors have gone off since its last flow that counted.
     apart: bool,
-    playout: Option<Playout<Flow>>,
+    playout: Option<Playout<Flows<AXES>>>,
 }
 
-impl Inbox {
+impl<const AXES: usize> Inbox<AXES> {
     /// Nothing there; flow waits for `playout_packets` packet periods of so many control periods each, 0: for nothing.
     pub fn new(playout_packets: u32, ticks_per_packet: u32) -> Self {
         let playout = (playout_packets > 0).then(|| Playout::new(playout_packets, ticks_per_packet));
@@ -80,7 +78,7 @@ impl Inbox {
     }
 
     /// Takes a flow that came in this control period.
-    pub fn put(&mut self, tick: u32, flow: Flow) {
+    pub fn put(&mut self, tick: u32, flow: Flows<AXES>) {
         match &mut self.playout {
             Some(playout) => {
                 playout.put(tick, flow.tick, flow);
@@ -105,13 +103,13 @@ impl Inbox {
     }
 
     /// What the next exchange takes.
-    pub fn newest(&self) -> Option<&Flow> {
+    pub fn newest(&self) -> Option<&Flows<AXES>> {
         self.newest.as_ref()
     }
 
     /// What an exchange takes in, and whether the other end has armed anew since the last that counted: then it counts from
     /// zero, from another place, and nothing that came before goes with it.
-    pub fn take(&mut self) -> (Option<Flow>, bool) {
+    pub fn take(&mut self) -> (Option<Flows<AXES>>, bool) {
         let newest = self.newest.take();
         let anew = self.apart && newest.is_some_and(|flow| flow.engaged);
         self.apart = newest.map_or(self.apart, |flow| !flow.engaged);

@@ -18,7 +18,7 @@ use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Error, Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, flow_of, open, packet_of};
+use haptic_protocol::peer::{Inbox, flow_of, open, packets_of};
 use haptic_protocol::wire::{Flow, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -199,14 +199,15 @@ impl Node {
             self.peer.part();
         }
         if let Some(flow) = &flow {
-            self.peer.hear(packet_of(flow));
+            let [packet] = packets_of(flow);
+            self.peer.hear(packet);
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }
         if self.peer.packet_due()
             && let Some(packet) = self.peer.exchange()
         {
-            let flow = flow_of(packet, self.peer.mode() == Mode::Armed, self.ticks);
+            let flow = flow_of([packet], self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);
         }
         if self.until_telemetry == 0 {

@@ -112,7 +112,7 @@ impl Link {
     /// What the link itself needs it keeps; the rest is the caller's.
     pub(super) fn take(&mut self, now: u64, sequence: u64, age_us: u64, message: Message) -> Option<Message> {
         match message {
-            Message::Flow(_) => {
+            Message::Flow(_) | Message::Flow2(_) | Message::Flow3(_) => {
                 if self.newest_flow.is_some_and(|newest| sequence < newest) {
                     self.past.late = self.past.late.saturating_add(1);
                     return None;

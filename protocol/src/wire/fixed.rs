@@ -1,28 +1,7 @@
-//! Messages of fixed length: the coordination flow, telemetry, what links say for themselves, and a shared object that all push.
+//! Messages of fixed length: telemetry, what links say for themselves, and a shared object that all push.
 //! Every number is finite.
 
 use crate::bytes::layout;
-
-layout! {
-    /// What holds the two copies of the shared object together, once each packet period, newest wins.
-    ///
-    /// The two sums run from the tick at which the sender engaged and cover every tick up to and including `tick`; they are f64 so
-    /// that an f32 peer's values arrive exactly and hours of summing lose nothing. Power-domain uses position and velocity,
-    /// wave-domain the rest (THEORY §2, §5); what a law does not use is 0.
-    pub message Flow("flow", 40 bytes, kind 1) {
-        flags at 1 {
-            engaged, "The sender's coordination acts: its motors are armed and it is engaged with this end.";
-            fading, "The sender has not heard from this end for a while and is letting go.";
-        }
-        4 => tick: u32, "The sender's newest tick, in control periods since it started; wraps after 49 days at 1 kHz.";
-        8 => position: f32, "Position of the sender's copy of the object, m.";
-        12 => velocity: f32, "Velocity of the sender's copy of the object, m/s.";
-        16 => wave: f32, "Wave sample u_out, √W.";
-        20 => wave_integral: f64, "T_c·Σu_out since the sender engaged, √W·s.";
-        28 => energy_sent: f64, "½·T_c·Σu_out² since the sender engaged, J; never falls.";
-        36 => live_ticks: u32, "Ticks that the wave integral is over, of a line with a time of its own; wraps.";
-    }
-}
 
 layout! {
     /// How the sender is doing; for people, logs and live views, never for control.

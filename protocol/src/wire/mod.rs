@@ -13,11 +13,13 @@
 
 mod datagram;
 mod fixed;
+mod flow;
 mod varying;
 mod world;
 
 pub use datagram::{Challenge, Ephemeral, Greeting, GreetingKind, Header, PeerId, Stamps, TABLES, TableHash};
-pub use fixed::{Ack, Flow, Goodbye, Moved, Probe, Push, Reply, Telemetry};
+pub use fixed::{Ack, Goodbye, Moved, Probe, Push, Reply, Telemetry};
+pub use flow::{Along, Flow, Flow2, Flow3, Flows};
 pub use varying::{Event, Presence, Sample, Sighting};
 pub use world::{Ask, Bits, Page, Part, Payload, Topic};
 
@@ -35,7 +37,7 @@ pub const MAX_DATAGRAM: usize = Greeting::TAGGED;
 
 const _: () = assert!(SEAL_LEN + MAX_MESSAGE <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);
 const _: () = assert!(Part::MAX_LEN <= MAX_MESSAGE && Presence::MAX_LEN <= MAX_MESSAGE && Ask::LEN <= MAX_MESSAGE);
-const _: () = assert!(Telemetry::LEN <= MAX_MESSAGE);
+const _: () = assert!(Telemetry::LEN <= MAX_MESSAGE && Flow3::LEN <= MAX_MESSAGE);
 
 /// Room for any datagram.
 pub type Datagram = [u8; MAX_DATAGRAM];
@@ -73,6 +75,8 @@ macro_rules! kinds {
 
 kinds! {
     Flow, "The coordination flow, once each packet period.";
+    Flow2, "The same of two shared axes.";
+    Flow3, "The same of three.";
     Telemetry, "How the sender is doing.";
     Event, "Something that happens once and must arrive.";
     Ack, "Which events have arrived.";

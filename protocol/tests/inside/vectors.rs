@@ -11,7 +11,8 @@ use crate::parameters::{Parameters, Table};
 use crate::roles::static_scene::Server;
 use crate::session::{Counter, EPOCH_BITS, Offer, Session};
 use crate::wire::{
-    Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting, Topic,
+    Along, Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting,
+    Topic,
 };
 use crate::world::{Bounds, Database, Object, Region, Scope, Shape, Wall};
 
@@ -107,12 +108,14 @@ fn flow() -> Message {
         engaged: true,
         fading: false,
         tick: 4711,
-        position: 0.25,
-        velocity: -0.5,
-        wave: 1.5,
-        wave_integral: 2.0,
-        energy_sent: 3.0,
-        live_ticks: 4712,
+        axes: [Along {
+            position: 0.25,
+            velocity: -0.5,
+            wave: 1.5,
+            wave_integral: 2.0,
+            energy_sent: 3.0,
+            live_ticks: 4712,
+        }],
     })
 }
 

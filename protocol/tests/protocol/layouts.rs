@@ -1,8 +1,9 @@
 //! Every message as bytes that were written down by hand, and what version 2 refuses.
 
 use haptic_protocol::wire::{
-    Ack, Ask, Bits, Error, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE, Message, Moved, Page,
-    Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES, Telemetry, Topic,
+    Ack, Along, Ask, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
+    Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES,
+    Telemetry, Topic,
 };
 use haptic_protocol::world::{Manifest, Object, Scope};
 
@@ -47,12 +48,14 @@ fn flow() {
         engaged: true,
         fading: false,
         tick: 0x1234_5678,
-        position: 1.0,
-        velocity: -0.5,
-        wave: 2.5,
-        wave_integral: -0.25,
-        energy_sent: 125.0,
-        live_ticks: 0x0a0b_0c0d,
+        axes: [Along {
+            position: 1.0,
+            velocity: -0.5,
+            wave: 2.5,
+            wave_integral: -0.25,
+            energy_sent: 125.0,
+            live_ticks: 0x0a0b_0c0d,
+        }],
     };
     is(flow, &bytes);
     refused(&bytes, 1, &[4], Error::Reserved("flow"));
@@ -62,6 +65,25 @@ fn flow() {
     // Too little room is an error.
     let wanted = Err(Error::Length { message: "flow", wanted: 40, got: 39 });
     assert_eq!(Flow::default().emit(&mut [0; 39]), wanted);
+}
+
+#[test]
+fn flow_of_several_axes() {
+    // Kind, fading, tick; then every axis as the one of a flow has it.
+    let head = |kind| vec![kind, 2, 0, 0, 0x78, 0x56, 0x34, 0x12];
+    let axis = |first| [&[0, 0, first, 0x3f][..], &[0; 24], &[first, 0, 0, 0]].concat();
+    let along = |position, live_ticks| Along { position, live_ticks, ..Along::default() };
+    let (one, two, three) = (along(1.0, 0x80), along(0.5, 0), along(0.5625, 0x10));
+    let two_axes = [head(10), axis(0x80), axis(0)].concat();
+    is(Flow2 { engaged: false, fading: true, tick: 0x1234_5678, axes: [one, two] }, &two_axes);
+    let three_axes = [head(11), axis(0x80), axis(0), axis(0x10)].concat();
+    is(Flow3 { engaged: false, fading: true, tick: 0x1234_5678, axes: [one, two, three] }, &three_axes);
+    assert_eq!((two_axes.len(), three_axes.len()), (72, 104));
+    refused(&two_axes, 1, &[4], Error::Reserved("flow of two axes"));
+    refused(&three_axes, 2, &[1], Error::Reserved("flow of three axes"));
+    refused(&three_axes, 72, &f32::NAN.to_le_bytes(), Error::NotFinite("flow of three axes"));
+    let error = Error::Length { message: "flow of three axes", wanted: 104, got: 72 };
+    refused(&two_axes, 0, &[11], error);
 }
 
 #[test]

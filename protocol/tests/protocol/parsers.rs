@@ -2,8 +2,9 @@
 
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
-    Ack, Ask, Bits, Event, Flow, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM, MAX_MESSAGE, Message, Moved,
-    Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES, Telemetry, Topic, VERSION,
+    Ack, Along, Ask, Bits, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM,
+    MAX_MESSAGE, Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES,
+    Telemetry, Topic, VERSION,
 };
 use haptic_protocol::world::{Manifest, Scope};
 use proptest::prelude::*;
@@ -19,19 +20,21 @@ fn f64s() -> impl Strategy<Value = f64> {
 }
 
 fn messages() -> impl Strategy<Value = Message> {
-    let flow = (any::<(bool, bool, [u32; 2])>(), f32s(), f32s(), f32s(), f64s(), f64s()).prop_map(
-        |((engaged, fading, [tick, live_ticks]), position, velocity, wave, wave_integral, energy_sent)| {
-            Message::Flow(Flow {
-                engaged,
-                fading,
-                tick,
-                position,
-                velocity,
-                wave,
-                wave_integral,
-                energy_sent,
-                live_ticks,
-            })
+    let along = (any::<u32>(), f32s(), f32s(), f32s(), f64s(), f64s()).prop_map(
+        |(live_ticks, position, velocity, wave, wave_integral, energy_sent)| Along {
+            position,
+            velocity,
+            wave,
+            wave_integral,
+            energy_sent,
+            live_ticks,
+        },
+    );
+    let flow = (any::<(bool, bool, u32)>(), 1..=3, prop::array::uniform3(along)).prop_map(
+        |((engaged, fading, tick), count, [x, y, z])| match count {
+            1 => Flow { engaged, fading, tick, axes: [x] }.into(),
+            2 => Flow2 { engaged, fading, tick, axes: [x, y] }.into(),
+            _ => Message::from(Flow3 { engaged, fading, tick, axes: [x, y, z] }),
         },
     );
     let telemetry = (any::<([u8; 3], [u32; 8], i64)>(), prop::array::uniform7(f32s()), f64s(), f64s()).prop_map(

@@ -4,19 +4,26 @@ use haptic_core::law::Packet;
 use haptic_core::num::Motion;
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Settings, Value};
-use haptic_protocol::peer::{flow_of, packet_of, parameters_of};
+use haptic_protocol::peer::{flow_of, packets_of, parameters_of};
+use haptic_protocol::wire::{Flow, Flow3, Message};
 
 #[test]
-fn a_packet_survives_the_way() {
-    let sent = Packet::<f32> {
-        motion: Motion { position: 0.25, velocity: -1.5 },
+fn packets_survive_the_way() {
+    let packet = |position| Packet::<f32> {
+        motion: Motion { position, velocity: -1.5 },
         wave: 2.0,
         energy_j: 1.0 / 3.0,
         wave_integral: -1.0 / 7.0,
         live_ticks: u32::MAX,
     };
-    let flow = flow_of(sent, true, 9);
-    assert_eq!((packet_of(&flow), flow.engaged, flow.tick), (sent, true, 9));
+    let one: Flow = flow_of([packet(0.25)], true, 9);
+    assert_eq!((packets_of(&one), one.engaged, one.tick), ([packet(0.25)], true, 9));
+    let sent = [0.25, -1.0, 3.0].map(packet);
+    let three: Flow3 = flow_of(sent, false, 7);
+    let mut bytes = [0; Flow3::LEN];
+    assert_eq!(Message::from(three).emit(&mut bytes), Ok(Flow3::LEN));
+    let Ok(Message::Flow3(came)) = Message::parse(&bytes) else { panic!("{bytes:?}") };
+    assert_eq!((packets_of(&came), came.engaged, came.tick), (sent, false, 7));
 }
 
 #[test]
@@ -38,7 +45,7 @@ fn what_is_each_devices_own_may_differ_and_nothing_else() {
         changed.set(key.name, other).expect("an allowed value");
         let own = Schema::BUILT_IN.kinds().iter().any(|law| law.keys.iter().any(|own| own.name == key.name));
         let tables = ["timing.", "object.", "coordination."];
-        let shared = own || tables.iter().any(|table| key.name.starts_with(table));
+        let shared = own || key.name == "axis.shared" || tables.iter().any(|table| key.name.starts_with(table));
         assert_eq!(parameters_of(&changed) != parameters_of(&settings), shared, "{}", key.name);
     }
 }

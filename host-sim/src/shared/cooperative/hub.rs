@@ -27,7 +27,7 @@ use std::fmt::Display;
 use haptic_core::law::Sends;
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
-use haptic_protocol::peer::{flow_of, packet_of};
+use haptic_protocol::peer::{flow_of, packets_of};
 use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::{Line, Says as _, TELEMETRY_S};
@@ -295,7 +295,10 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             if anew {
                 self.junction.part(at);
             }
-            *came = flow.as_ref().map(packet_of);
+            *came = flow.as_ref().map(|flow| {
+                let [packet] = packets_of(flow);
+                packet
+            });
         }
         self.junction.exchange(came, packets_due);
         if !packets_due {
@@ -303,7 +306,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         }
         self.packets = self.packets.map(|packets| packets + 1);
         for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
-            let flow = flow_of(port.back, true, self.ticks);
+            let flow = flow_of([port.back], true, self.ticks);
             end.say(now_us, flow, send);
         }
     }
