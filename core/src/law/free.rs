@@ -19,7 +19,7 @@ impl<S: Scalar> Law<S> for Free {
     fn start(&self, _: Motion<S>) {}
     fn receive(&self, (): &mut (), _: Packet<S>) {}
     fn couple(&self, (): &mut (), seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
     fn send(&self, (): &(), _: Motion<S>) -> Packet<S> {
         Packet::default()

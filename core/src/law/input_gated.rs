@@ -18,7 +18,8 @@
 //! cross. A copy that nobody holds is drawn along for as long as its account lasts; who pushes one copy moves the other by no more than was stored there. Laws
 //! that send energy along (a ledger, a tank) do not pay that. Not promised: that drift is made good. Needs `object.integrator = "midpoint"`.
 
-use super::tank::{CAP_J, START, needs_midpoint};
+use super::credit::CAP_J;
+use super::tank::{START, needs_midpoint};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::Port;
@@ -102,7 +103,7 @@ impl<S: Scalar> Law<S> for InputGated<S> {
 
     /// No force: where nothing is solved, [`InputGated::build`] refuses.
     fn couple(&self, _: &mut InputGatedState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     #[inline]

@@ -33,6 +33,7 @@ pub mod wave;
 pub mod wave_compensator;
 pub mod wave_integral;
 
+use crate::names::IntegratorName;
 use crate::num::{Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port};
 use crate::settings::{Allowed, Refused, Settings};
@@ -86,6 +87,14 @@ pub struct Seen<S> {
     pub age_ticks: u32,
 }
 
+/// Refuses every order but the one in which the work of a force is exact; `allowed` says which and where.
+fn needs_midpoint(settings: &Settings, allowed: &'static str) -> Result<(), Refused<'static>> {
+    if settings.object.integrator == IntegratorName::Midpoint {
+        return Ok(());
+    }
+    Err(settings.refuses("object.integrator", Allowed::Only(allowed)))
+}
+
 /// What a law did in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coupled<S> {
@@ -100,6 +109,12 @@ pub struct Coupled<S> {
 }
 
 impl<S: Scalar> Coupled<S> {
+    /// No force: the copy is where it should be.
+    #[inline]
+    pub fn none(local: Motion<S>) -> Self {
+        Self { desired: local, ..Self::default() }
+    }
+
     /// A force (N) toward where the remote copy is said to be, which moves as it was said to: the network does the work F_T·ẋ_d.
     #[inline]
     pub fn toward(desired: Motion<S>, force: S) -> Self {

@@ -32,8 +32,9 @@
 //! itself is no impedance: its push comes with the correction, late. Needs `object.integrator = "midpoint"`. With an account that
 //! nothing empties ([`PLENTY_J`]) nothing is learned and the law is linear.
 
+use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
-use super::tank::{CAP_J, START, needs_midpoint};
+use super::tank::{START, needs_midpoint};
 use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::object::port::{Port, met_midway};
@@ -358,7 +359,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
 
     /// No force: where nothing is solved, [`ModelMediated::build`] refuses.
     fn couple(&self, _: &mut ModelMediatedState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     #[inline]

@@ -98,7 +98,7 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
 
     /// No force: where nothing is solved, [`PassivityControl::build`] refuses.
     fn couple(&self, _: &mut PassivityControlState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     fn couple_as_port(

@@ -96,7 +96,7 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
 
     /// No force: where nothing is solved, [`SetPosition::build`] refuses.
     fn couple(&self, _: &mut SetPositionState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     fn couple_as_port(

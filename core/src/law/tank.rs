@@ -8,9 +8,9 @@
 //! What is exact needs a force that is solved for with the copy's motion: `object.integrator = "midpoint"`.
 
 use super::Packet;
-use crate::names::IntegratorName;
+use super::credit::CAP_J;
 use crate::num::Scalar;
-use crate::settings::{Allowed, Key, PLENTY_J, Refused, Settings};
+use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
 /// What is in a tank when its law begins; twice as much at the most comes out of a pair of them that nobody put in.
 pub const START: Key = Key::number(
@@ -20,9 +20,6 @@ pub const START: Key = Key::number(
     "J",
     "Laws with an energy tank: what is in it when they begin.",
 );
-
-/// Most that is kept, unless more was there to begin with, J: dissipation of minutes must not come back as one blow.
-pub const CAP_J: f64 = super::credit::CAP_J;
 
 /// The same of a law that sends waves, whose energy on the line is counted wave by wave: by so much may more be emitted than was heard.
 pub const WAVE_START: Key = Key::number(
@@ -56,11 +53,7 @@ pub(super) struct Tank<C> {
 
 /// Refuses every order but the one in which the work of a force is exact.
 pub(super) fn needs_midpoint(settings: &Settings) -> Result<(), Refused<'static>> {
-    if settings.object.integrator == IntegratorName::Midpoint {
-        return Ok(());
-    }
-    let allowed = Allowed::Only("\"midpoint\" where coordination.comm is a law that pays for its energy");
-    Err(settings.refuses("object.integrator", allowed))
+    super::needs_midpoint(settings, "\"midpoint\" where coordination.comm is a law that pays for its energy")
 }
 
 impl<C: Scalar> Tanks<C> {

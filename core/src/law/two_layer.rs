@@ -112,7 +112,7 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
 
     /// No force: where nothing is solved, [`TwoLayer::build`] refuses.
     fn couple(&self, _: &mut TwoLayerState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     fn couple_as_port(

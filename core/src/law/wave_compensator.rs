@@ -123,7 +123,7 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
 
     /// No force: where nothing is solved, [`WaveCompensator::build`] refuses.
     fn couple(&self, _: &mut WaveCompensatorState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     fn couple_as_port(

@@ -25,7 +25,7 @@ use super::credit::CAP_J;
 use super::tank::{WAVE_START, needs_midpoint};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
-use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
+use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Port;
 use crate::settings::{Refused, Settings};
 
@@ -90,12 +90,7 @@ struct Heard<C> {
 impl<S: Scalar> StateVector<S> for WaveIntegralState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        let before = self.desired.total();
-        let mut desired = before;
-        visit_counter::<S>(&mut desired, each);
-        if desired != before {
-            self.desired = Sum::from(desired);
-        }
+        visit_sum::<S>(&mut self.desired, each);
         each(&mut self.wave);
         visit_counter::<S>(&mut self.owed, each);
         visit_counter::<S>(&mut self.fresh, each);
@@ -216,7 +211,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
 
     /// No force: where nothing is solved, [`WaveIntegral::build`] refuses.
     fn couple(&self, _: &mut WaveIntegralState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     fn couple_as_port(

@@ -5,5 +5,5 @@ mod sqrt;
 mod state;
 
 pub use scalar::{Fixed, Scalar};
-pub(crate) use state::visit_counter;
 pub use state::{Carry, Motion, StateVector, Sum};
+pub(crate) use state::{visit_counter, visit_sum};

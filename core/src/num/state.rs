@@ -51,6 +51,16 @@ pub(crate) fn visit_counter<S: Scalar>(number: &mut S::Counter, each: &mut impl 
     }
 }
 
+/// Visits what a sum is so far; one that is changed begins anew from there.
+pub(crate) fn visit_sum<S: Scalar>(sum: &mut Sum<S::Counter>, each: &mut impl FnMut(&mut S)) {
+    let before = sum.total();
+    let mut visited = before;
+    visit_counter::<S>(&mut visited, each);
+    if visited != before {
+        *sum = Sum::from(visited);
+    }
+}
+
 /// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<S> {

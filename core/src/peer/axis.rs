@@ -112,7 +112,6 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         commanded: S,
     ) -> Option<S> {
         let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
-        let uncoupled = |object| Coupled { desired: object, ..Coupled::default() };
         let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
             let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
             let seen = Seen { local: object, contact_force: self.observed.contact_force, age_ticks };
@@ -139,13 +138,13 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
                 law.couple_as_port(&mut self.coordination, &seen, solve)
             } else {
                 solve(Port::default());
-                uncoupled(object)
+                Coupled::none(object)
             };
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
         } else {
             let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
             let seen = Seen { local: object, contact_force: touch.felt, age_ticks };
-            let coupled = if engaged { law.couple(&mut self.coordination, &seen) } else { uncoupled(object) };
+            let coupled = if engaged { law.couple(&mut self.coordination, &seen) } else { Coupled::none(object) };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
         self.ledger.book(&coupled, period_s);

@@ -5,7 +5,7 @@ use haptic_core::law::{Law, Packet, Seen};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 
-use super::{Copies, PERIOD, settings};
+use super::{Copies, PERIOD, draws, settings};
 
 const MASS_KG: f64 = 0.3;
 
@@ -13,13 +13,7 @@ const MASS_KG: f64 = 0.3;
 #[test]
 fn each_end_is_passive_by_itself() {
     for (seed, start) in (0..40_u64).zip([0.0, 0.001, 0.02, 0.1].into_iter().cycle()) {
-        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut random = move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = draws(seed);
         let settings = settings(
             "input-gated",
             &[("coordination.stiffness_n_per_m", 10.0_f64.powf(3.0 + 2.0 * random())), ("coordination.tank_j", start)],

@@ -127,3 +127,14 @@ fn period(values: &[f64]) -> f64 {
         .collect();
     (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64
 }
+
+/// Numbers of −0.5 to 0.5, the same for the same seed.
+fn draws(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    }
+}

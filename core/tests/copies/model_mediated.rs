@@ -6,7 +6,7 @@ use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
 
-use super::{Copies, PERIOD, Phasor, settings, swing};
+use super::{Copies, PERIOD, Phasor, draws, settings, swing};
 
 type State = <ModelMediated<f64> as Law<f64>>::State;
 
@@ -140,13 +140,7 @@ fn what_was_learned_is_felt_without_delay() {
 #[test]
 fn nothing_comes_out_that_was_not_put_in() {
     for seed in 0..50_u64 {
-        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut random = move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = draws(seed);
         let start = 0.02;
         let settings = scene(&[("model_mediated.rate_per_s", 100.0), ("model_mediated.memory_s", 0.05)]);
         let mut ends = Ends::new(&settings);

@@ -111,12 +111,17 @@ pub(crate) fn width(text: &str, size: f64) -> f64 {
 pub(crate) fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if width(&format!("{line} {word}"), size) <= limit => {
-                line.push(' ');
-                line.push_str(word);
+        // A word that fits on no line may be broken after a hyphen.
+        let parts: Vec<&str> = if width(word, size) > limit { word.split_inclusive('-').collect() } else { vec![word] };
+        for (at, part) in parts.into_iter().enumerate() {
+            let space = if at == 0 { " " } else { "" };
+            match lines.last_mut() {
+                Some(line) if width(&format!("{line}{space}{part}"), size) <= limit => {
+                    line.push_str(space);
+                    line.push_str(part);
+                }
+                _ => lines.push(part.to_owned()),
             }
-            _ => lines.push(word.to_owned()),
         }
     }
     lines

@@ -14,6 +14,7 @@ use haptic_core::settings::Settings;
 use haptic_sim::{scene::Scene, scenes};
 
 use super::session::PERIOD_S;
+use crate::studies::campaign::laws::SOLVED;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [
@@ -117,11 +118,7 @@ fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
     let kind = scene.laws.kinds().iter().find(|kind| kind.name == name);
     let gains = kind.filter(|_| recommended.is_none()).map_or(&[][..], |kind| kind.gains);
     // What moves and decodes in one solve takes neither from the tick before.
-    let solved = if gains.contains(&"object.integrator=midpoint") {
-        &["coordination.decode=implicit", "object.force_delay_ticks=0"][..]
-    } else {
-        &[]
-    };
+    let solved = if gains.contains(&"object.integrator=midpoint") { &SOLVED[..] } else { &[] };
     let comm = format!("coordination.comm={name}");
     let keys = solved.iter().chain(gains).map(|gain| (*gain).to_owned());
     Ok((changed, std::iter::once(comm).chain(keys).collect()))

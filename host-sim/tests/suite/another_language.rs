@@ -46,7 +46,7 @@ fn was_there(of: &Value, python: &Value) {
 fn a_peer_meets_it() {
     let (keys, own, other) = (Keys::new("python-peer", 0), free(), free());
     let key = keys.file(0);
-    let peer = host_sim(&["peer", "--json", "--number", "1", "--listen", &own, "--connect", &other, "--seconds", "4"])
+    let peer = host_sim(&["peer", "--json", "--number", "1", "--listen", &own, "--connect", &other, "--seconds", "8"])
         .args(["--key-file", &key])
         .spawn()
         .expect("host-sim runs");
@@ -58,7 +58,7 @@ fn a_peer_meets_it() {
 fn a_hub_meets_two_of_it() {
     let (keys, hub, others) = (Keys::new("python-hub", 2), free(), [free(), free()]);
     let running =
-        host_sim(&["hub", "--json", "--users", "2", "--listen", &hub, "--seconds", "4", "--key-file", &keys.file(0)])
+        host_sim(&["hub", "--json", "--users", "2", "--listen", &hub, "--seconds", "8", "--key-file", &keys.file(0)])
             .spawn()
             .expect("host-sim runs");
     let one = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], false);
@@ -70,7 +70,7 @@ fn a_hub_meets_two_of_it() {
 #[test]
 fn a_server_gives_it_the_whole_world() {
     let (keys, address, other) = (Keys::new("python-server", 3), free(), free());
-    let server = ["shared", "world", "serve", "--json", "--world", TWO_ROOMS, "--listen", &address, "--seconds", "4"];
+    let server = ["shared", "world", "serve", "--json", "--world", TWO_ROOMS, "--listen", &address, "--seconds", "8"];
     let running = host_sim(&server).args(["--key-file", &keys.file(0)]).spawn().expect("host-sim runs");
     let (python, server) = (report(python(&keys.file(3), [0, 1], 3, [&other, &address], true)), report(running));
     assert_eq!(python["confirmed"], true, "{python}");

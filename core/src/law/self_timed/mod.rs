@@ -27,11 +27,10 @@ use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
 
 use super::event::LONGEST;
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
-use crate::names::IntegratorName;
-use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
+use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, needs_midpoint};
+use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Port;
-use crate::settings::{Allowed, Refused, Settings};
+use crate::settings::{Refused, Settings};
 
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
@@ -67,12 +66,7 @@ pub struct SelfTimedState<C> {
 impl<S: Scalar> StateVector<S> for SelfTimedState<S::Counter> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        let before = self.desired.total();
-        let mut desired = before;
-        visit_counter::<S>(&mut desired, each);
-        if desired != before {
-            self.desired = Sum::from(desired);
-        }
+        visit_sum::<S>(&mut self.desired, each);
         visit_counter::<S>(&mut self.outstanding.integral, each);
         visit_counter::<S>(&mut self.fresh, each);
     }
@@ -97,10 +91,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
-        if settings.object.integrator != IntegratorName::Midpoint {
-            let allowed = Allowed::Only("\"midpoint\" where coordination.comm is \"self-timed\"");
-            return Err(settings.refuses("object.integrator", allowed));
-        }
+        needs_midpoint(settings, "\"midpoint\" where coordination.comm is \"self-timed\"")?;
         Ok(Self {
             end: Terminal::build(settings),
             incoming: Incoming::build(settings),
@@ -127,7 +118,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     /// No force: where nothing is solved, [`SelfTimed::build`] refuses.
     fn couple(&self, _: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: seen.local, ..Coupled::default() }
+        Coupled::none(seen.local)
     }
 
     #[inline]

@@ -11,8 +11,8 @@ use super::touch::Point;
 /// Colours of stable, apart and NO.
 const VERDICTS: [(&str, usize); 3] = [("stable", 2), ("apart", 4), ("NO", 1)];
 
-/// More names than this beside each other are broken at their hyphens.
-const BROKEN_ABOVE: usize = 8;
+/// More names than this beside each other are hard to read.
+const BESIDE: usize = 9;
 
 /// True discrepancy against way, and the verdict of every law over every network.
 pub fn laws(rows: &[Row]) -> Figure {
@@ -33,6 +33,21 @@ pub fn laws(rows: &[Row]) -> Figure {
         series: vec![Series::dots("", 0, points, names)],
         ..Panel::default()
     };
+    let panels = rows.len().div_ceil(BESIDE).max(1);
+    let grids = rows.chunks(rows.len().div_ceil(panels).max(1)).enumerate().map(|(at, rows)| verdicts(rows, at == 0));
+    Figure {
+        title: "Coordination laws over the same networks".to_owned(),
+        caption: "Every law at the gains that it declares, in the same scene. A law that is stable on few networks has its mean over those \
+                  few: read all panels together."
+            .to_owned(),
+        columns: 1,
+        panels: std::iter::once(against).chain(grids).collect(),
+        ..Figure::default()
+    }
+}
+
+/// The verdict of each of these laws over every network; the first panel says what the colours are.
+fn verdicts(rows: &[Row], first: bool) -> Panel {
     let at = |colour: usize| -> Vec<(f64, f64)> {
         let cells = rows.iter().enumerate().flat_map(|(law, row)| {
             let cells = row.cells.iter().enumerate();
@@ -41,26 +56,19 @@ pub fn laws(rows: &[Row]) -> Figure {
         let of = cells.filter(|(.., found)| *found == colour);
         of.map(|(law, network, _)| (law as f64, network as f64 + 1.0)).collect()
     };
-    let series =
-        VERDICTS.iter().enumerate().map(|(which, (name, colour))| Series::dots(*name, *colour, at(which), Vec::new()));
-    let hyphen = if rows.len() > BROKEN_ABOVE { "- " } else { "-" };
+    let label = |name: &str| if first { name.to_owned() } else { String::new() };
+    let series = VERDICTS
+        .iter()
+        .enumerate()
+        .map(|(which, (name, colour))| Series::dots(label(name), *colour, at(which), Vec::new()));
     let networks = rows.first().map_or(0, |row| row.cells.len()) as f64;
-    let grid = Panel {
-        title: "Verdict, the worst of the seeds".to_owned(),
+    Panel {
+        title: if first { "Verdict, the worst of the seeds".to_owned() } else { String::new() },
         y_label: "Network, in the order of the table".to_owned(),
-        y_range: Some((0.0, networks + 6.0)),
-        categories: rows.iter().map(|row| row.law.name.replace('-', hyphen)).collect(),
+        y_range: Some((0.0, networks + if first { 6.0 } else { 1.0 })),
+        categories: rows.iter().map(|row| row.law.name.to_owned()).collect(),
         series: series.collect(),
         ..Panel::default()
-    };
-    Figure {
-        title: "Coordination laws over the same networks".to_owned(),
-        caption: "Every law at the gains that it declares, in the same scene. A law that is stable on few networks has its mean over those \
-                  few: read both panels together."
-            .to_owned(),
-        columns: 1,
-        panels: vec![against, grid],
-        ..Figure::default()
     }
 }
 

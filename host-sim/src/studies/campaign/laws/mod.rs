@@ -41,7 +41,8 @@ use crate::studies::Failure;
 use crate::studies::accuracy::counts::Processor;
 
 /// Peers that break nothing by themselves: one solve a tick, so that what a copy does is the law's and the network's doing.
-const PEERS: [&str; 3] = ["coordination.decode=implicit", "object.integrator=midpoint", "object.force_delay_ticks=0"];
+pub(crate) const SOLVED: [&str; 3] =
+    ["coordination.decode=implicit", "object.integrator=midpoint", "object.force_delay_ticks=0"];
 
 /// The laws that are asked for: `all`, or their names with commas between.
 ///
@@ -75,7 +76,7 @@ pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static Kind>, String> {
 /// # Errors
 /// What the scene or the law does not accept.
 pub fn law_scene(laws: Laws, law: &Kind, scene: Option<&Path>, set: &[String]) -> Result<Scene, SceneError> {
-    let peers = PEERS.iter().filter(|_| scene.is_none());
+    let peers = SOLVED.iter().filter(|_| scene.is_none());
     let settings = peers.chain(law.gains).map(|setting| (*setting).to_owned());
     let comm = format!("coordination.comm={}", law.name);
     let settings: Vec<String> = std::iter::once(comm).chain(settings).chain(set.iter().cloned()).collect();
