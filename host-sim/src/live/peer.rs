@@ -7,7 +7,9 @@ use haptic_core::safety::Mode;
 use haptic_protocol::link::{Error, Notice};
 use haptic_protocol::{key::Key, wire::Telemetry};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::{key_file::entropy, measure::LastHalf, node::Node, scene::Scene};
+use haptic_sim::measure::port::{ObjectPort, PortEnergy, counted};
+use haptic_sim::measure::{LastHalf, Statistics};
+use haptic_sim::{key_file::entropy, node::Node, scene::Scene};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
@@ -26,6 +28,12 @@ pub(crate) struct Report {
     pub(crate) seen: Seen,
     /// Mean F_T over the last half, N.
     pub(crate) coordination_force_n: f64,
+    /// F_LC over the last half, N of the world.
+    pub(crate) contact_force_n: Statistics,
+    /// What the wall in the room of its device pushed with over the last half, N of the device; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) wall_force_n: Option<Statistics>,
+    pub(crate) port_energy: Ports,
     /// Why it stopped, if it did.
     pub(crate) fault: Option<String>,
     /// What the link reported, in order, with the time in s since the start.
@@ -42,6 +50,24 @@ pub(crate) struct Report {
     /// Datagrams refused: forged, replayed or broken.
     pub(crate) datagrams_refused: u32,
     pub(crate) punctuality: Punctuality,
+}
+
+/// Energy through the ports of its coordination while armed, J, and what came out over what went in: above 1 it made energy.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Ports {
+    received_j: f64,
+    sent_j: f64,
+    to_object_j: f64,
+    from_object_j: f64,
+    stored_j: f64,
+    out_over_in: f64,
+}
+
+impl From<PortEnergy> for Ports {
+    fn from(energy: PortEnergy) -> Self {
+        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = energy;
+        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, out_over_in: energy.out_over_in() }
+    }
 }
 
 /// What the other peer's telemetry says.
@@ -87,7 +113,9 @@ struct Peer {
     patience_s: f64,
     /// Ticks of the experiment.
     ticks: u64,
-    halves: LastHalf<2>,
+    /// |x_o − x_d|, F_T, then F_LC and the wall's force, each with its square.
+    halves: LastHalf<6>,
+    port: ObjectPort,
     /// Who sent the newest datagram that was refused and tells something, and why it was.
     refusal: Option<(SocketAddr, Error)>,
     /// The other peer was told other parameters: which table differs, and when that was found, µs.
@@ -132,9 +160,12 @@ impl Actor<SocketAddr> for Peer {
         let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
-            let seen = node.peer.observed();
-            let discrepancy_m = f64::from((seen.object.position - seen.desired.position).abs());
-            self.halves.see(tick, [discrepancy_m, f64::from(seen.coordination_force)]);
+            let seen = counted(node.peer.observed());
+            let discrepancy_m = (seen.object.position - seen.desired.position).abs();
+            let (contact_n, wall_n) = (seen.contact_force, node.wall_n());
+            let squares = [contact_n * contact_n, wall_n * wall_n];
+            self.halves.see(tick, [discrepancy_m, seen.coordination_force, contact_n, squares[0], wall_n, squares[1]]);
+            self.port.see(&seen);
         }
         self.watch.ticked(now_ns, node);
     }
@@ -198,14 +229,16 @@ pub(crate) fn run(
         patience_s,
         ticks,
         halves: LastHalf::new(ticks),
+        port: ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m),
         refusal: None,
         differs: None,
         now_us: 0,
     };
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let Peer { node, halves, watch, .. } = peer;
-    let [discrepancy_m, coordination_force_n] = halves.means();
+    let Peer { node, halves, port, watch, .. } = peer;
+    let [discrepancy_m, coordination_force_n, contact, contact_squared, wall, wall_squared] = halves.means();
+    let ledger = node.peer.ledger();
     let (line, link) = (&node.line, &node.line.link);
     let counts = link.counts();
     Ok(Report {
@@ -214,6 +247,10 @@ pub(crate) fn run(
         decoded_discrepancy_mm: 1e3 * discrepancy_m,
         seen: watch.end(endpoint.now_ns() as f64 * 1e-9),
         coordination_force_n,
+        contact_force_n: Statistics::of_moments(contact, contact_squared),
+        wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
+            .then(|| Statistics::of_moments(wall, wall_squared)),
+        port_energy: port.with_network(ledger.received_j().into(), ledger.sent_j().into()).into(),
         fault: match node.peer.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,

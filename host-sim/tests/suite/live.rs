@@ -1,10 +1,13 @@
 //! Two peers as two processes over loopback, for real: what they hold is what the same scene holds in memory.
 
 use std::net::UdpSocket;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use serde_json::Value;
+use haptic_sim::peers::Laws;
+use haptic_sim::run::{Options, run};
+use haptic_sim::scenes;
+use serde_json::{Value, json};
 
 /// Both users push toward each other and hold: what is measured does not hang on when each peer began.
 const SCENE: [&str; 8] = [
@@ -29,7 +32,7 @@ fn scene() -> Vec<&'static str> {
     SCENE.iter().flat_map(|setting| ["--set", setting]).collect()
 }
 
-fn json(command: &mut Command) -> Value {
+fn document(command: &mut Command) -> Value {
     let output = command.output().expect("host-sim runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
@@ -52,7 +55,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn peer(folder: &std::path::Path, number: &str, listen: &str, connect: &str) -> Child {
+fn peer(folder: &Path, number: &str, listen: &str, connect: &str) -> Child {
     host_sim(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
         .args(["--seconds", SECONDS, "--key-file"])
         .arg(folder.join("key"))
@@ -115,7 +118,7 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
     let peers = [peer(&folder, "1", &one, &two), peer(&folder, "2", &two, &one)];
     // Loopback takes no time, and what came is taken at the end of a packet period.
     let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
-    let memory = json(memory.args(scene()).args(["--set", "network.one_way_delay_packets=0"]));
+    let memory = document(memory.args(scene()).args(["--set", "network.one_way_delay_packets=0"]));
     for live in peers.map(report) {
         compare(&live, &memory);
         // Nothing is lost on loopback but what a late start misses.
@@ -177,7 +180,7 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     let peers = [peer(&folder, "1", &one, &for_one), peer(&folder, "2", &two, &for_two)];
     let setting = format!("network.trace={trace}");
     let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
-    let memory = json(memory.args(scene()).args(["--set", &setting]));
+    let memory = document(memory.args(scene()).args(["--set", &setting]));
     let lives = peers.map(report);
     let relayed = report(relay);
     for live in &lives {
@@ -259,5 +262,90 @@ fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
             let said = error.contains(&format!("{other} {wanted}")) && error.trim_end().lines().count() == 1;
             assert!(output.status.code() == Some(2) && said, "{error}");
         }
+    }
+}
+
+/// The leader and the follower as two processes, with a relay between them: what both say in the end.
+fn leader_and_follower(folder: &Path, keys: &[&str], at: usize, seconds: u32) -> [Value; 2] {
+    let keys: Vec<&str> = keys.iter().flat_map(|key| ["--set", key]).collect();
+    let spawn = |words: &[&str], more: &mut dyn FnMut(&mut Command)| {
+        let mut command = host_sim(words);
+        more(command.args(["--json", "--scene", "leader-follower-wall"]).args(&keys));
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs")
+    };
+    let [one, two, for_one, for_two] = addresses();
+    let (relayed, seconds) = ((seconds + 2).to_string(), seconds.to_string());
+    let listen = ["network", "relay", "--seconds", &relayed, "--listen-1", &for_one, "--listen-2", &for_two];
+    let relay = spawn(&listen, &mut |relay| _ = relay.args(["--peer-1", &one, "--peer-2", &two]));
+    let peers = [("1", &one, &for_one), ("2", &two, &for_two)].map(|(number, listen, connect)| {
+        let recording = folder.join(format!("{at}-{number}.mcap"));
+        let words =
+            ["peer", "--quiet", "--number", number, "--listen", listen, "--connect", connect, "--seconds", &seconds];
+        let peer = spawn(&words, &mut |peer| {
+            peer.arg("--key-file").arg(folder.join("key")).arg("--record").arg(&recording);
+        });
+        (peer, recording)
+    });
+    let ends = peers.map(|(peer, recording)| {
+        let said = report(peer);
+        assert!(std::fs::metadata(&recording).is_ok_and(|file| file.len() > 1_000_000), "{}", recording.display());
+        said
+    });
+    let relayed = report(relay);
+    assert_eq!(relayed["strangers"], 0, "{relayed}");
+    ends
+}
+
+/// The same on two networks at once: each way 120 ± 40 ms with 1 % loss, and 160 ms there and back without. Nothing faults, and no peer's
+/// ports give out more than went in.
+fn on_both_networks(name: &str, clutch: &[&str], seconds: u32) -> [([Value; 2], Vec<String>); 2] {
+    let folder = folder(name);
+    let networks = [&[][..], &["network.jitter=none", "network.loss=0"]].map(|network| [clutch, network].concat());
+    let lives = std::thread::scope(|scope| {
+        let folder = &folder;
+        let both = [0, 1].map(|at| (at, &networks[at]));
+        let both = both.map(|(at, keys)| scope.spawn(move || leader_and_follower(folder, keys, at, seconds)));
+        both.map(|live| live.join().expect("two peers"))
+    });
+    for end in lives.iter().flatten() {
+        assert_eq!((&end["fault"], &end["ticks"]), (&Value::Null, &json!(1000 * seconds)), "{end}");
+        assert!(end["port_energy"]["out_over_in"].as_f64().is_some_and(|ratio| ratio <= 1.0), "{end}");
+    }
+    let mut keys = networks.into_iter().map(|keys| keys.into_iter().map(str::to_owned).collect());
+    lives.map(|live| (live, keys.next().unwrap_or_default()))
+}
+
+/// The leader presses on the follower's wall, opens the clutch for a second and presses on.
+#[test]
+fn a_leader_presses_on_the_followers_wall_in_another_process() {
+    let clutch = ["user.1.clutch_at_s=3", "user.1.clutch_for_s=1"];
+    let lives = on_both_networks("leader-follower", &clutch, 10);
+    for (([leader, follower], keys), line_takes_s) in lives.iter().zip([0.08..0.17, 0.08..0.09]) {
+        let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{leader}\n{follower}"));
+        // Pressed on, and at rest: the wall, both copies and the leader's hand all push alike.
+        let (wall, felt) = (&follower["wall_force_n"], number(&leader["contact_force_n"]["mean"]));
+        let (push, hum) = (number(&wall["mean"]), number(&wall["sd"]));
+        assert!(push > 1.0 && hum < 0.05 * push, "{follower}");
+        assert!((felt.abs() / push - 1.0).abs() < 0.02, "{felt} N felt, {push} N at the wall");
+        assert!(leader.get("wall_force_n").is_none(), "the leader has no wall");
+        // How far the copies are apart then says how long a wave line is: F·(2/K_T + T/b).
+        let apart_m = 1e-3 * number(&leader["true_discrepancy_mm"]);
+        let line_s = 10.0 * (apart_m / push - 2.0 / 2_000.0);
+        assert!(line_takes_s.contains(&line_s), "{line_s} s, {leader}");
+        // And so it is in memory.
+        let scene = scenes::find(Laws::built_in(), Some("leader-follower-wall".as_ref()), keys).expect("a scene");
+        let memory = run::<f64>(&scene, Options { duration_s: 10.0, record_every: 0 }, &|_| ()).expect("it runs");
+        let wanted = memory.coordination_force_n.mean.abs();
+        assert!((push / wanted - 1.0).abs() < 0.05, "{push} N, {wanted} N in memory");
+    }
+}
+
+/// Ten minutes by the clock, the clutch open for two seconds of every ten: docs/leader-follower.md has what this prints.
+#[test]
+#[ignore = "ten minutes: cargo test --release -p host-sim --test suite -- --ignored --nocapture ten_minutes"]
+fn ten_minutes_of_leader_and_follower_in_two_processes() {
+    let clutch = ["user.1.clutch_at_s=5", "user.1.clutch_for_s=2", "user.1.clutch_every_s=10"];
+    for (ends, _) in on_both_networks("ten-minutes", &clutch, 600) {
+        ends.iter().for_each(|end| println!("{end}"));
     }
 }

@@ -19,6 +19,7 @@
 //! Left out: an impact changes ẋ_o between two ticks, so that v̄ is not known; nothing is said of impulsive contact. A force
 //! that acts late (`object.force_delay_ticks`) is booked in the tick that computed it.
 
+use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 
 use super::Figure;
@@ -43,6 +44,18 @@ impl PortEnergy {
     pub fn out_over_in(&self) -> f64 {
         let out = self.sent_j + self.to_object_j + self.stored_j;
         ratio(out, self.received_j + self.from_object_j)
+    }
+}
+
+/// What a tick saw, in the numbers that counters are kept in.
+pub fn counted<S: Scalar>(observed: &Observed<S>) -> Observed<S::Counter> {
+    let motion = |of: Motion<S>| Motion { position: of.position.to_counter(), velocity: of.velocity.to_counter() };
+    Observed {
+        device: motion(observed.device),
+        object: motion(observed.object),
+        desired: motion(observed.desired),
+        contact_force: observed.contact_force.to_counter(),
+        coordination_force: observed.coordination_force.to_counter(),
     }
 }
 

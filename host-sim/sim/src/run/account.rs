@@ -7,7 +7,7 @@ use haptic_core::safety::{Fault, Mode};
 use super::outcome::{Options, Outcome};
 use super::reason::{APART_MM, Reason};
 use crate::measure::growth::{Forces, Growth};
-use crate::measure::port::ObjectPort;
+use crate::measure::port::{ObjectPort, counted};
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::quantities::{self, Named};
 use crate::report::{Columns, numbered};
@@ -50,15 +50,8 @@ impl<F: Figure> Ticked<F> {
         mode: Mode,
         engaged: bool,
     ) -> Self {
-        let motion = |of: Motion<S>| Motion { position: of.position.to_counter(), velocity: of.velocity.to_counter() };
         Self {
-            observed: Observed {
-                device: motion(observed.device),
-                object: motion(observed.object),
-                desired: motion(observed.desired),
-                contact_force: observed.contact_force.to_counter(),
-                coordination_force: observed.coordination_force.to_counter(),
-            },
+            observed: counted(observed),
             received_j: received_j.to_counter(),
             sent_j: sent_j.to_counter(),
             fault: if let Mode::Faulted(fault) = mode { Some(fault) } else { None },
