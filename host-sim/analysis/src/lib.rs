@@ -16,12 +16,14 @@
 //!
 //! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact of
 //! both hands, of one or of none, exact sensors and motors, nobody pushing, each constant delay that the network can produce.
+//! An object that is shared along several axes is judged along all of them at once, as the mass of the device couples them.
 //! What a scene has beyond that is named with the judgement ([`Judgement::not_judged`]). Any law is analysed, also one from
 //! outside, as long as it is linear; only [`agreement`] knows no others than the paper's.
 
 mod advice;
 mod agreement;
 mod delays;
+mod direction;
 mod error;
 mod family;
 pub mod figure4;
@@ -43,6 +45,7 @@ mod verdict;
 
 pub use advice::{Change, MARGIN, advice, change};
 pub use agreement::{Agreement, agreement};
+pub use direction::Direction;
 pub use error::AnalysisError;
 pub use lifted::constructed::hold::exponential;
 pub use lifted::delay::delays_ticks;

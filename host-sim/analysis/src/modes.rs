@@ -22,6 +22,7 @@ use super::lifted::delay::delays_ticks;
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::AnalysisError;
 use haptic_sim::scene::{DriveName, Jitter, Scene};
+use haptic_sim::user::User;
 
 /// Whose hands are on their devices, in contact with the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -169,8 +170,19 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
             "the current loop, but for its lag and what back-EMF it lets through",
         ),
         (peer.axis.velocity == VelocityName::Adaptive, "the velocity window that adapts"),
-        (peer.axis.count > 1, "the axes that are held on their line"),
-        (peer.kinematics.model != KinematicsName::Direct, "the geometry of the mechanism"),
+        (peer.axis.count > peer.axis.shared, "the axes that are held on their line"),
+        (
+            peer.kinematics.model != KinematicsName::Direct,
+            if scene.is_coupled() {
+                "the geometry of the mechanism away from home"
+            } else {
+                "the geometry of the mechanism"
+            },
+        ),
+        (
+            scene.is_shared_along_several() && scene.users.iter().any(User::has_wall),
+            "the walls of a room along one axis alone (they are judged along all)",
+        ),
         (scene.at_walls().is_some(), "walls that are met and left (each state is judged by itself)"),
         (scene.users.iter().any(|user| user.settings.user.clutch_for_s > 0.0), "clutches that open and close"),
         (law.ledger, "the energy ledger, when it cuts"),

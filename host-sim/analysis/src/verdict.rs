@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use super::direction::{self, Direction};
 use super::error::AnalysisError;
 use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
@@ -31,6 +32,9 @@ pub struct Verdict {
     pub rest_modes: usize,
     /// The pair was taken apart into sum and difference.
     pub symmetric: bool,
+    /// Where the objects move in the mode that decides, if they are shared along several axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<Direction>,
 }
 
 /// JSON has no infinity.
@@ -40,8 +44,14 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
 
 impl Verdict {
     /// Less than any.
-    pub(crate) const LEAST: Self =
-        Self { spectral_radius: f64::NEG_INFINITY, stable: true, states: 0, rest_modes: 0, symmetric: false };
+    pub(crate) const LEAST: Self = Self {
+        spectral_radius: f64::NEG_INFINITY,
+        stable: true,
+        states: 0,
+        rest_modes: 0,
+        symmetric: false,
+        direction: None,
+    };
 
     /// The one with the larger spectral radius, this one of equals.
     pub(crate) fn or_worse(self, other: Self) -> Self {
@@ -49,7 +59,8 @@ impl Verdict {
     }
 
     fn new(spectral_radius: f64, states: usize, rest_modes: usize, symmetric: bool) -> Self {
-        Self { spectral_radius, stable: is_stable(spectral_radius), states, rest_modes, symmetric }
+        let stable = is_stable(spectral_radius);
+        Self { spectral_radius, stable, states, rest_modes, symmetric, direction: None }
     }
 }
 
@@ -224,12 +235,12 @@ impl Analyser {
         let joined = Joined::new([answer(0), answer(1)], delays.map(|ticks| ticks / ticks_per_packet));
         let hands = released.iter().filter(|released| !**released).count();
         let solver = &mut self.solvers[hands];
-        let objects = joined.objects();
-        let anchors = if joined.symmetric { &objects[..1] } else { &objects };
+        let (objects, axes) = (joined.objects(), joined.axes());
+        let mut direction = None;
         let (mut worst, mut states, mut rest_modes) = (0.0_f64, 0, 0);
         for sign in joined.signs() {
             joined.write(*sign, &mut self.whole);
-            let (kept, stands) = solver.reduce(&self.whole, anchors);
+            let (kept, stands) = solver.reduce(&self.whole, &objects);
             states += kept;
             rest_modes += stands;
             if let Some(reduced) = &mut self.reduced {
@@ -237,11 +248,14 @@ impl Analyser {
                 continue;
             }
             let (polar, glides) = solver.eigenvalues(hands > 0)?;
+            if let Some(largest) = polar.first().filter(|largest| axes > 1 && largest[0] > worst) {
+                direction = direction::direction(&self.whole.matrix, *largest, &objects, axes);
+            }
             worst = worst.max(radius(&polar));
             rest_modes += glides;
             self.parts.push(polar);
         }
-        Ok(Verdict::new(worst, states, rest_modes, joined.symmetric))
+        Ok(Verdict { direction, ..Verdict::new(worst, states, rest_modes, joined.symmetric) })
     }
 }
 
@@ -271,3 +285,7 @@ impl Solver {
         self.spectrum.polar_beside(&mut self.kept.matrix, glides).ok_or(AnalysisError::NoConvergence)
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/verdict.rs"]
+mod tests;

@@ -150,6 +150,8 @@ haptic_core::settings! {
         damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_HD.";
         force_delay_ticks: f64 = 1.0, number(0.0, 1.0), "ticks",
             "Delay from sensing to the new motor force, in control periods.";
+        joint_inertia: f64 = 0.0, number(0.0, 1e3), "kg or kg·m²",
+            "What slides or turns with every joint beside that, with axis.shared of 2 or 3: at the hand it weighs as the mechanism at home has it,              which couples the axes.";
     }
 
     /// Imperfections of the device; each is off unless asked for.
@@ -509,11 +511,38 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether a device's mass couples its axes.
+    pub fn is_coupled(&self) -> bool {
+        self.devices().iter().any(|device| device.joint_inertia > 0.0)
+    }
+
+    /// What weighs at the joints is told of axes that are all shared, and free to move every way.
+    fn check_joint_inertia(&self) -> Result<(), String> {
+        let refused = |with: String| {
+            let said = self.devices().map(|device| device.joint_inertia).into_iter().fold(0.0, f64::max);
+            Err(format!("device.joint_inertia = {said} is not allowed with {with}"))
+        };
+        match () {
+            () if !self.is_coupled() => Ok(()),
+            () if !self.is_shared_along_several() => {
+                refused("axis.shared = 1: it must be 0, or 2 or 3 axes shared".into())
+            }
+            () if self.world.plant.coulomb_n > 0.0 => {
+                refused(format!("plant.coulomb_n = {}: one of them must be 0", self.world.plant.coulomb_n))
+            }
+            () if self.users.iter().any(User::has_wall) => refused(
+                "user.1.wall_stiffness_n_per_m or user.2.wall_stiffness_n_per_m above 0: a wall is along one axis"
+                    .into(),
+            ),
+            () => Ok(()),
+        }
+    }
+
     /// Checks every range and combination, for scenes put together in code, and that the object is shared along one axis.
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
         if self.is_shared_along_several() {
             let said = format!(
-                "axis.shared = {} is not allowed here: `cooperate` shares several axes, everything else shares one",
+                "axis.shared = {} is not allowed here: `cooperate` and `stability` share several axes, everything else shares one",
                 self.peer.axis.shared
             );
             return Err(SceneError::at(place, said));
@@ -580,6 +609,7 @@ impl Scene {
         self.check_mass()
             .and_then(|()| self.check_winding())
             .and_then(|()| self.check_scale())
+            .and_then(|()| self.check_joint_inertia())
             .map_err(|said| SceneError::at(place, said))
     }
 
@@ -690,8 +720,10 @@ impl Scene {
             // Refused only where other laws' keys leave no room: then it is judged as it is.
             let _ = self.laws.schema().set(&mut linear.peer, budget.name, Value::Number(PLENTY_J));
         }
-        (linear.peer.axis.count, linear.peer.axis.shared) = (1, 1);
-        linear.peer.kinematics.model = KinematicsName::Direct;
+        linear.peer.axis.count = linear.peer.axis.shared;
+        if !self.is_coupled() {
+            linear.peer.kinematics.model = KinematicsName::Direct;
+        }
         linear.world.device.force_delay_ticks = self.force_delay_ticks();
         linear.world.device.mass_kg += self.back_emf_mass_kg();
         linear.world.plant = PlantSettings::default();
@@ -730,6 +762,7 @@ impl Scene {
                     ("device.mass_kg", Value::Number(heavier * (device.mass_kg + self.back_emf_mass_kg()))),
                     ("device.damping_n_s_per_m", Value::Number(heavier * device.damping_n_s_per_m)),
                     ("device.force_delay_ticks", Value::Number(delay)),
+                    ("device.joint_inertia", Value::Number(heavier * device.joint_inertia)),
                 ]);
             }
             // The arm is part of the plant; what the user wants to do is not.

@@ -34,7 +34,7 @@ pub(super) fn run(
         ScalarName::F64 => go::<f64>(scene, options, step),
         ScalarName::I32f32 => go::<Fixed>(scene, options, step),
     })?;
-    // Nothing couples the axes: each is the scene of one.
+    // Of all axes at once.
     let verdict = haptic_analysis::verdict(scene)?;
     let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(scene)?] };
     if !scene.users.iter().any(User::acts) {

@@ -54,17 +54,20 @@ fn values_out_of_range() {
     refused_set("user.2.pulse_every_s=0", &["user.2.pulse_every_s = 0"]);
 }
 
-/// Several shared axes are for `cooperate`; what it has no place for, and who else is asked, says so.
+/// Several shared axes are for `cooperate` and `stability`; what it has no place for, and who else is asked, says so.
 #[test]
 fn several_axes_where_there_is_one() {
     let two = ["--set", "axis.count=2", "--set", "axis.shared=2"];
     let with = |command: &[&'static str]| [command, &two[..]].concat();
     let names = ["axis.shared = 2 is not allowed here", "cooperate"];
-    for command in [&["stability", "point", "--json"][..], &["sweep", "--json", "--over", "object.mass_kg=1..2:2"]] {
+    for command in [&["stability", "tune", "--json"][..], &["sweep", "--json", "--over", "object.mass_kg=1..2:2"]] {
         refused(&with(command), &names);
     }
     refused(&with(&["cooperate", "--json", "--record", "axes.mcap"]), &["--record", "axis.shared"]);
     refused(&with(&["cooperate", "--set", "contact.one_sided=true"]), &["contact.one_sided = true", "axis.shared"]);
+    let weighs = "device.joint_inertia=0.1";
+    refused_set(weighs, &["device.joint_inertia = 0.1", "axis.shared = 1"]);
+    refused(&with(&["cooperate", "--set", weighs, "--set", "plant.coulomb_n=0.1"]), &["plant.coulomb_n = 0.1"]);
     refused_set("axis.shared=2", &["axis.shared = 2", "1 to 1"]);
 }
 

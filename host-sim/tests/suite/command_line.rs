@@ -78,6 +78,24 @@ fn several_axes_in_one_run() {
     close(&report["true_discrepancy_mm"], apart.sqrt(), 0.05);
 }
 
+/// Of axes that the device couples, `stability` says which direction is worst.
+#[test]
+fn stability_of_several_axes_names_a_direction() {
+    let point = |keys: &[&str]| {
+        let both = ["axis.count=2", "axis.shared=2", "coordination.comm=power", "coordination.stiffness_n_per_m=250"];
+        let sets = both.iter().chain(keys).flat_map(|key| ["--set", key]);
+        json(&["stability", "point", "--json"].into_iter().chain(sets).collect::<Vec<_>>())
+    };
+    let alike = point(&[]);
+    assert_eq!(alike["direction"], "any");
+    // The same mechanism on both sides of its mirror: unlike along its axes, which do not couple.
+    let five_bar = point(&["kinematics.model=five-bar", "device.joint_inertia=0.002"]);
+    let along = five_bar["modes"][0]["direction"]["along"].as_array().expect("a direction").clone();
+    let size = |axis: usize| along[axis].as_f64().expect("a part").abs();
+    assert!((size(0).max(size(1)) - 1.0).abs() < 1e-6 && size(0).min(size(1)) < 1e-6, "{along:?}");
+    assert!(five_bar["modes"][0]["spectral_radius"] != alike["modes"][0]["spectral_radius"]);
+}
+
 /// The dot in a scene's name is no extension: scenes in one folder once overwrote each other's files.
 #[test]
 fn files_of_scenes_with_dots_in_their_names() {

@@ -6,7 +6,7 @@
 //! sends, two peers without delay are `[[A₁, B₁·C₂], [B₂·C₁, A₂]]`.
 
 use super::Lifted;
-use super::driven::Response;
+use super::driven::{Response, Translation};
 use crate::matrix::{add_block, apply, reset};
 
 /// A peer, and whose packets it hears.
@@ -66,44 +66,53 @@ pub(crate) fn close(ends: &[End<'_>], lifted: &mut Lifted) {
     rest_modes(ends, &layout, lifted);
 }
 
-/// Each peer's own translation, where it stays and nobody minds; else that of all of them together.
+/// Each peer's own translation along an axis, where it stays and nobody minds; else that of all of them together.
 fn rest_modes(ends: &[End<'_>], layout: &Layout, lifted: &mut Lifted) {
     lifted.rest_modes.clear();
-    let silent = |response: &Response| response.translation_sent.iter().all(|number| *number == 0.0);
+    for axis in 0..ends[0].response.translations.len() {
+        rest_modes_along(axis, ends, layout, lifted);
+    }
+}
+
+fn rest_modes_along(axis: usize, ends: &[End<'_>], layout: &Layout, lifted: &mut Lifted) {
+    let known = lifted.rest_modes.len();
     for at in 0..ends.len() {
-        let hears_itself = ends[at].hears == at && !silent(ends[at].response);
+        let Translation { sent, stays, .. } = &ends[at].response.translations[axis];
+        let hears_itself = ends[at].hears == at && sent.iter().any(|number| *number != 0.0);
         let stays = match (hears_itself, ends[at].sign > 0.0) {
-            (false, _) => ends[at].response.stays[0],
-            (true, true) => ends[at].response.stays[1],
-            (true, false) => ends[at].response.stays[2],
+            (false, _) => stays[0],
+            (true, true) => stays[1],
+            (true, false) => stays[2],
         };
-        let unheard = ends.iter().enumerate().filter(|(other, end)| *other != at && end.hears == at).all(|(_, end)| {
-            let heard = apply(&end.response.heard, &ends[at].response.translation_sent);
-            heard.iter().all(|number| *number == 0.0)
-        });
+        let unheard = ends
+            .iter()
+            .enumerate()
+            .filter(|(other, end)| *other != at && end.hears == at)
+            .all(|(_, end)| apply(&end.response.heard, sent).iter().all(|number| *number == 0.0));
         if stays && unheard {
             let mut mode = vec![0.0; layout.size];
-            translate(ends, layout, at, &mut mode);
+            translate(axis, ends, layout, at, &mut mode);
             lifted.rest_modes.push(mode);
         }
     }
-    let together = ends.iter().all(|end| end.sign > 0.0 && end.response.stays[1]);
-    if lifted.rest_modes.is_empty() && together && ends.len() > 1 {
+    let together = ends.iter().all(|end| end.sign > 0.0 && end.response.translations[axis].stays[1]);
+    if lifted.rest_modes.len() == known && together && ends.len() > 1 {
         let mut mode = vec![0.0; layout.size];
-        (0..ends.len()).for_each(|at| translate(ends, layout, at, &mut mode));
+        (0..ends.len()).for_each(|at| translate(axis, ends, layout, at, &mut mode));
         lifted.rest_modes.push(mode);
     }
 }
 
-/// Adds the translation of one peer, and of what it has sent, to `mode`.
-fn translate(ends: &[End<'_>], layout: &Layout, at: usize, mode: &mut [f64]) {
+/// Adds the translation of one peer along an axis, and of what it has sent, to `mode`.
+fn translate(axis: usize, ends: &[End<'_>], layout: &Layout, at: usize, mode: &mut [f64]) {
     let response = ends[at].response;
-    mode[layout.local[at]..][..response.states()].copy_from_slice(&response.translation);
+    let translation = &response.translations[axis];
+    mode[layout.local[at]..][..response.states()].copy_from_slice(&translation.local);
     for (to, end) in ends.iter().enumerate().filter(|(_, end)| end.hears == at) {
         let packet = response.packet();
         for slot in 0..end.delay_packets {
             let queue = &mut mode[layout.queue[to] + slot * packet..][..packet];
-            for (number, sent) in queue.iter_mut().zip(&response.translation_sent) {
+            for (number, sent) in queue.iter_mut().zip(&translation.sent) {
                 *number = end.sign * sent;
             }
         }

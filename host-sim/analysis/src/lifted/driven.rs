@@ -11,14 +11,17 @@
 //! **Counters.** A line with a time of its own counts what it has sent and heard. Such a peer is first left at rest on the
 //! scene's network until every tick is live, and starts each period with the counters it has then, and the packet that is due.
 //!
-//! **Order of the local state**: x_h, ẋ_h, motor force of the tick before; then what `State::visit` visits (object,
-//! integrator, law, velocity estimators). Units: m, m/s, N, √W.
+//! **Order of the local state**: x_h, ẋ_h, motor force of the tick before, of each shared axis; then what `State::visit` visits (of each
+//! axis object, integrator, law; velocity estimators). Units: m, m/s, N, √W.
 
+use std::array::from_fn;
 use std::collections::VecDeque;
 
 use haptic_core::device::AXES;
-use haptic_core::law::{Packet, Sends};
+use haptic_core::device::kinematics::{AnySpatial, Kinematics};
+use haptic_core::law::{AnyLaw, Packet, Sends};
 use haptic_core::num::{Motion, StateVector};
+use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, Settings};
 
@@ -37,10 +40,10 @@ pub(crate) const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
 /// How exactly a translation must come back to be a rest mode, m.
 const UNMOVED_M: f64 = 1e-12;
 
-/// States of the device: position, velocity, motor force of the tick before.
+/// States of the device along an axis: position, velocity, motor force of the tick before.
 const DEVICE_STATES: usize = 3;
 
-/// Where the position of a peer's object stands in its local state.
+/// Where the position of the object stands in the local state of a peer that shares one axis.
 pub(crate) const OBJECT: usize = DEVICE_STATES;
 
 /// The answer of one peer to one packet period.
@@ -52,18 +55,27 @@ pub struct Response {
     pub heard: Matrix,
     /// Each number of the packet sent at the start of the period, for each local state before.
     pub sent: Matrix,
-    /// The local state of this peer at rest one metre away.
-    pub translation: Vec<f64>,
+    /// This peer one metre away along each shared axis.
+    pub translations: Vec<Translation>,
+}
+
+/// A peer at rest one metre away.
+#[derive(Clone, Debug)]
+pub struct Translation {
+    /// Its local state.
+    pub local: Vec<f64>,
     /// The packet it sends there.
-    pub translation_sent: Vec<f64>,
+    pub sent: Vec<f64>,
     /// Whether it stays there while it hears that packet: times 0, +1 and −1.
     pub stays: [bool; 3],
+    /// Where the position of the object along this axis stands in the local state.
+    pub object: usize,
 }
 
 impl Default for Response {
     fn default() -> Self {
         let [own, heard, sent] = [(); 3].map(|()| Matrix::zeros(0, 0));
-        Self { own, heard, sent, translation: Vec::new(), translation_sent: Vec::new(), stays: [false; 3] }
+        Self { own, heard, sent, translations: Vec::new() }
     }
 }
 
@@ -81,14 +93,14 @@ impl Response {
     /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]); a packet is heard before tick `at_tick` of the
     /// packet period.
     pub fn measure(&mut self, linear: &Scene, index: usize, at_tick: usize) -> Result<(), Refused<'static>> {
-        let mut seat = Seat::new(linear, index, at_tick)?;
-        let (states, packet) = (seat.local.len(), seat.packet.len());
+        let mut seat = seat(linear, index, at_tick)?;
+        let [states, packet] = seat.sizes();
         reset(&mut self.own, states, states);
         reset(&mut self.heard, states, packet);
         reset(&mut self.sent, packet, states);
         for at in 0..states {
             seat.rest();
-            seat.local[at] = 1.0;
+            seat.start().0[at] = 1.0;
             seat.send(column_mut(&mut self.sent, at));
             seat.period(column_mut(&mut self.own, at));
         }
@@ -98,43 +110,136 @@ impl Response {
                 continue;
             }
             seat.rest();
-            seat.packet[at] = 1.0;
+            seat.start().1[at] = 1.0;
             seat.period(column_mut(&mut self.heard, at));
         }
-        self.translate(&mut seat);
+        self.translations = (0..linear.peer.axis.shared as usize).map(|axis| translate(&mut *seat, axis)).collect();
         Ok(())
-    }
-
-    /// Finds what a translation of this peer is, and whether the peer stays there.
-    fn translate(&mut self, seat: &mut Seat) {
-        self.translation.clear();
-        self.translation.resize(seat.local.len(), 0.0);
-        self.translation_sent.clear();
-        self.translation_sent.resize(seat.packet.len(), 0.0);
-        seat.translation(&mut self.translation);
-        seat.rest();
-        seat.local.copy_from_slice(&self.translation);
-        seat.send(&mut self.translation_sent);
-        let mut after = vec![0.0; seat.local.len()];
-        for (sign, stays) in [0.0, 1.0, -1.0].into_iter().zip(&mut self.stays) {
-            seat.local.copy_from_slice(&self.translation);
-            for (number, sent) in seat.packet.iter_mut().zip(&self.translation_sent) {
-                *number = sign * sent;
-            }
-            seat.period(&mut after);
-            *stays = after.iter().zip(&self.translation).all(|(after, before)| (after - before).abs() <= UNMOVED_M);
-        }
     }
 
     /// The local state after a period from `local`, hearing `packet` at its start; a check of superposition needs no more.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
-        let mut seat = Seat::new(linear, index, 0)?;
-        seat.local.copy_from_slice(local);
-        seat.packet.copy_from_slice(packet);
+        let mut seat = seat(linear, index, 0)?;
+        let (at, heard) = seat.start();
+        at.copy_from_slice(local);
+        heard.copy_from_slice(packet);
         let mut after = vec![0.0; local.len()];
         seat.period(&mut after);
         Ok(after)
     }
+}
+
+/// Finds what a translation of a peer along an axis is, and whether the peer stays there.
+fn translate(seat: &mut dyn Seated, axis: usize) -> Translation {
+    let [states, packet] = seat.sizes();
+    let (mut local, mut sent, mut after) = (vec![0.0; states], vec![0.0; packet], vec![0.0; states]);
+    let object = seat.translation(axis, &mut local);
+    seat.rest();
+    seat.start().0.copy_from_slice(&local);
+    seat.send(&mut sent);
+    let stays = [0.0, 1.0, -1.0].map(|sign| {
+        let (at, heard) = seat.start();
+        at.copy_from_slice(&local);
+        for (number, sent) in heard.iter_mut().zip(&sent) {
+            *number = sign * sent;
+        }
+        seat.period(&mut after);
+        after.iter().zip(&local).all(|(after, before)| (after - before).abs() <= UNMOVED_M)
+    });
+    Translation { local, sent, stays, object }
+}
+
+/// A peer that shares the object along `SHARED` axes of its device.
+trait Driven<const SHARED: usize, const N: usize>: Clone {
+    fn build(linear: &Scene, settings: &Settings, device: [Motion<f64>; N]) -> Result<Self, Refused<'static>>;
+    fn arm(&mut self);
+    fn hear(&mut self, packets: [Packet<f64>; SHARED]);
+    fn exchange(&mut self);
+    fn outgoing(&self) -> [Packet<f64>; SHARED];
+    fn tick(&mut self, sensors: &Sensors<f64, N>) -> Actuators<f64, N>;
+    fn mode(&self) -> Mode;
+    fn each(&mut self, each: &mut dyn FnMut(&mut f64));
+}
+
+/// Along one axis, with any law.
+impl Driven<1, AXES> for Box<dyn DynPeer<f64>> {
+    fn build(linear: &Scene, settings: &Settings, device: [Motion<f64>; AXES]) -> Result<Self, Refused<'static>> {
+        linear.laws.peer(settings, device)
+    }
+    fn arm(&mut self) {
+        self.command(Command::Arm);
+    }
+    fn hear(&mut self, [packet]: [Packet<f64>; 1]) {
+        (**self).hear(packet);
+    }
+    fn exchange(&mut self) {
+        (**self).exchange();
+    }
+    fn outgoing(&self) -> [Packet<f64>; 1] {
+        [(**self).outgoing()]
+    }
+    fn tick(&mut self, sensors: &Sensors<f64>) -> Actuators<f64> {
+        (**self).tick(sensors)
+    }
+    fn mode(&self) -> Mode {
+        (**self).mode()
+    }
+    fn each(&mut self, each: &mut dyn FnMut(&mut f64)) {
+        self.visit_state(each);
+    }
+}
+
+/// Along all of them, with a law of core.
+impl<const N: usize, K: Kinematics<f64, N>> Driven<N, N> for Peer<f64, AnyLaw<f64>, N, N, K> {
+    fn build(_: &Scene, settings: &Settings, device: [Motion<f64>; N]) -> Result<Self, Refused<'static>> {
+        Self::build(settings, device)
+    }
+    fn arm(&mut self) {
+        self.command(Command::Arm);
+    }
+    fn hear(&mut self, packets: [Packet<f64>; N]) {
+        self.hear_each(packets);
+    }
+    fn exchange(&mut self) {
+        self.exchange_each();
+    }
+    fn outgoing(&self) -> [Packet<f64>; N] {
+        self.outgoing_each()
+    }
+    fn tick(&mut self, sensors: &Sensors<f64, N>) -> Actuators<f64, N> {
+        self.tick(sensors)
+    }
+    fn mode(&self) -> Mode {
+        self.mode()
+    }
+    fn each(&mut self, each: &mut dyn FnMut(&mut f64)) {
+        self.visit(&mut |number: &mut f64| each(number));
+    }
+}
+
+/// A [`Seat`], of any number of axes.
+trait Seated {
+    /// Numbers of the local state, and of the packets.
+    fn sizes(&self) -> [usize; 2];
+    /// Everything at zero.
+    fn rest(&mut self);
+    /// The local state and the packets that it is to start from, in units.
+    fn start(&mut self) -> (&mut [f64], &mut [f64]);
+    /// What the peer would send.
+    fn send(&self, sent: &mut [f64]);
+    /// One exchange and M ticks.
+    fn period(&mut self, after: &mut [f64]);
+    /// Writes the local state of this peer at rest at one metre along an axis; where the position of the object is in it.
+    fn translation(&mut self, axis: usize, local: &mut [f64]) -> usize;
+}
+
+/// Of a peer of the linear scene, as many axes as it shares.
+fn seat(linear: &Scene, index: usize, at_tick: usize) -> Result<Box<dyn Seated>, Refused<'static>> {
+    Ok(match linear.peer.axis.shared {
+        1 => Box::new(Seat::<Box<dyn DynPeer<f64>>, 1, AXES>::new(linear, index, at_tick)?),
+        2 => Box::new(Seat::<Peer<f64, AnyLaw<f64>, 2>, 2, 2>::new(linear, index, at_tick)?),
+        _ => Box::new(Seat::<Peer<f64, AnyLaw<f64>, 3, 3, AnySpatial<f64>>, 3, 3>::new(linear, index, at_tick)?),
+    })
 }
 
 /// Most packet periods, beyond four round trips, that a line needs to learn a delay.
@@ -143,9 +248,14 @@ const LEARNING: usize = 64;
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
 /// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
 /// goes on standing now and then.
-fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant, at_tick: usize) -> Option<Packet<f64>> {
+fn settle<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
+    peer: &mut P,
+    linear: &Scene,
+    plant: &Plant<N>,
+    at_tick: usize,
+) -> Option<[Packet<f64>; SHARED]> {
     if !matches!(linear.law().sends, Sends::Counters | Sends::Integrals) {
-        return Some(Packet::default());
+        return Some([Packet::default(); SHARED]);
     }
     let timing = &linear.peer.timing;
     // The mean of both ways, as far as a packet that is heard then allows.
@@ -163,24 +273,29 @@ fn settle(peer: &mut Box<dyn DynPeer<f64>>, linear: &Scene, plant: &Plant, at_ti
             *peer = at_rest;
             return due;
         }
-        let before = at_rest.outgoing().live_ticks;
+        // At rest all axes count alike.
+        let before = at_rest.outgoing()[0].live_ticks;
         if due.is_some() {
             flying.pop_front();
         }
         for tick in 0..packet {
-            before_tick(&mut *at_rest, tick, due.filter(|_| tick == at_tick));
+            before_tick(&mut at_rest, tick, due.filter(|_| tick == at_tick));
             at_rest.tick(&sensors);
         }
-        let ticks = at_rest.outgoing().live_ticks.wrapping_sub(before);
+        let ticks = at_rest.outgoing()[0].live_ticks.wrapping_sub(before);
         live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
     }
     None
 }
 
 /// What happens before a tick of a packet period.
-fn before_tick(peer: &mut dyn DynPeer<f64>, tick: usize, heard: Option<Packet<f64>>) {
-    if let Some(packet) = heard {
-        peer.hear(packet);
+fn before_tick<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
+    peer: &mut P,
+    tick: usize,
+    heard: Option<[Packet<f64>; SHARED]>,
+) {
+    if let Some(packets) = heard {
+        peer.hear(packets);
     }
     if tick == 0 {
         peer.exchange();
@@ -188,35 +303,47 @@ fn before_tick(peer: &mut dyn DynPeer<f64>, tick: usize, heard: Option<Packet<f6
 }
 
 /// A peer in front of its device, and the state and packet it is to start from, in units.
-struct Seat {
-    armed: Box<dyn DynPeer<f64>>,
-    /// The same one metre away.
-    there: Box<dyn DynPeer<f64>>,
+struct Seat<P, const SHARED: usize, const N: usize> {
+    armed: P,
+    /// The same one metre away along each shared axis.
+    there: [P; SHARED],
     ticks_per_packet: usize,
     /// The tick before which the packet is heard.
     at_tick: usize,
-    plant: Plant,
+    plant: Plant<N>,
     local: Vec<f64>,
     packet: Vec<f64>,
     /// What arrives next at rest: the counters of a packet.
-    due: Packet<f64>,
+    due: [Packet<f64>; SHARED],
 }
 
-impl Seat {
+/// Calls `each` for every number of the packets.
+fn visit_all(packets: &mut [Packet<f64>], mut each: impl FnMut(&mut f64)) {
+    for packet in packets {
+        packet.visit(&mut each);
+    }
+}
+
+impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seat<P, SHARED, N> {
     fn new(linear: &Scene, index: usize, at_tick: usize) -> Result<Self, Refused<'static>> {
         let settings = &linear.peers()[index];
         let at = |settings: &Settings, axes| {
-            let mut peer = linear.laws.peer(settings, axes)?;
-            peer.command(Command::Arm);
+            let mut peer = P::build(linear, settings, axes)?;
+            peer.arm();
             Ok(peer)
         };
-        let [free, held @ ..] = [Motion::REST; AXES];
-        let (mut armed, there) = (at(settings, [free, held[0]])?, at(settings, [Motion::at(1.0), held[0]])?);
-        let mut states = DEVICE_STATES;
-        armed.visit(&mut |_| states += 1);
+        let mut armed = at(settings, [Motion::REST; N])?;
+        let mut there: [P; SHARED] = from_fn(|_| armed.clone());
+        for (axis, there) in there.iter_mut().enumerate() {
+            let mut device = [Motion::REST; N];
+            device[axis] = Motion::at(1.0);
+            *there = at(settings, device)?;
+        }
+        let mut states = DEVICE_STATES * SHARED;
+        armed.each(&mut |_| states += 1);
         let mut numbers = 0;
-        Packet::<f64>::default().visit(&mut |_| numbers += 1);
-        let plant = Plant::new(linear, index);
+        visit_all(&mut [Packet::default(); SHARED], |_| numbers += 1);
+        let plant = Plant::build(linear, index);
         let due = match settle(&mut armed, linear, &plant, at_tick) {
             Some(due) => due,
             // A credit below the delay: while it is live, the line is one of the delay.
@@ -224,8 +351,8 @@ impl Seat {
                 let mut follows = linear.clone();
                 // A key of the law, which allows 0.
                 let _ = follows.set_number("coordination.credit_ticks", 0.0);
-                armed = at(&follows.peers()[index], [free, held[0]])?;
-                settle(&mut armed, linear, &plant, at_tick).unwrap_or_default()
+                armed = at(&follows.peers()[index], [Motion::REST; N])?;
+                settle(&mut armed, linear, &plant, at_tick).unwrap_or([Packet::default(); SHARED])
             }
         };
         let ticks_per_packet = settings.timing.ticks_per_packet as usize;
@@ -233,49 +360,58 @@ impl Seat {
         Ok(Self { armed, there, ticks_per_packet, at_tick, plant, local, packet, due })
     }
 
-    /// Everything at zero.
+    /// The peer's share of the state, in the unit that is driven.
+    fn loaded(&self) -> P {
+        let mut state = self.armed.clone();
+        let mut numbers = self.local[DEVICE_STATES * SHARED..].iter();
+        state.each(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+        state
+    }
+}
+
+impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seated for Seat<P, SHARED, N> {
+    fn sizes(&self) -> [usize; 2] {
+        [self.local.len(), self.packet.len()]
+    }
+
     fn rest(&mut self) {
         self.local.fill(0.0);
         self.packet.fill(0.0);
     }
 
-    /// The peer's share of the state, in the unit that is driven.
-    fn loaded(&self) -> Box<dyn DynPeer<f64>> {
-        let mut state = self.armed.clone();
-        let mut numbers = self.local[DEVICE_STATES..].iter();
-        state.visit(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
-        state
+    fn start(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.local, &mut self.packet)
     }
 
-    /// What the peer would send.
     fn send(&self, sent: &mut [f64]) {
-        let mut packet = self.loaded().outgoing();
+        let mut packets = self.loaded().outgoing();
         let mut sent = sent.iter_mut();
-        packet.visit(&mut |number| {
+        visit_all(&mut packets, |number| {
             if let Some(sent) = sent.next() {
                 *sent = *number / UNIT;
             }
         });
     }
 
-    /// One exchange and M ticks.
     fn period(&mut self, after: &mut [f64]) {
         let mut peer = self.loaded();
-        let (motion, motor) = self.plant.free_axis();
-        *motion = Motion { position: self.local[0] * UNIT, velocity: self.local[1] * UNIT };
-        *motor = self.local[2] * UNIT;
-        let mut packet = self.due;
+        for ((motion, motor), [position, velocity, force]) in
+            self.plant.each_axis().zip(self.local.as_chunks::<DEVICE_STATES>().0).take(SHARED)
+        {
+            *motion = Motion { position: position * UNIT, velocity: velocity * UNIT };
+            *motor = force * UNIT;
+        }
+        let mut packets = self.due;
         let mut numbers = self.packet.iter();
-        packet.visit(&mut |number: &mut f64| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+        visit_all(&mut packets, |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
 
         for tick in 0..self.ticks_per_packet {
-            before_tick(&mut *peer, tick, (tick == self.at_tick).then_some(packet));
+            before_tick(&mut peer, tick, (tick == self.at_tick).then_some(packets));
             let sensors = self.plant.sensors();
             let actuators = peer.tick(&sensors);
             self.plant.step(0.0, &actuators);
         }
 
-        let (motion, motor) = self.plant.free_axis();
         let mut within = peer.mode() == Mode::Armed;
         let mut after = after.iter_mut();
         let mut store = |number: f64| {
@@ -284,18 +420,22 @@ impl Seat {
                 *after = if within { number / UNIT } else { f64::INFINITY };
             }
         };
-        [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
-        peer.visit(&mut |number| store(*number));
+        for (motion, motor) in self.plant.each_axis().take(SHARED) {
+            [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
+        }
+        peer.each(&mut |number| store(*number));
     }
 
-    /// Writes the local state of this peer at rest at one metre.
-    fn translation(&mut self, local: &mut [f64]) {
-        local[0] = 1.0;
-        let mut numbers = local[DEVICE_STATES..].iter_mut();
-        self.there.visit(&mut |number| {
+    fn translation(&mut self, axis: usize, local: &mut [f64]) -> usize {
+        local[DEVICE_STATES * axis] = 1.0;
+        let first = DEVICE_STATES * SHARED;
+        let mut numbers = local[first..].iter_mut();
+        self.there[axis].each(&mut |number| {
             if let Some(out) = numbers.next() {
                 *out = *number;
             }
         });
+        // Of every axis the position of the object comes first, and those of the others are 0.
+        first + local[first..].iter().position(|number| *number == 1.0).unwrap_or(0)
     }
 }

@@ -8,7 +8,7 @@ use haptic_sim::scene::Scene;
 use super::Lifted;
 use super::closing::{End, close};
 use super::delay::delays_ticks;
-use super::driven::{OBJECT, Response};
+use super::driven::Response;
 use crate::error::AnalysisError;
 
 /// Whether the two peers, their devices and both directions of the network are the same.
@@ -64,9 +64,19 @@ impl<'a> Joined<'a> {
         if self.symmetric { &[1.0, -1.0] } else { &[1.0] }
     }
 
-    /// One state of every object in such a matrix.
-    pub(crate) fn objects(&self) -> [usize; 2] {
-        [OBJECT, if self.symmetric { OBJECT } else { self.answers[0].states() + OBJECT }]
+    /// Axes along which the object is shared.
+    pub(crate) fn axes(&self) -> usize {
+        self.answers[0].translations.len()
+    }
+
+    /// Where the position of the object along every axis is in such a matrix: peer 1's, and where there are two, peer 2's.
+    pub(crate) fn objects(&self) -> Vec<usize> {
+        let [first, second] = self.answers;
+        let of = |answer: &Response, from: usize| {
+            answer.translations.iter().map(move |along| from + along.object).collect::<Vec<_>>()
+        };
+        let others = if self.symmetric { Vec::new() } else { of(second, first.states()) };
+        [of(first, 0), others].concat()
     }
 
     /// Writes the matrix of one sign into `whole`.

@@ -12,6 +12,7 @@ mod oracle;
 mod published;
 mod random;
 mod self_timed;
+mod several;
 mod sweeps;
 mod theory;
 mod winding;

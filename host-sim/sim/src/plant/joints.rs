@@ -80,6 +80,13 @@ impl Joints {
         self.pose(axes).forces(torques)
     }
 
+    /// J⁻¹, `[joint][axis]`, where every joint is zero.
+    pub(super) fn inverse_at_home<const N: usize>(&self) -> [[f64; N]; N] {
+        let (_, jacobian) = self.kinematics.forward([0.0; N]);
+        let columns: [[f64; N]; N] = from_fn(|axis| solve(jacobian, from_fn(|row| f64::from(u8::from(row == axis)))));
+        from_fn(|joint| columns.map(|column| column[joint]))
+    }
+
     /// How joints and axes move each other where the axes are now.
     pub(super) fn pose<const N: usize>(&self, axes: [Motion<f64>; N]) -> Pose<N> {
         Pose(self.kinematics.forward(self.inverse(axes)).1)

@@ -7,13 +7,15 @@
 //!
 //! Imperfections, each only when the scene asks: Coulomb friction, encoder counts, motor duty and its saturation, PWM
 //! steps, windings behind a bridge (`drive`, `winding`): then the tick is advanced PWM period by PWM period, each with the
-//! mean force that flowed, the back-EMF at its start, and the geometry of the tick's start. Mass and damping are the same along all axes and in every pose (a Cartesian device); a five-bar's joints are
+//! mean force that flowed, the back-EMF at its start, and the geometry of the tick's start. Damping is the same along all axes and in every
+//! pose, and so is the mass (a Cartesian device) unless the joints have an inertia of their own (`principal`); a five-bar's joints are
 //! found by inverse kinematics.
 
 mod drive;
 mod encoders;
 mod joints;
 mod linear;
+mod principal;
 mod wall;
 mod winding;
 
@@ -30,6 +32,7 @@ pub use drive::{Converter, Drive};
 use encoders::Encoders;
 use joints::{Joints, Pose};
 pub use linear::Linear;
+use principal::Principal;
 use wall::{Moving, Wall};
 pub use winding::{Flow, Winding};
 
@@ -66,6 +69,8 @@ pub struct Plant<const N: usize = AXES> {
     /// What `linear` advances by: a control period, or a PWM period.
     step_s: f64,
     linear: Linear,
+    /// What advances all axes of a device whose mass couples them.
+    principal: Option<Principal<N>>,
     wall: Option<Wall>,
     windings: Option<Windings<N>>,
     axes_in_use: usize,
@@ -125,12 +130,18 @@ impl<const N: usize> Plant<N> {
             let gains = [profile.wall_stiffness_n_per_m, profile.wall_damping_n_s_per_m];
             Wall::new(place, gains, &Moving { mass: moving_mass_kg, damping, stiffness }, (step_s, late))
         });
+        let moving = |mass_kg| Linear::new(mass_kg, damping, stiffness, late, step_s);
+        let principal = (device.joint_inertia > 0.0).then(|| {
+            let inverse = Joints::new(settings, &world.plant).inverse_at_home();
+            Principal::new(principal::in_the_task(inverse, moving_mass_kg, device.joint_inertia), moving)
+        });
         Self {
             way: user.way(),
             toward,
             period_s,
             step_s,
-            linear: Linear::new(moving_mass_kg, damping, stiffness, late, step_s),
+            linear: moving(moving_mass_kg),
+            principal,
             wall,
             windings,
             axes_in_use: scene.peer.axis.count as usize,
@@ -157,7 +168,12 @@ impl<const N: usize> Plant<N> {
     pub(crate) fn is_bare(&self) -> bool {
         let profile = &self.user.settings.user;
         let exact = self.joints.is_none() && self.windings.is_none() && self.scale == Scale::default();
-        exact && self.fault.is_none() && self.friction_n == 0.0 && self.wall.is_none() && profile.clutch_for_s == 0.0
+        exact
+            && self.principal.is_none()
+            && self.fault.is_none()
+            && self.friction_n == 0.0
+            && self.wall.is_none()
+            && profile.clutch_for_s == 0.0
     }
 
     /// What advances each axis.
@@ -345,6 +361,11 @@ impl<const N: usize> Plant<N> {
 
     /// Moves the axes by one step under the motors' forces before and now, and the user's.
     fn advance(&mut self, before: [f64; N], now: [f64; N], pushes: [f64; N]) {
+        if let Some(principal) = self.principal.as_ref().filter(|_| !self.held) {
+            let with = |forces: [f64; N]| from_fn(|axis| forces[axis] + pushes[axis]);
+            self.motions = principal.advance(self.motions, with(before), with(now));
+            return;
+        }
         for axis in 0..self.axes_in_use {
             let (before, now) = (before[axis] + pushes[axis], now[axis] + pushes[axis]);
             let mut next = match &mut self.wall {
@@ -366,5 +387,10 @@ impl<const N: usize> Plant<N> {
     /// acts; of windings, the mean force of the tick before, which is over.
     pub fn free_axis(&mut self) -> (&mut Motion<f64>, &mut f64) {
         (&mut self.motions[0], &mut self.motor_before[0])
+    }
+
+    /// The same of every axis.
+    pub fn each_axis(&mut self) -> impl Iterator<Item = (&mut Motion<f64>, &mut f64)> {
+        self.motions.iter_mut().zip(&mut self.motor_before)
     }
 }

@@ -46,7 +46,7 @@ pub(in crate::cli) struct Point {
 
 impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_any(ui)?;
         let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
         let (linear, met) = (scene.linear(), scene.at_walls().map(|met| met.linear()));
         let of = |mode: &Mode| met.as_ref().filter(|_| mode.at_walls).unwrap_or(&linear);
@@ -74,10 +74,15 @@ impl Point {
             .head("at delay")
             .value("states", |(_, mode)| mode.verdict.states)
             .value("rest_modes", |(_, mode)| mode.verdict.rest_modes)
-            .head("rest modes left out")
-            .power("second_construction_differs_by", 1, apart)
-            .head("second construction differs by")
-            .done();
+            .head("rest modes left out");
+        let table = match judgement.worst.direction {
+            Some(_) => table
+                .value("direction", |(_, mode)| mode.verdict.direction.map(|direction| direction.to_string()))
+                .head("worst direction"),
+            None => table,
+        };
+        let table =
+            table.power("second_construction_differs_by", 1, apart).head("second construction differs by").done();
         writeln!(ui, "{}: {}stable\n", self.scene.name(), if judgement.worst.stable { "" } else { "un" });
         writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
         Ok(())
@@ -118,7 +123,7 @@ impl Only {
 
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_any(ui)?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let effort = Effort { hands: self.only.hands, ..Effort::default() };
         let start = Instant::now();
@@ -158,7 +163,7 @@ pub(in crate::cli) struct Map {
 
 impl Map {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_any(ui)?;
         let effort = Effort { steps: (2 * self.y.count).max(200), hands: self.only.hands, ..Effort::default() };
         let axes = [self.x.clone(), self.y.clone()];
         let (found, wall_s) = ui.work(self.x.count, "columns", |step| map(&scene, axes, effort, step))?;

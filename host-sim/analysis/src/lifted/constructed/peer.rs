@@ -93,7 +93,7 @@ use State::{
 impl Peer {
     /// Peer `index` of the scene, or `None` where its models are not known here.
     pub(super) fn new(scene: &Scene, index: usize) -> Option<Self> {
-        if scene.peers()[index].fixture.kind != FixtureName::None {
+        if scene.peers()[index].fixture.kind != FixtureName::None || scene.is_shared_along_several() {
             return None;
         }
         let comm = scene.peer.coordination.comm;

@@ -1,0 +1,90 @@
+//! Objects shared along several axes that the device's mass couples: the verdict against a long run.
+
+use haptic_analysis::{Direction, Hands, judge};
+use haptic_sim::Laws;
+use haptic_sim::run::Options;
+use haptic_sim::scene::Scene;
+use haptic_sim::shared;
+
+fn scene(keys: &[&str]) -> Scene {
+    let mut scene = Scene::new(Laws::built_in());
+    keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
+    scene.check_any("test").unwrap_or_else(|error| panic!("{error}"));
+    scene
+}
+
+/// Moves of the objects along `unit` over each packet, of both peers together and against each other.
+fn moves(scene: &Scene, seconds: f64, unit: [f64; 3]) -> [Vec<f64>; 2] {
+    let run = shared::run::<f64>(scene, Options { duration_s: seconds, record_every: 1 }, &|_| true).expect("a scene");
+    assert!(run.axes.iter().all(|axis| axis.fault.is_none()));
+    let path = |name: &str| -> Vec<f64> {
+        let columns: Vec<_> = run.axes.iter().map(|axis| axis.table.column(name).expect("recorded").to_vec()).collect();
+        (0..columns[0].len())
+            .map(|tick| columns.iter().zip(unit).map(|(column, part)| part * column[tick]).sum())
+            .collect()
+    };
+    let (one, two) = (path("object_1_m"), path("object_2_m"));
+    [1.0, -1.0].map(|sign| {
+        let at = |packet: usize| one[8 * packet] + sign * two[8 * packet];
+        (1..one.len() / 8).map(|packet| at(packet) - at(packet - 1)).collect()
+    })
+}
+
+/// Growth over a packet of s(k) = A·ρᵏ·cos(kφ + θ): s² − s(k+1)·s(k−1) = A²·ρ²ᵏ·sin²φ, whatever the phase.
+fn growth(moves: &[f64]) -> f64 {
+    let squared = |at: usize| moves[at] * moves[at] - moves[at + 1] * moves[at - 1];
+    let (first, last) = (moves.len() / 3 * 2, moves.len() - 2);
+    (squared(last) / squared(first)).powf(0.5 / (last - first) as f64)
+}
+
+#[test]
+fn the_radius_of_coupled_axes_is_the_growth_of_a_long_run_along_the_direction_it_names() {
+    let mut looked_at = 0;
+    for (axes, mechanism) in [("2", "five-bar"), ("3", "arm")] {
+        for law in [
+            ["coordination.comm=power", "coordination.stiffness_n_per_m=420"],
+            ["coordination.comm=wave", "coordination.stiffness_n_per_m=3500"],
+        ] {
+            let (count, share, model) =
+                (format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("kinematics.model={mechanism}"));
+            let scene = scene(&[
+                law[0],
+                law[1],
+                &count,
+                &share,
+                &model,
+                "kinematics.left_home_rad=2.9",
+                "kinematics.right_home_rad=1.3",
+                "kinematics.distal_m=0.16",
+                "device.joint_inertia=0.002",
+                "user.1.pulse_n=1e-9",
+                "user.1.pulse_s=0.01",
+                "user.1.pulse_every_s=100",
+                "user.1.direction_rad=0.5",
+                "user.1.elevation_rad=0.6",
+                "safety.max_slew_n_per_s=1e6",
+                "safety.max_force_n=200",
+            ]);
+            let judged = judge(&scene).expect("a good scene");
+            let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both).expect("judged").verdict;
+            println!("{mechanism} {law:?}: {both:?}");
+            let unit = match both.direction {
+                Some(Direction::Along(unit)) => unit,
+                // Two of its axes are alike.
+                Some(Direction::Across(_)) if mechanism == "arm" => [1.0, 0.0, 0.0],
+                other => panic!("{other:?}"),
+            };
+            // An arm's links are square to each other at home: its mass is not the same along all axes, but couples none.
+            let oblique = unit.iter().filter(|part| part.abs() > 0.1).count() > 1;
+            assert_eq!(oblique, mechanism == "five-bar", "{unit:?}");
+            assert!(both.spectral_radius > 1.001, "{mechanism} {law:?} does not grow: {both:?}");
+            // Twenty-five times e.
+            let [together, against] = moves(&scene, 0.2 / both.spectral_radius.ln(), unit);
+            let size = |moves: &[f64]| moves.iter().rev().take(20).fold(0.0_f64, |most, at| most.max(at.abs()));
+            let grown = growth(if size(&together) > size(&against) { &together } else { &against });
+            assert!((grown - both.spectral_radius).abs() < 1e-6, "{mechanism} {law:?}: {grown} of {both:?}");
+            looked_at += 1;
+        }
+    }
+    assert_eq!(looked_at, 4);
+}
