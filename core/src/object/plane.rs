@@ -1,0 +1,166 @@
+//! A wall with any normal in the plane or in space, and friction along it.
+//!
+//! **Wall**: with d how far the body is past it and v_n how fast it goes on, it pushes back along its normal as
+//! [`super::fixture`] does: F_n = K·(d + T_c·v_n/2) + B·v_n from d > 0, ½K·(d + T_c·v_n) from d ≤ 0, each only where that is a push. Along
+//! one axis of several its impedance is one entry; turned, a matrix n·z·nᵀ: the solve of [`super::vector`] sees it with all others.
+//!
+//! **Friction**: viscous, F = −B_f·v_t while in touch, one more share of that matrix; and Coulomb's, |F_t| ≤ μ·F_n, which brings the body
+//! to rest along the wall within the tick if it can and holds it there, or else brakes with all that it has. Whether it can is known from the
+//! motion along the wall, which leaves one equation along the normal; where it brakes the whole is solved with it.
+//!
+//! **Passive by construction**: the wall makes no energy (there), and a force along the wall that would do work on the body, F_t·v_t > 0 with
+//! the v_t that came of it, is left out of the tick. T_c·F_t·v_t is all that friction does.
+//!
+//! **Exact** μ·F_n where nothing else couples the normal to the other directions; where something does, F_n is that of a body that stops.
+
+use super::port::Port;
+use super::vector::{Body, Moving, VectorPort, combined, dot, solved, times};
+use crate::num::Scalar;
+
+/// A wall in the plane (`N` = 2) or in space (3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane<S, const N: usize> {
+    /// Unit vector toward what is forbidden.
+    pub normal: [S; N],
+    /// Where the wall is along it, m.
+    pub position: S,
+    stiffness: S,
+    /// K·T_c/2 + B, N·s/m.
+    impedance: S,
+    half_stiffness: S,
+    /// ½K·T_c, N·s/m.
+    entering: S,
+    /// B_f, N·s/m.
+    drag: S,
+    /// μ.
+    friction: S,
+    one_half: S,
+}
+
+/// What a wall does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gains {
+    /// K, N/m.
+    pub stiffness_n_per_m: f64,
+    /// B, N·s/m, along the normal.
+    pub damping_n_s_per_m: f64,
+    /// B_f, N·s/m, along the wall.
+    pub drag_n_s_per_m: f64,
+    /// μ.
+    pub friction: f64,
+}
+
+/// What came of a tick at a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met<S, const N: usize> {
+    /// v, m/s.
+    pub mean_velocity: [S; N],
+    /// What the wall pushes with, N; never negative.
+    pub push: S,
+    /// Force along the wall on the body, N: drag and friction.
+    pub along: [S; N],
+}
+
+impl<S: Scalar, const N: usize> Plane<S, N> {
+    /// A wall toward whose `normal` (of any length but 0) everything beyond `position_m` is forbidden; none of the gains is negative.
+    pub fn new(normal: [f64; N], position_m: f64, gains: &Gains, period_s: f64) -> Self {
+        let length = libm::sqrt(normal.iter().map(|part| part * part).sum());
+        let stiffness = gains.stiffness_n_per_m;
+        Self {
+            normal: normal.map(|part| S::from_f64(part / length)),
+            position: S::from_f64(position_m),
+            stiffness: S::from_f64(stiffness),
+            impedance: S::from_f64(0.5 * period_s * stiffness + gains.damping_n_s_per_m),
+            half_stiffness: S::from_f64(0.5 * stiffness),
+            entering: S::from_f64(0.5 * period_s * stiffness),
+            drag: S::from_f64(gains.drag_n_s_per_m),
+            friction: S::from_f64(gains.friction),
+            one_half: S::from_f64(0.5),
+        }
+    }
+
+    /// How far a body is past it, m.
+    pub fn depth(&self, moving: &Moving<S, N>) -> S {
+        dot(self.normal, moving.axes.map(|axis| axis.position)) - self.position
+    }
+
+    /// ½K·max(0, d)², J.
+    pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
+        let depth = self.depth(moving).max(S::ZERO);
+        self.half_stiffness * depth * depth
+    }
+
+    /// What is left of a vector along the wall.
+    fn tangential(&self, vector: [S; N]) -> [S; N] {
+        let toward = dot(self.normal, vector);
+        combined(vector, self.normal, |part, normal| part - toward * normal)
+    }
+
+    /// The push as a port along the normal.
+    fn port(&self, depth: S) -> Port<S> {
+        if depth > S::ZERO {
+            Port { force: -(self.stiffness * depth), impedance: self.impedance }
+        } else {
+            Port { force: -(self.half_stiffness * depth), impedance: self.entering }
+        }
+    }
+
+    /// The drag along the wall.
+    fn drag(&self) -> VectorPort<S, N> {
+        let every_way = VectorPort::of_axes([Port { force: S::ZERO, impedance: self.drag }; N]);
+        every_way + VectorPort::along(self.normal, Port { force: S::ZERO, impedance: -self.drag })
+    }
+
+    /// Solves a tick of a body at this wall under everything else that pushes; the body is not moved yet.
+    pub fn meet(&self, body: &Body<S, N>, moving: &Moving<S, N>, others: &VectorPort<S, N>) -> Met<S, N> {
+        let normal = self.port(self.depth(moving));
+        let push = |velocity: [S; N]| -normal.at(dot(self.normal, velocity));
+        let nothing = [S::ZERO; N];
+        let clear = body.mean_velocity(moving, others);
+        if push(clear) <= S::ZERO {
+            // What can only push does not pull, and what does not push does not rub.
+            return Met { mean_velocity: clear, push: S::ZERO, along: nothing };
+        }
+        let pushed = *others + VectorPort::along(self.normal, normal);
+        let (rows, right) = body.equations(moving, &(pushed + self.drag()));
+        let free = solved(rows, right);
+        if push(free) < S::ZERO {
+            // What drags would draw it off: then there is nothing to drag on.
+            let velocity = body.mean_velocity(moving, &pushed);
+            return Met { mean_velocity: velocity, push: push(velocity).max(S::ZERO), along: nothing };
+        }
+        let along = |velocity: [S; N], friction: [S; N]| {
+            combined(self.tangential(velocity).map(|part| -(self.drag * part)), friction, |one, two| one + two)
+        };
+        let without = Met { mean_velocity: free, push: push(free), along: along(free, nothing) };
+        if self.friction == S::ZERO {
+            return without;
+        }
+        // The friction that gives the body this mean velocity along the wall, what moves it along the normal then, and the most there is.
+        let holding = |along: [S; N]| {
+            let left = combined(right, times(&rows, along), |right, taken| right - taken);
+            let onward = dot(self.normal, left).ratio(dot(self.normal, times(&rows, self.normal)));
+            let velocity = combined(along, self.normal, |along, normal| along + onward * normal);
+            let needed = self.tangential(combined(times(&rows, velocity), right, |held, pushed| held - pushed));
+            // Of what would pull there is none.
+            (needed, velocity, self.friction * push(velocity).max(S::ZERO))
+        };
+        // At rest along the wall at the end of the tick: the mean of that is half of what is there now. Or nowhere in all of it.
+        let stopping = self.tangential(moving.velocity()).map(|part| self.one_half * part);
+        for along_wall in [stopping, nothing] {
+            let (needed, velocity, most) = holding(along_wall);
+            let holds = push(velocity) >= S::ZERO && dot(needed, needed) <= most * most;
+            if holds && dot(needed, along_wall) <= S::ZERO {
+                return Met { mean_velocity: velocity, push: push(velocity), along: along(along_wall, needed) };
+            }
+        }
+        let (needed, _, most) = holding(stopping);
+        let share = most.ratio(dot(needed, needed).sqrt());
+        let friction = needed.map(|part| share * part);
+        let velocity = solved(rows, combined(right, friction, |right, friction| right + friction));
+        if dot(friction, velocity) > S::ZERO || push(velocity) < S::ZERO {
+            return without;
+        }
+        Met { mean_velocity: velocity, push: push(velocity), along: along(velocity, friction) }
+    }
+}
