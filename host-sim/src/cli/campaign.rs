@@ -11,10 +11,17 @@ use super::flags::Out;
 use super::{Failure, SceneArgs, Ui};
 use crate::studies::campaign::laws::page::{PICTURES, page};
 use crate::studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
-use crate::studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
+use crate::studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 
 /// What the page tells beside the usual packets.
 const EACH_TICK: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];
+
+/// Which table of fewer packets.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Sending {
+    All,
+    Curve,
+}
 
 #[derive(Debug, Args)]
 pub(super) struct Campaign {
@@ -23,6 +30,9 @@ pub(super) struct Campaign {
     /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
     #[arg(long, conflicts_with_all = ["scene", "set", "seed"])]
     costs: bool,
+    /// Instead: what fewer packets cost, nine samples in one over every network, or along their number.
+    #[arg(long, value_name = "all|curve", conflicts_with_all = ["scene", "set", "seed", "costs", "laws"])]
+    sending: Option<Sending>,
     /// Instead: laws beside each other, all in the same scene, each at the gains that it declares.
     #[arg(long, value_name = "all|LAW,…", conflicts_with = "costs")]
     laws: Option<String>,
@@ -41,7 +51,12 @@ impl Campaign {
         if self.out.out.is_some() {
             return Err("--out goes with --laws: the other tables are printed, or a document with --json".into());
         }
-        let table = if self.costs {
+        let table = if let Some(which) = self.sending {
+            match which {
+                Sending::All => sending::columns(&sending::over_all(ui.laws)?),
+                Sending::Curve => sending::curve_columns(&sending::curve(ui.laws)?),
+            }
+        } else if self.costs {
             cost_columns(&costs(ui.laws)?)
         } else if self.scene.is_given() {
             columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?)

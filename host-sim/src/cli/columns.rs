@@ -17,7 +17,7 @@ use crate::recording::{file::ROW, merge, ticks};
 use crate::shared::{cooperative::run, world::stroke};
 use crate::studies::compare::Comparison;
 use crate::studies::sweep::{self, Row, Sweep};
-use crate::studies::{accuracy, architectures, campaign, force, paper, precision, reproduce};
+use crate::studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce};
 
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";
@@ -103,6 +103,15 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
             "a network, and a way to hold the copies together",
             campaign::cost_columns(&[]),
         ),
+        Kind::new("campaign-sending", "`campaign --sending all --json`", "a network", campaign::sending::columns(&[])),
+        Kind::new(
+            "campaign-sending-curve",
+            "`campaign --sending curve --json`",
+            "a motion, a network and N",
+            campaign::sending::curve_columns(&[]),
+        ),
+        Kind::new("published", "`published --json`", "a number of a law's paper", published::columns(&[])),
+        Kind::new("published-regions", "`published --regions --json`", "a law", published::regions::columns(&[])),
         Kind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
         Kind::new(
             "laws-impedance",

@@ -21,6 +21,7 @@ mod number;
 mod paper;
 mod play;
 mod prove;
+mod published;
 mod recordings;
 mod reproduce;
 mod several;
@@ -88,6 +89,8 @@ commands! {
         Stability(stability::Question),
         /// Forces stay within their limits, law by law: shown for every number from the code that flies.
         Prove(prove::Prove),
+        /// Numbers of the laws' own papers beside what the laws do here, and every law's stable region by two constructions.
+        Published(published::Published),
         /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
         Campaign(campaign::Campaign),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.

@@ -1,11 +1,14 @@
 //! `host-sim prove`: forces stay within their limits, law by law.
 
+use std::path::PathBuf;
+
 use clap::Args;
-use haptic_core::settings::Settings;
+use haptic_plot::write_file;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Failure, Ui};
+use crate::studies::campaign::laws::page;
 use crate::studies::proof;
 
 #[derive(Debug, Args)]
@@ -13,6 +16,9 @@ pub(super) struct Prove {
     /// One law instead of all of them.
     #[arg(long, value_name = "NAME")]
     law: Option<String>,
+    /// Also write it into the page of the laws, between the lines of the proofs.
+    #[arg(long, value_name = "FILE", conflicts_with = "law")]
+    page: Option<PathBuf>,
 }
 
 impl Prove {
@@ -26,20 +32,16 @@ impl Prove {
         };
         let rows: Vec<_> = asked.par_iter().filter_map(|name| proof::row(name)).collect();
         let table = proof::columns(&rows);
-        let safety = Settings::default().safety;
         ui.document(&json!({ "laws": table }))?;
-        writeln!(
-            ui,
-            "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and change by no\n\
-             more than {} N in a tick of 1 ms (and its rounding), or are off; duties stay within motor.max_duty; what is sent is finite\n",
-            safety.max_force_n,
-            1e-3 * safety.max_slew_n_per_s
-        );
-        ui.table(&table);
-        writeln!(
-            ui,
-            "(any law): what the law does not matter, for it gives any number, infinite or none, in each tick."
-        );
+        let told = proof::told(&table);
+        writeln!(ui, "{told}");
+        if let Some(file) = &self.page {
+            let refused = |cause: String| format!("--page {}: {cause}", file.display());
+            let old = std::fs::read_to_string(file).map_err(|cause| refused(cause.to_string()))?;
+            let page = page::with(&old, page::PROOFS, &proof::section(&told)).map_err(refused)?;
+            write_file(file, "Markdown", page.as_bytes())?;
+            ui.wrote(std::slice::from_ref(file));
+        }
         Ok(())
     }
 }

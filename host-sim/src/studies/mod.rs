@@ -10,6 +10,7 @@ pub mod force;
 pub(crate) mod paper;
 pub(crate) mod precision;
 pub mod proof;
+pub mod published;
 pub mod record;
 pub(crate) mod reproduce;
 pub mod sweep;

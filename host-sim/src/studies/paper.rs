@@ -58,7 +58,14 @@ pub(crate) struct Experiment {
 pub(crate) struct Gain {
     printed: Printed,
     /// Where this model crosses its stability boundary up to 12,000 N/m, pockets included, N/m.
-    crossings_n_per_m: Vec<f64>,
+    pub(super) crossings_n_per_m: Vec<f64>,
+}
+
+impl Gain {
+    /// Which kind.
+    pub(super) fn comm(&self) -> &'static str {
+        self.printed.comm
+    }
 }
 
 /// Runs every experiment of the paper and the matched line, in parallel.

@@ -2,6 +2,7 @@
 
 use haptic_core::law::{AnyLaw, Law};
 use haptic_core::peer::Peer;
+use haptic_core::settings::Settings;
 use haptic_proof::{Number, Proved, Whatever, prove};
 use haptic_sim::report::Columns;
 
@@ -56,3 +57,28 @@ pub fn columns(rows: &[Row]) -> Columns {
         .means("whether forces stay within their limits, and if not, what was found, and where")
         .done()
 }
+
+/// What was proved, and of which laws.
+pub fn told(table: &Columns) -> String {
+    let safety = Settings::default().safety;
+    format!(
+        "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and change by no\n\
+         more than {} N in a tick of 1 ms (and its rounding), or are off; duties stay within motor.max_duty; what is sent is finite\n\n\
+         {table}\n\
+         (any law): what the law does not matter, for it gives any number, infinite or none, in each tick.",
+        safety.max_force_n,
+        1e-3 * safety.max_slew_n_per_s
+    )
+}
+
+/// The same as a section of docs/laws.md.
+pub fn section(told: &str) -> String {
+    format!(
+        "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/laws.rs`):\n\n\
+         ```text\n{told}\n```"
+    )
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/studies_proof.rs"]
+mod tests;

@@ -100,3 +100,23 @@ fn the_self_timed_row_is_any_network() {
     let delay = |scene: &Scene| scene.world.network.one_way_delay_packets;
     assert_eq!(delay(row), delay(&scene));
 }
+
+/// A narrow line carries a packet of nine samples and no packet a tick; on the scene's own network few packets do, and at four in a packet they cost nothing.
+#[test]
+fn few_packets_do_where_the_line_has_margin() {
+    let networks: Vec<Named> = ["none", "bandwidth 110 kbit/s"]
+        .map(|name| *networks::IMPAIRMENTS.iter().find(|(known, _)| *known == name).expect("a network"))
+        .to_vec();
+    let rows = sending::rows(Laws::built_in(), sending::MOTIONS[0], &networks, &[4, 9]).expect("runs");
+    let told: Vec<(u32, &str, bool)> =
+        rows.iter().map(|row| (row.together, row.each.network.as_str(), row.meets().is_ok())).collect();
+    let narrow = "bandwidth 110 kbit/s";
+    assert_eq!(told, [(4, "none", false), (4, narrow, false), (9, "none", true), (9, narrow, true)]);
+    assert!(!rows[3].each.is_stable(), "a packet a tick fits no narrow line");
+    // N − 8 ticks of T_c·F/b: nothing of four, 1 ms·1 N/60 N·s/m of nine.
+    let added = |row: &sending::Row| {
+        let [each, seldom] = [&row.each, &row.seldom].map(|cell| cell.true_discrepancy_mm().expect("stable").mean);
+        seldom - each
+    };
+    assert!(added(&rows[0]).abs() < 1e-3 && (added(&rows[2]) - 1.0 / 60.0).abs() < 1e-3, "{told:?}");
+}

@@ -163,9 +163,11 @@ fn every_law_has_a_row_and_runs_as_it_was_judged() {
             assert!(!verdict.starts_with("NO"), "{name}: {verdict}, {:?}", row.own().reason());
         }
     }
-    let sections = page::page(&rows, &rows, &format!("{}\nwritten elsewhere\n{}", page::PROOFS[0], page::PROOFS[1]));
+    let old = [page::PROOFS, page::PAPERS].map(|[begin, end]| format!("{begin}\nwritten elsewhere, {begin}\n{end}\n"));
+    let sections = page::page(&rows, &rows, &old.concat());
     assert!(names.iter().all(|name| sections.contains(&format!("### `{name}`"))), "{sections}");
-    assert!(sections.contains("nobody, never") && sections.contains("written elsewhere"), "{sections}");
+    let elsewhere = sections.matches("written elsewhere").count();
+    assert!(sections.contains("nobody, never") && elsewhere == 2, "{sections}");
 }
 
 /// A promise is held against what was measured: the power-domain law under another name is not passive on a bad network, whatever
@@ -184,6 +186,25 @@ fn a_false_promise_is_found_and_what_is_not_linear_is_not_judged() {
     assert_eq!(rows[0].touch.width_db(), rows[1].touch.width_db());
     let why = rows[2].stability.as_ref().expect_err("not linear");
     assert!(why.contains("not linear"), "{why}");
+}
+
+/// What every law declares is kept where networks are worst: what is passive on any network makes no energy, what does not drift is together again.
+#[test]
+fn every_promise_is_kept_on_the_worst_networks() {
+    const WORST: [&str; 4] = ["none", "bursts of 100 ms, 20 %", "delay step -100 ms", "all at once"];
+    let worst: Vec<Named> = networks::IMPAIRMENTS.iter().copied().filter(|(name, _)| WORST.contains(name)).collect();
+    assert_eq!(worst.len(), WORST.len());
+    let laws = Laws::built_in();
+    let kinds = asked_for(laws, "all").expect("laws");
+    let mut promised = 0;
+    for scene in law_scenes(laws, &kinds, None, &[]).expect("scenes") {
+        let cells = over_networks(&[(scene.law().name.to_owned(), scene.clone())], &worst, 0).expect("runs");
+        for kept in promises::kept(&scene, &cells, &worst).expect("a verdict") {
+            assert!(kept.kept, "{}: {kept:?}", scene.law().name);
+            promised += 1;
+        }
+    }
+    assert!(promised > kinds.len() / 2, "{promised} promises");
 }
 
 /// THEORY §7: the largest K_LC of the midpoint peer at device delays of 0, 0.5 and 1 tick (K_T = 10⁴, mean of eight).

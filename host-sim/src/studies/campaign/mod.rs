@@ -31,6 +31,7 @@
 mod cells;
 pub mod laws;
 mod networks;
+pub mod sending;
 
 use haptic_core::law::Sends;
 

@@ -1,4 +1,5 @@
-//! The bench as a page of the documentation: docs/laws.md, whole but for the section of the proofs, which is kept as it is found.
+//! The bench as a page of the documentation: docs/laws.md, whole but for what other commands write between lines of their own, which is
+//! kept as it is found.
 
 use haptic_core::settings::Key;
 use haptic_sim::run::Verdict;
@@ -6,11 +7,18 @@ use haptic_sim::run::Verdict;
 use super::tables::parts;
 use super::{PACKET_BYTES, Row};
 
-/// Between these lines of the page stands what another command writes.
+/// Between these lines of the page stands what `host-sim prove --page` writes.
 pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
 
 /// What stands there at first.
 const NO_PROOFS: &str = "No law is proved here yet.";
+
+/// Between these stands what `cargo xtask readme --page docs/laws.md` writes: numbers of the laws' papers, and regions by two constructions.
+pub const PAPERS: [&str; 2] = ["<!-- papers begin -->", "<!-- papers end -->"];
+
+/// What stands there at first: what is to be written.
+const NO_PAPERS: &str =
+    "<!-- table of host-sim published -->\n\nTwo constructions:\n\n<!-- table of host-sim published --regions -->";
 
 /// How the page calls its pictures.
 pub const PICTURES: [&str; 2] = ["laws.png", "laws-impedance.png"];
@@ -21,8 +29,9 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
     let [first, felt, judged] = parts(rows);
     let [fast, ..] = parts(each_tick);
     let sections: String = rows.iter().map(section).collect();
-    let proofs = proofs(old);
-    let [begin, end] = PROOFS;
+    let proofs = between(old, PROOFS).filter(|proofs| !proofs.is_empty()).unwrap_or(NO_PROOFS);
+    let papers = between(old, PAPERS).filter(|papers| !papers.is_empty()).unwrap_or(NO_PAPERS);
+    let ([begin, end], [first_paper, last_paper]) = (PROOFS, PAPERS);
     let [laws, impedance] = PICTURES;
     format!(
         "# Coordination laws beside each other\n\n\
@@ -44,15 +53,25 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
          ## Stability region\n\n\
          First unstable K_T with both hands on, one and none, and first unstable K_LC in the worst mode, by the analyser, from 0 to 20,000 N/m (20000: none). Nothing is said of a law that is not\n\
          linear. Every crossing is in the files (`--out`).\n\n```text\n{judged}```\n\n\
+         ## The papers' own numbers\n\n{first_paper}\n{papers}\n{last_paper}\n\n\
          ## Proofs\n\n{begin}\n{proofs}\n{end}\n\n\
          ## Law by law\n{sections}"
     )
 }
 
-/// What the old page had between the lines of the proofs.
-fn proofs(old: &str) -> &str {
-    let found = old.split_once(PROOFS[0]).and_then(|(_, rest)| rest.split_once(PROOFS[1]));
-    found.map(|(proofs, _)| proofs.trim()).filter(|proofs| !proofs.is_empty()).unwrap_or(NO_PROOFS)
+/// What a page has between two lines of its own.
+pub fn between<'a>(page: &'a str, [begin, end]: [&str; 2]) -> Option<&'a str> {
+    page.split_once(begin).and_then(|(_, rest)| rest.split_once(end)).map(|(found, _)| found.trim())
+}
+
+/// A page with this text between two lines of its own.
+///
+/// # Errors
+/// A page without these lines.
+pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<String, String> {
+    let parts = page.split_once(begin).and_then(|(before, rest)| Some((before, rest.split_once(end)?.1)));
+    let (before, after) = parts.ok_or_else(|| format!("there is no line {begin} before a line {end}"))?;
+    Ok(format!("{before}{begin}\n{}\n{end}{after}", text.trim()))
 }
 
 /// A law.

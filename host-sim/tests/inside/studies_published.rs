@@ -1,0 +1,54 @@
+//! Every law has a number of its paper and a region by two constructions; every number is met, or why not is told.
+
+use std::sync::LazyLock;
+
+use haptic_sim::Laws;
+
+use super::*;
+
+static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| rows().expect("measurements"));
+
+/// A law that is added is missing here until its paper has a row.
+#[test]
+fn every_law_has_a_number_of_its_paper() {
+    let of = |name: &str| NUMBERS.iter().filter(|number| number.law == name).count();
+    let laws = Laws::built_in();
+    let missing: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).filter(|name| of(name) == 0).collect();
+    assert!(missing.is_empty(), "no number of the paper of {missing:?} in NUMBERS");
+    let known = laws.kinds().iter().map(|kind| of(kind.name)).sum::<usize>();
+    assert_eq!(known, NUMBERS.len(), "a number of a law that is not in the registry");
+}
+
+#[test]
+fn every_number_is_met_or_told_why_not() {
+    for Row { number, theirs, ours } in ROWS.iter().filter(|row| !row.is_accounted_for()) {
+        panic!("{}, {}: {ours} {}, the paper's {theirs}; why: {:?}", number.law, number.what, number.unit, number.why);
+    }
+}
+
+/// Printed by the papers themselves, of at least three of them, to 5 %.
+#[test]
+fn three_papers_print_what_is_measured() {
+    let mut papers: Vec<&str> = ROWS
+        .iter()
+        .filter(|row| row.number.says == Printed && row.off().abs() <= WITHIN)
+        .map(|row| row.number.paper)
+        .collect();
+    papers.sort_unstable();
+    papers.dedup();
+    assert!(papers.len() >= 3, "{papers:?}");
+}
+
+/// Matrix and run agree about where every law becomes unstable, to 2 %; each has a boundary along one of the stiffnesses at least.
+#[test]
+fn two_constructions_of_every_region_agree() {
+    let found = regions::regions(Laws::built_in(), || ()).expect("regions");
+    for region in &found {
+        let boundaries: Vec<_> = [region.coordination, region.contact].into_iter().flatten().collect();
+        assert!(!boundaries.is_empty(), "{}: stable everywhere", region.law);
+        for boundary in boundaries {
+            let run = boundary.run.unwrap_or(f64::NAN);
+            assert!((run / boundary.matrix - 1.0).abs() < 0.02, "{region:?}");
+        }
+    }
+}
