@@ -12,6 +12,7 @@
 //! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
 //! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
+//! | [`answers()`] | what a hand feels, and what comes of it at the far end, frequency by frequency |
 //! | [`speed`] | how many verdicts a second? |
 //!
 //! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact of
@@ -22,6 +23,7 @@
 
 mod advice;
 mod agreement;
+mod answers;
 mod delays;
 mod direction;
 mod error;
@@ -45,6 +47,7 @@ mod verdict;
 
 pub use advice::{Change, MARGIN, advice, change};
 pub use agreement::{Agreement, agreement};
+pub use answers::answers;
 pub use direction::Direction;
 pub use error::AnalysisError;
 pub use lifted::constructed::hold::exponential;

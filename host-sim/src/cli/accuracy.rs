@@ -6,12 +6,12 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::flags::{Out, Time, choice};
+use super::flags::{Out, Time, choice, number};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
 use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
 use crate::studies::accuracy::{self, picture};
-use crate::studies::force;
 use crate::studies::precision::{columns, measure};
+use crate::studies::{force, transparency};
 use haptic_sim::{scene::Scene, scenes};
 
 #[derive(Debug, Args)]
@@ -32,6 +32,8 @@ super::commands! {
         Precision(Precision),
         /// The force that is commanded beside the force that comes: a duty alone, and the current loop, with the hand moving.
         Force(Force),
+        /// What a leader and a follower feel of each other: impedance, position and force error over frequency, Z-width.
+        Transparency(Transparency),
     }
 }
 
@@ -172,6 +174,41 @@ impl Force {
         );
         writeln!(ui, "What the delay costs: the stiffest contact that is stable with both hands on, by the analyser\n");
         ui.table(&stiffest);
+        Ok(())
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| scene.default_value("leader-follower")))]
+pub(in crate::cli) struct Transparency {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Delays there and back, ms.
+    #[arg(long, default_value = "0,80,160", value_name = "MS,…", value_delimiter = ',', value_parser = number(0.0..=2000.0, "ms"))]
+    round_trips_ms: Vec<f64>,
+    #[command(flatten)]
+    out: Out,
+}
+
+impl Transparency {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let scene = self.scene.load(ui)?;
+        let delays = &self.round_trips_ms;
+        let (curves, wall_s) =
+            ui.work(2 * delays.len(), "curves", |step| transparency::study(&scene, delays, &|| step()))?;
+        let (table, responses) = (transparency::columns(&curves), transparency::response_columns(&curves));
+        let made = ui.made().settings(scene.settings()).with("round_trips_ms", format!("{delays:?}"));
+        let files = ui.files(&self.out, "accuracy", "transparency", &made, |files| {
+            files.csv(&responses)?;
+            files.parquet(&responses)?;
+            files.figure(None, &transparency::figure(&curves))
+        })?;
+        let document = json!({ "ends": table, "responses": responses, "wall_s": wall_s, "files": files });
+        ui.document_of(&made, &document)?;
+        writeln!(ui, "{}: what each end feels of the other, in the world's units\n", self.scene.name());
+        ui.table(&table);
+        writeln!(ui, "{wall_s:.1} s");
+        ui.wrote(&files);
         Ok(())
     }
 }

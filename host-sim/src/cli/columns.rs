@@ -17,7 +17,7 @@ use crate::recording::{file::ROW, merge, ticks};
 use crate::shared::{cooperative::run, world::stroke};
 use crate::studies::compare::Comparison;
 use crate::studies::sweep::{self, Row, Sweep};
-use crate::studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce};
+use crate::studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce, transparency};
 
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";
@@ -150,6 +150,18 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
             "`accuracy force --json`, stiffest",
             "a way to make a force",
             force::stiffest_columns(&[]),
+        ),
+        Kind::new(
+            "transparency",
+            "`accuracy transparency --json`, ends",
+            "an end at a delay",
+            transparency::columns(&[]),
+        ),
+        Kind::new(
+            "transparency-responses",
+            "transparency.csv, transparency.parquet",
+            "an end at a delay, and a frequency",
+            transparency::response_columns(&[]),
         ),
         Kind::new("shared-cooperative", "cooperative.csv", simulated, Columns::named(run::COLUMNS)),
         Kind::new("shared-stroke", "shape.csv", "a control period", Columns::named(stroke::COLUMNS)),

@@ -14,6 +14,7 @@ pub mod published;
 pub mod record;
 pub(crate) mod reproduce;
 pub mod sweep;
+pub mod transparency;
 
 use haptic_analysis::Verdict;
 use haptic_sim::{run::Reason, scene::Scene};

@@ -3,6 +3,7 @@
 
 mod advice;
 mod agreement;
+mod answers;
 mod bounds;
 mod envelope;
 mod hard_cases;

@@ -8,9 +8,9 @@
 //! Z(jω) = m·jω + b + H(jω)·F/v,   H = e^(−jωT_c·(τ + ½))·sin(ωT_c/2)/(ωT_c/2).
 //! ```
 //!
-//! The far hand holds its device still, or has let go of it: between these two lies what the object and whatever is done
+//! The far hand holds its device still, or has let go of it, or nobody holds that device and the object takes it along: between these two lies what the object and whatever is done
 //! to it can be felt as (the Z-width of Colgate & Brown 1994, of a link instead of a wall). The network is the scene's at constant delay
-//! ([`Scene::linear`]), but laws are as they are: of one that is not linear this is the describing function at that speed.
+//! ([`Scene::linear`]), either end may be the one that is led ([`answer`]), but laws are as they are: of one that is not linear this is the describing function at that speed.
 //!
 //! **Passive** at a frequency is an impedance whose real part is not negative: there the hand can take out no energy that it did not put
 //! in. Units: Hz, N·s/m. Left out: what the answer holds at other frequencies than the hand's.
@@ -21,7 +21,8 @@ use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::settings::Refused;
 
 use crate::pair::{Device, Pair, Side};
-use crate::scene::Scene;
+use crate::plant::Plant;
+use crate::scene::{self, Scene};
 
 /// Largest speed of the hand, m/s.
 pub const SPEED_M_PER_S: f64 = 0.02;
@@ -43,8 +44,21 @@ const REPEATS: f64 = 0.02;
 pub enum Far {
     /// Holds the device where it is.
     Held,
-    /// Has let go: no contact at peer 2.
+    /// Has let go: no contact there.
     LetGo,
+    /// Is not there: the device goes where the object takes it.
+    Alone,
+}
+
+/// What both ends answer to a hand, per speed of that hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// What the hand feels, N·s/m.
+    pub impedance: Complex,
+    /// Position of the far device over that of the hand's.
+    pub motion: Complex,
+    /// Force with which the far motor pushes its device on, N·s/m.
+    pub pushed: Complex,
 }
 
 /// A number of two parts.
@@ -89,15 +103,31 @@ pub fn frequencies_hz(scene: &Scene) -> Vec<f64> {
     found.into_iter().map(|ticks| 1.0 / (f64::from(ticks) * timing.control_period_s)).collect()
 }
 
-/// A hand that leads its device, whatever the motor does, and what the motor did.
-#[derive(Clone, Copy, Debug)]
+/// By what a motor that holds each force for a control period, late as this device's is, answers to a force.
+pub fn held(device: &scene::Device, omega: f64, period_s: f64, force: Complex) -> Complex {
+    let half = 0.5 * omega * period_s;
+    let late = -omega * period_s * (device.force_delay_ticks + 0.5);
+    let share = half.sin() / half;
+    Complex { re: share * late.cos(), im: share * late.sin() }.times(force)
+}
+
+/// The impedance of this device in a hand, its motor commanded to resist with so much per speed.
+pub fn of_device(device: &scene::Device, omega: f64, period_s: f64, resists: Complex) -> Complex {
+    let rendered = held(device, omega, period_s, resists);
+    Complex { re: device.damping_n_s_per_m + rendered.re, im: device.mass_kg * omega + rendered.im }
+}
+
+/// A hand that leads its device, whatever the motor does, and what the motor did; or a device that nobody holds.
+#[derive(Clone, Debug)]
 struct Hand {
     angle_per_tick: f64,
     amplitude_m: f64,
     speed_m_per_s: f64,
     tick: u64,
-    /// Resisting force, projected: what goes with the cosine and with the sine.
-    sums: [f64; 2],
+    /// The device that nobody holds.
+    alone: Option<Plant>,
+    /// Resisting force, and position, projected: what goes with the sine, and with the cosine.
+    sums: [Complex; 2],
 }
 
 impl Hand {
@@ -108,21 +138,30 @@ impl Hand {
 
 impl Device<f64> for Hand {
     fn sensors(&self) -> Sensors<f64> {
+        if let Some(plant) = &self.alone {
+            return plant.sensors();
+        }
         let (sine, cosine) = libm::sincos(self.angle());
         let mut axes = [Motion::REST; AXES];
         axes[0] = Motion { position: self.amplitude_m * (1.0 - cosine), velocity: self.speed_m_per_s * sine };
         Sensors::of(Reading::Exact(axes))
     }
 
-    fn step(&mut self, _: f64, actuators: &Actuators<f64>) {
+    fn step(&mut self, time_s: f64, actuators: &Actuators<f64>) {
         let (sine, cosine) = libm::sincos(self.angle());
-        self.sums[0] -= actuators.forces[0] * cosine;
-        self.sums[1] -= actuators.forces[0] * sine;
+        let position_m = self.alone.as_ref().map_or(0.0, |plant| plant.motions()[0].position);
+        for (sum, number) in self.sums.iter_mut().zip([-actuators.forces[0], position_m]) {
+            *sum = Complex { re: sum.re + number * sine, im: sum.im + number * cosine };
+        }
+        if let Some(plant) = &mut self.alone {
+            plant.step(time_s, actuators);
+        }
         self.tick += 1;
     }
 }
 
-/// What a hand that moves at `frequency_hz` with up to `speed_m_per_s` feels; none where a peer stopped or the answer does not repeat.
+/// What a hand at peer 1 that moves at `frequency_hz` with up to `speed_m_per_s` feels; none where a peer stopped or the answer does not
+/// repeat.
 ///
 /// # Errors
 /// Settings that no peer accepts.
@@ -132,23 +171,40 @@ pub fn felt(
     frequency_hz: f64,
     speed_m_per_s: f64,
 ) -> Result<Option<Complex>, Refused<'static>> {
-    let linear = scene.linear();
-    let (timing, device) = (&linear.peer.timing, &linear.world.device);
+    Ok(answer(scene, 0, far, frequency_hz, speed_m_per_s)?.map(|answer| answer.impedance))
+}
+
+/// What both ends answer to a hand at end `near` (0 or 1) that moves so; none as of [`felt`].
+///
+/// # Errors
+/// Settings that no peer accepts.
+pub fn answer(
+    scene: &Scene,
+    near: usize,
+    far: Far,
+    frequency_hz: f64,
+    speed_m_per_s: f64,
+) -> Result<Option<Answer>, Refused<'static>> {
+    let mut linear = scene.linear();
+    // Hands are what is said here, and no others.
+    linear.users = Default::default();
+    let (timing, devices) = (&linear.peer.timing, linear.devices());
     let period_s = timing.control_period_s;
     let ticks = (1.0 / (frequency_hz * period_s)).round().max(2.0);
     let angle_per_tick = core::f64::consts::TAU / ticks;
     let omega = angle_per_tick / period_s;
-    let hand = |speed_m_per_s: f64| {
+    let hand = |speed_m_per_s: f64, alone| {
         let amplitude_m = speed_m_per_s / omega;
-        Hand { angle_per_tick, amplitude_m, speed_m_per_s, tick: 0, sums: [0.0; 2] }
+        Hand { angle_per_tick, amplitude_m, speed_m_per_s, tick: 0, alone, sums: [Complex::default(); 2] }
     };
     let side = |index: usize| {
         let mut settings = linear.peers()[index];
-        if index == 1 && far == Far::LetGo {
+        if index != near && far == Far::LetGo {
             (settings.contact.stiffness_n_per_m, settings.contact.damping_n_s_per_m) = (0.0, 0.0);
         }
         let peer = linear.laws.peer(&settings, [Motion::REST; AXES])?;
-        Ok(Side::of(&linear, peer, hand(if index == 0 { speed_m_per_s } else { 0.0 }), 1 - index))
+        let alone = (index != near && far == Far::Alone).then(|| Plant::new(&linear, index));
+        Ok(Side::of(&linear, peer, hand(if index == near { speed_m_per_s } else { 0.0 }, alone), 1 - index))
     };
     let mut pair = Pair::of(&linear, [side(0)?, side(1)?]);
     // Whole periods, at least two, that are whole packets: M of them always are.
@@ -161,23 +217,26 @@ pub fn felt(
     let settle = ticks * ((SETTLE_S / period_s) as u64).max(6 * ticks).div_ceil(ticks);
     (0..settle).for_each(|_| pair.step());
     let [first, second] = [(); 2].map(|()| {
-        pair.sides_mut().for_each(|side| side.plant.sums = [0.0; 2]);
+        pair.sides_mut().for_each(|side| side.plant.sums = [Complex::default(); 2]);
         (0..window).for_each(|_| pair.step());
-        let [cosine, sine] = pair.sides()[0].plant.sums.map(|sum| 2.0 * sum / window as f64 / speed_m_per_s);
-        Complex { re: sine, im: cosine }
+        let over = 2.0 / (window as f64 * speed_m_per_s);
+        let mean = |sum: Complex| Complex { re: over * sum.re, im: over * sum.im };
+        pair.sides().map(|side| side.plant.sums.map(mean))
     });
-    let change = Complex { re: second.re - first.re, im: second.im - first.im }.abs();
-    let own = Complex { re: device.damping_n_s_per_m, im: device.mass_kg * omega };
-    let repeats = change <= REPEATS * (second.abs() + own.abs());
+    let ([resists, _], [pulls, moves]) = (second[near], second[1 - near]);
+    let before = first[near][0];
+    let change = Complex { re: resists.re - before.re, im: resists.im - before.im }.abs();
+    let own = of_device(&devices[near], omega, period_s, Complex::default());
+    let repeats = change <= REPEATS * (resists.abs() + own.abs());
     if pair.fault().is_some() || !repeats {
         return Ok(None);
     }
-    let half = 0.5 * omega * period_s;
-    let late = -omega * period_s * (device.force_delay_ticks + 0.5);
-    let hold = Complex { re: late.cos(), im: late.sin() };
-    let rendered = hold.times(second);
-    let share = half.sin() / half;
-    Ok(Some(Complex { re: own.re + share * rendered.re, im: own.im + share * rendered.im }))
+    let pushes = Complex { re: -pulls.re, im: -pulls.im };
+    Ok(Some(Answer {
+        impedance: of_device(&devices[near], omega, period_s, resists),
+        motion: moves.times(Complex { re: 0.0, im: omega }),
+        pushed: held(&devices[1 - near], omega, period_s, pushes),
+    }))
 }
 
 #[cfg(test)]

@@ -63,6 +63,51 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
     }
 }
 
+/// A leader and a follower that are scaled unlike, pressed on along every axis at once. At rest the chain from hand to hand is springs: the
+/// follower's arm, 1/(k₂·s_f₂/s_p₂) in the world, both contacts and the coordination; beside it the leader's own arm. So along each axis
+///
+/// > x₁ = s_f₁·F/(1/C + k₁·s_f₁/s_p₁),   C = s_p₂/(k₂·s_f₂) + 2/K_LC + 1/K_T,   contact force x₁/C, device of the hand x₁/s_p₁.
+#[test]
+fn scales_hold_along_every_shared_axis() {
+    let (stiffness, [k1, k2]) = (300.0, [40.0, 60.0]);
+    let [(p1, f1), (p2, f2)] = [(3.0, 2.0), (0.5, 1.5)];
+    let own = [
+        ("coordination.stiffness_n_per_m", stiffness),
+        ("user.1.arm_stiffness_n_per_m", k1),
+        ("user.1.arm_damping_n_s_per_m", 5.0),
+        ("user.2.arm_stiffness_n_per_m", k2),
+        ("user.2.arm_damping_n_s_per_m", 5.0),
+        ("user.2.sine_n", 0.0),
+        ("peer.1.scale.position", p1),
+        ("peer.1.scale.force", f1),
+        ("peer.2.scale.position", p2),
+        ("peer.2.scale.force", f2),
+        ("user.1.direction_rad", 0.7),
+        ("user.1.elevation_rad", 0.4),
+    ]
+    .map(|(key, value)| format!("{key}={value}"));
+    let held = ["coordination.comm=power", "object.integrator=midpoint"];
+    for axes in [2, 3] {
+        let count = [format!("axis.count={axes}"), format!("axis.shared={axes}")];
+        let keys: Vec<&str> = held.into_iter().chain(own.iter().chain(&count).map(String::as_str)).collect();
+        let scene = scene(&keys);
+        let whole = Options { duration_s: 20.0, record_every: 1000 };
+        let run = shared::run::<f64>(&scene, whole, &|_| true).expect("a good scene");
+        let compliance = p2 / (k2 * f2) + 2.0 / scene.peer.contact.stiffness_n_per_m + 1.0 / stiffness;
+        for (axis, (outcome, share)) in run.axes.iter().zip(scene.users[0].way()).enumerate() {
+            let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
+            let (position, force) = (last("device_1_m"), last("contact_1_n"));
+            let wanted = f1 * share / (1.0 / compliance + k1 * f1 / p1);
+            assert!(
+                outcome.fault.is_none() && (position / wanted - 1.0).abs() < 1e-6,
+                "{axis}: {position}, not {wanted}"
+            );
+            let wanted = wanted / compliance;
+            assert!((force / wanted - 1.0).abs() < 1e-6, "{axis} of {axes}: {force} N, not {wanted}");
+        }
+    }
+}
+
 /// Down to encoders and motors the axes of a mechanism are coupled by its geometry alone, and hardly where it stays near home.
 #[test]
 fn mechanisms_with_all_axes_shared_come_near_to_exact_ones() {
