@@ -34,6 +34,7 @@ use crate::{
     law::ledger::Ledger,
     object::AnyIntegrator,
     object::fixture::Fixture,
+    object::plane::Oblique,
 };
 use axis::{SharedAxis, Tick};
 
@@ -162,7 +163,10 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
+    /// Along one axis.
     fixture: Option<Fixture<S>>,
+    /// Along several.
+    oblique: Option<Oblique<S, SHARED>>,
 }
 
 impl Settings {
@@ -291,7 +295,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             probing: Probing::default(),
             clutch: Clutch::build(settings),
             slips: [Slip::default(); SHARED],
-            fixture: Fixture::build(settings)?,
+            fixture: if SHARED == 1 { Fixture::build(settings)? } else { None },
+            oblique: if SHARED == 1 { None } else { Oblique::build(settings)? },
             still: [Still::default(); N],
             asked: [Duty::OFF; N],
             stage: StageState::default(),
@@ -361,7 +366,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Goes into a mode.
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
-        self.plain = mode == Mode::Armed && self.fixture.is_none() && self.slips.iter().all(Slip::is_none);
+        let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none());
+        self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
@@ -592,6 +598,22 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             age_ticks: self.age_ticks,
             period_s: self.period_s,
         };
+        if SHARED > 1
+            && !PLAIN
+            && let Some(oblique) = &self.oblique
+        {
+            let (mut devices, mut commanded) = ([Motion::REST; SHARED], [S::ZERO; SHARED]);
+            let sensed = pose.axes.iter().zip(&self.forces).zip(&mut self.slips);
+            for ((device, commanded), ((sensed, force), slip)) in devices.iter_mut().zip(&mut commanded).zip(sensed) {
+                (*device, *commanded) = (self.clutch.carry(slip, *sensed), *force);
+            }
+            let mut felt = axis::advance_together(&mut self.shared, &tick, oblique, devices, commanded)?;
+            for (felt, slip) in felt.iter_mut().zip(&self.slips) {
+                *felt = slip.ratio() * *felt;
+            }
+            self.age_ticks = self.age_ticks.saturating_add(1);
+            return Some(felt);
+        }
         let mut felt = [S::ZERO; SHARED];
         let mut finite = true;
         let mut slips = self.slips.iter_mut();

@@ -524,9 +524,17 @@ settings! {
     fixture: Fixture {
         kind: FixtureName = FixtureName::None, Allowed::Names(FixtureName::NAMES), "",
             "A guide to a place, or a wall that the object may not pass.";
-        position_m: f64 = 0.0, number(-1000.0, 1000.0), "m", "Where it is, on the object's axis.";
+        position_m: f64 = 0.0, number(-1000.0, 1000.0), "m", "Where it is, on the object's axis or along its normal.";
         stiffness_n_per_m: f64 = 500.0, number(0.0, 1e6), "N/m", "Its stiffness.";
         damping_n_s_per_m: f64 = 2.0, number(0.0, 1e4), "N·s/m", "Its damping.";
+        direction_rad: f64 = 0.0, number(-6.3, 6.3), "rad",
+            "Where its normal points, from the first axis toward the second, with axis.shared of 2 or 3.";
+        elevation_rad: f64 = 0.0, number(-1.6, 1.6), "rad",
+            "Where its normal points, from these two axes toward the third, with axis.shared = 3.";
+        drag_n_s_per_m: f64 = 0.0, number(0.0, 1e4), "N·s/m",
+            "Viscous friction across its normal, of a wall while it is touched, with axis.shared of 2 or 3.";
+        friction: f64 = 0.0, number(0.0, 10.0), "",
+            "Coulomb friction along a wall over what it pushes with, with axis.shared of 2 or 3.";
     }
 
     /// What holds the two copies together.

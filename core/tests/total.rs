@@ -109,7 +109,7 @@ fn settings(draws: &[f64]) -> Settings {
     if settings.axis.shared > 1 {
         settings.contact.one_sided = false;
         settings.contact.rendering = RenderingName::Continuous;
-        settings.fixture.kind = FixtureName::None;
+        settings.contact.gap_m = 0.0;
     }
     let kind = Schema::BUILT_IN.kind(&settings).expect("a law");
     if kind.sends != Sends::Waves {
@@ -123,6 +123,15 @@ fn settings(draws: &[f64]) -> Settings {
         settings.object.force_delay_ticks = 0.0;
     } else {
         settings.fixture.kind = FixtureName::None;
+    }
+    if settings.axis.shared == 1 {
+        (settings.fixture.direction_rad, settings.fixture.drag_n_s_per_m) = (0.0, 0.0);
+    }
+    if settings.axis.shared < 3 {
+        settings.fixture.elevation_rad = 0.0;
+    }
+    if settings.axis.shared == 1 || settings.fixture.kind == FixtureName::Guide {
+        settings.fixture.friction = 0.0;
     }
     settings
 }

@@ -74,8 +74,22 @@ pub(crate) fn check_axes(settings: &Settings, shared: u32, n: u32) -> Result<(),
     if shared > 1 && settings.contact.one_sided {
         return needs("contact.one_sided", "false where axis.shared is more than 1: a side belongs to one axis");
     }
-    if shared > 1 && settings.fixture.kind != FixtureName::None {
-        return needs("fixture.kind", "\"none\" where axis.shared is more than 1: a fixture is along one axis");
+    let fixture = &settings.fixture;
+    for (name, is_set, axes) in [
+        ("fixture.direction_rad", fixture.direction_rad != 0.0, 2),
+        ("fixture.elevation_rad", fixture.elevation_rad != 0.0, 3),
+        ("fixture.drag_n_s_per_m", fixture.drag_n_s_per_m > 0.0, 2),
+        ("fixture.friction", fixture.friction > 0.0, 2),
+    ] {
+        if is_set && shared < axes {
+            return needs(name, if axes == 2 { "0 where axis.shared is 1" } else { "0 where axis.shared is 1 or 2" });
+        }
+    }
+    if fixture.friction > 0.0 && fixture.kind == FixtureName::Guide {
+        return needs("fixture.friction", "0 of a guide: there is no wall to rub on");
+    }
+    if shared > 1 && fixture.kind != FixtureName::None && settings.contact.gap_m > 0.0 {
+        return needs("contact.gap_m", "0 beside a fixture where axis.shared is more than 1");
     }
     Ok(())
 }

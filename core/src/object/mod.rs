@@ -4,7 +4,7 @@
 //! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
 //! A body that turns has a rule of its own, [`rigid`], of the same kind. [`fixture`] is a guide or a wall at the copy, one more of the
 //! ports. In the plane and in space ports are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and
-//! turns at once ([`free_body`]); no peer is told of these yet. A new integrator is one file here, its `pub mod`, its name and one line in the list.
+//! turns at once ([`free_body`], which no peer is told of yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod euler;
 pub mod exact;

@@ -13,9 +13,12 @@
 //!
 //! **Exact** μ·F_n where nothing else couples the normal to the other directions; where something does, F_n is that of a body that stops.
 
+use super::fixture::Fixture;
 use super::port::Port;
 use super::vector::{Body, Moving, VectorPort, combined, dot, solved, times};
-use crate::num::Scalar;
+use crate::names::FixtureName;
+use crate::num::{Motion, Scalar};
+use crate::settings::{Refused, Settings};
 
 /// A wall in the plane (`N` = 2) or in space (3).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,5 +165,56 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
             return without;
         }
         Met { mean_velocity: velocity, push: push(velocity), along: along(velocity, friction) }
+    }
+}
+
+/// A fixture of an object that is shared along several axes: a wall, or a guide to one, at the copy.
+#[derive(Clone, Copy, Debug)]
+pub struct Oblique<S, const N: usize> {
+    plane: Plane<S, N>,
+    body: Body<S, N>,
+    /// It draws as well as pushes.
+    draws: bool,
+}
+
+impl<S: Scalar, const N: usize> Oblique<S, N> {
+    /// From the table `fixture`; nothing where there is none.
+    ///
+    /// # Errors
+    /// The copy is not moved by ports.
+    pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
+        if Fixture::<S>::build(settings)?.is_none() {
+            return Ok(None);
+        }
+        let (fixture, object, period_s) = (&settings.fixture, &settings.object, settings.timing.control_period_s);
+        let (sine, cosine) = libm::sincos(fixture.direction_rad);
+        let (up, level) = libm::sincos(fixture.elevation_rad);
+        let sign = if fixture.kind == FixtureName::ForbiddenBelow { -1.0 } else { 1.0 };
+        let mut normal = [0.0; N];
+        for (part, of_three) in normal.iter_mut().zip([cosine * level, sine * level, up]) {
+            *part = sign * of_three;
+        }
+        let gains = Gains {
+            stiffness_n_per_m: fixture.stiffness_n_per_m,
+            damping_n_s_per_m: fixture.damping_n_s_per_m,
+            drag_n_s_per_m: fixture.drag_n_s_per_m,
+            friction: fixture.friction,
+        };
+        Ok(Some(Self {
+            plane: Plane::new(normal, sign * fixture.position_m, &gains, period_s),
+            body: Body::new(object.mass_kg, object.damping_n_s_per_m, period_s),
+            draws: fixture.kind == FixtureName::Guide,
+        }))
+    }
+
+    /// Mean velocity of a tick of a copy that begins it like this, under everything else that pushes, m/s.
+    pub fn mean_velocity(&self, object: [Motion<S>; N], others: &VectorPort<S, N>) -> [S; N] {
+        let (plane, moving) = (&self.plane, Moving::at(object));
+        if !self.draws {
+            return plane.meet(&self.body, &moving, others).mean_velocity;
+        }
+        let spring = Port { force: -(plane.stiffness * plane.depth(&moving)), impedance: plane.impedance };
+        let drawn = *others + VectorPort::along(plane.normal, spring) + plane.drag();
+        self.body.mean_velocity(&moving, &drawn)
     }
 }

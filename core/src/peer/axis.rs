@@ -1,12 +1,15 @@
 //! One shared axis: the local copy of the object along it, what pushes that copy, and the law that holds it to the other peer's.
 //!
 //! Axes know nothing of each other: a law, an integrator and a way of contact are scalar, and each axis has a state of its own of each.
+//! Where a fixture couples them, one solve sees the ports of all ([`advance_together`]).
 
-use crate::contact::{AnyRendering, Strikes};
+use crate::contact::{AnyRendering, Press, Strikes};
 use crate::law::ledger::Ledger;
 use crate::law::{Coupled, Law, Packet, Seen};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
+use crate::object::plane::Oblique;
+use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port};
 
 /// What a tick saw and did along one shared axis, for telemetry, reports and tests.
@@ -147,7 +150,13 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let coupled = if engaged { law.couple(&mut self.coordination, &seen) } else { Coupled::none(object) };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
-        self.ledger.book(&coupled, period_s);
+        self.end([device, object, next], felt, &coupled, period_s)
+    }
+
+    /// Ends a tick in which the device and the copy were there, and after which the copy is next.
+    #[inline(always)]
+    fn end(&mut self, [device, object, next]: [Motion<S>; 3], felt: S, coupled: &Coupled<S>, period_s: S) -> Option<S> {
+        self.ledger.book(coupled, period_s);
         self.observed = Observed {
             device,
             object,
@@ -161,6 +170,88 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         self.object = next;
         Some(felt)
     }
+}
+
+/// What the laws of all axes give to one solve, and what comes of it.
+struct Together<S, const N: usize> {
+    ports: [Port<S>; N],
+    /// Mean velocities, m/s.
+    means: [S; N],
+}
+
+/// [`SharedAxis::advance`] of all axes in one solve, where a fixture couples them.
+pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
+    axes: &mut [SharedAxis<S, L>; N],
+    tick: &Tick<'_, S, L>,
+    oblique: &Oblique<S, N>,
+    devices: [Motion<S>; N],
+    commanded: [S; N],
+) -> Option<[S; N]> {
+    let (mut objects, mut presses) = ([Motion::REST; N], [Press::default(); N]);
+    let sensed = devices.into_iter().zip(commanded);
+    for (axis, ((device, commanded), (object, press))) in
+        axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
+    {
+        (*object, *press) = tick.contact.press(&mut axis.strikes, device, axis.object, commanded);
+    }
+    let solve = |laws: [Port<S>; N]| {
+        let mut ports = laws;
+        for (port, press) in ports.iter_mut().zip(&presses) {
+            *port = *port + press.port;
+        }
+        oblique.mean_velocity(objects, &VectorPort::of_axes(ports))
+    };
+    let mut together = Together { ports: [Port::default(); N], means: [S::ZERO; N] };
+    let mut coupled = objects.map(|object| Coupled { desired: object, ..Coupled::default() });
+    if tick.engaged {
+        gather(tick, (&mut axes[..], &objects[..], &mut coupled[..]), 0, &mut together, &solve);
+    } else {
+        together.means = solve(together.ports);
+    }
+    let (mut felt, mut finite) = ([S::ZERO; N], true);
+    let seen = devices.into_iter().zip(objects).zip(presses.into_iter().zip(coupled));
+    for (axis, ((felt, mean), ((device, object), (press, coupled)))) in
+        axes.iter_mut().zip(felt.iter_mut().zip(together.means).zip(seen))
+    {
+        let next = match &mut axis.integrator {
+            AnyIntegrator::Midpoint(midpoint, carries) => midpoint.advance(carries, object, mean - object.velocity),
+            // Refused where there is a fixture.
+            _ => object,
+        };
+        let force = press.port.at(mean) + press.pulse;
+        match axis.end([device, object, next], force, &coupled, tick.period_s) {
+            Some(force) => *felt = force,
+            None => finite = false,
+        }
+    }
+    finite.then_some(felt)
+}
+
+/// The axes that are left, how their copies move, and what their laws come to.
+type Left<'a, S, L> = (&'a mut [SharedAxis<S, L>], &'a [Motion<S>], &'a mut [Coupled<S>]);
+
+/// Asks the laws of the axes that are left for their ports, one within the other, and solves when all are there: each law is told its own
+/// axis' velocity, and goes on.
+fn gather<S: Scalar, L: Law<S>, const N: usize>(
+    tick: &Tick<'_, S, L>,
+    (axes, objects, coupled): Left<'_, S, L>,
+    at: usize,
+    together: &mut Together<S, N>,
+    solve: &dyn Fn([Port<S>; N]) -> [S; N],
+) {
+    let first = (axes.split_first_mut(), objects.split_first(), coupled.split_first_mut());
+    let (Some((axis, axes)), Some((object, objects)), Some((coupled, others))) = first else {
+        together.means = solve(together.ports);
+        return;
+    };
+    let seen = Seen { local: *object, contact_force: axis.observed.contact_force, age_ticks: tick.age_ticks };
+    *coupled = tick.law.couple_as_port(&mut axis.coordination, &seen, |port| {
+        if let Some(own) = together.ports.get_mut(at) {
+            *own = port;
+        }
+        gather(tick, (axes, objects, others), at + 1, together, solve);
+        together.means.get(at).copied().unwrap_or(S::ZERO)
+    });
 }
 
 /// Object, integrator and coordination law, in this order.

@@ -242,3 +242,130 @@ fn what_is_along_one_axis_is_refused_along_several() {
     assert!(Peer::<f32, AnyLaw<f32>>::new(&scene("power", 2), [Motion::REST; 2]).is_err());
     assert!(Plane::<f32>::build(&scene("power", 2), [Motion::REST; 2]).is_ok());
 }
+
+/// Two axes with this fixture, and nobody else; every other setting that it needs.
+fn beside_a_wall(axes: u32) -> Settings {
+    let mut settings = scene("none", axes);
+    settings.object.integrator = IntegratorName::Midpoint;
+    settings.fixture.kind = haptic_core::names::FixtureName::ForbiddenAbove;
+    settings.fixture.position_m = 0.002;
+    settings.fixture.stiffness_n_per_m = 3000.0;
+    settings
+}
+
+/// Where the copy is and what is felt, tick by tick, of a hand that is at `hand` (m, m/s along every axis).
+fn ride<const N: usize, K: Kinematics<f64, N>>(
+    settings: &Settings,
+    ticks: u32,
+    hand: impl Fn(f64) -> [Motion<f64>; N],
+) -> Vec<([f64; N], [f64; N])> {
+    let mut peer = Peer::<f64, AnyLaw<f64>, N, N, K>::build(settings, [Motion::REST; N]).expect("a good scene");
+    peer.command(Command::Arm);
+    (0..ticks)
+        .map(|tick| {
+            peer.tick(&Sensors::of(Reading::Exact(hand(1e-3 * f64::from(tick)))));
+            assert_eq!(peer.mode(), Mode::Armed, "{tick}");
+            let seen = peer.observed_each();
+            (seen.map(|axis| axis.object.position), seen.map(|axis| axis.contact_force))
+        })
+        .collect()
+}
+
+/// In and out of a wall across x, and to and fro along y and z.
+fn strokes(time: f64) -> [Motion<f64>; 3] {
+    [(0.006, 4.0), (0.004, 7.0), (-0.005, 5.0)].map(|(size, rate): (f64, f64)| Motion {
+        position: size * (rate * time).sin(),
+        velocity: size * rate * (rate * time).cos(),
+    })
+}
+
+#[test]
+fn a_wall_along_an_axis_is_that_of_one_axis_and_leaves_the_others_alone() {
+    let settings = beside_a_wall(3);
+    let all = ride::<3, AnySpatial<f64>>(&settings, 3000, strokes);
+    for axis in 0..3 {
+        let mut one =
+            Settings { axis: haptic_core::settings::Axis { count: 1, shared: 1, ..settings.axis }, ..settings };
+        if axis > 0 {
+            one.fixture.kind = haptic_core::names::FixtureName::None;
+        }
+        let mut peer = Peer::<f64, AnyLaw<f64>>::new(&one, [Motion::REST; 2]).expect("a good scene");
+        peer.command(Command::Arm);
+        for (tick, (object, felt)) in all.iter().enumerate() {
+            peer.tick(&Sensors::of(Reading::Exact([strokes(1e-3 * tick as f64)[axis], Motion::REST])));
+            let seen = peer.observed();
+            let apart = (seen.object.position - object[axis]).abs();
+            assert!(apart < 1e-12 && (seen.contact_force - felt[axis]).abs() < 1e-8, "{axis} {tick}: {apart:e}");
+        }
+    }
+    assert!(all.iter().any(|(object, _)| object[0] > 0.0022), "never at the wall");
+}
+
+/// What happens at a wall turned by 45° is what happens at one along an axis, turned.
+#[test]
+fn a_wall_at_45_degrees_is_one_along_an_axis_turned() {
+    let mut settings = beside_a_wall(2);
+    (settings.fixture.friction, settings.fixture.drag_n_s_per_m) = (0.4, 0.5);
+    let straight = ride::<2, AnyKinematics<f64>>(&settings, 3000, |time| {
+        let [x, y, _] = strokes(time);
+        [x, y]
+    });
+    settings.fixture.direction_rad = core::f64::consts::FRAC_PI_4;
+    let (sine, cosine) = settings.fixture.direction_rad.sin_cos();
+    let turned = |[x, y]: [f64; 2]| [cosine * x - sine * y, sine * x + cosine * y];
+    let askew = ride::<2, AnyKinematics<f64>>(&settings, 3000, |time| {
+        let [x, y, _] = strokes(time);
+        let (at, speed) = (turned([x.position, y.position]), turned([x.velocity, y.velocity]));
+        [0, 1].map(|axis| Motion { position: at[axis], velocity: speed[axis] })
+    });
+    for (tick, ((object, felt), (there, there_felt))) in straight.iter().zip(&askew).enumerate() {
+        let (object, felt) = (turned(*object), turned(*felt));
+        for axis in 0..2 {
+            assert!((object[axis] - there[axis]).abs() < 1e-10, "{tick} {axis}");
+            assert!((felt[axis] - there_felt[axis]).abs() < 1e-6, "{tick} {axis}");
+        }
+    }
+}
+
+/// Drawn along a wall at a steady speed, the object is felt with μ·N + B_f·v; pulled by less than that from rest it stays.
+#[test]
+fn friction_along_a_wall_is_felt_as_coulomb_has_it() {
+    let mut settings = beside_a_wall(2);
+    (settings.fixture.friction, settings.fixture.drag_n_s_per_m) = (0.4, 0.5);
+    let (contact, speed, pressed) = (settings.contact.stiffness_n_per_m, 0.02, 0.006);
+    let slides = ride::<2, AnyKinematics<f64>>(&settings, 3000, |time| {
+        let moved = Motion { position: speed * time, velocity: speed };
+        [Motion::at(pressed), moved]
+    });
+    let (_, [push, along]) = slides[2999];
+    // Two springs, one behind the other.
+    let wall = settings.fixture.stiffness_n_per_m;
+    assert!((push - (pressed - 0.002) * contact * wall / (contact + wall)).abs() < 1e-6, "{push} N");
+    assert!((along - (0.4 * push + 0.5 * speed)).abs() < 1e-6, "{along} N along, {push} N against it");
+    // Pressed on at first, and drawn along once it rests there.
+    let stays = ride::<2, AnyKinematics<f64>>(&settings, 3000, |time| {
+        [Motion::at(pressed), Motion::at((0.3 * push / contact) * (time - 1.0).clamp(0.0, 1.0))]
+    });
+    let ([_, before], [_, after]) = (stays[1000].0, stays[2999].0);
+    assert!((after - before).abs() < 1e-9 && (stays[2999].1[1] - 0.3 * push).abs() < 1e-3 * push, "{before} {after}");
+}
+
+#[test]
+fn a_fixture_askew_is_refused_where_it_has_no_sense() {
+    let refused = |axes: u32, change: &dyn Fn(&mut Settings)| {
+        let mut settings = beside_a_wall(axes);
+        change(&mut settings);
+        settings.check().unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(1, &|settings| settings.fixture.friction = 0.1),
+        "fixture.friction = 0.1 is not allowed: it must be 0 where axis.shared is 1"
+    );
+    assert!(refused(2, &|settings| settings.fixture.elevation_rad = 0.1).contains("0 where axis.shared is 1 or 2"));
+    assert!(refused(2, &|settings| settings.contact.gap_m = 0.001).contains("0 beside a fixture"));
+    let guide = |settings: &mut Settings| {
+        settings.fixture.kind = haptic_core::names::FixtureName::Guide;
+        settings.fixture.friction = 0.1;
+    };
+    assert!(refused(2, &guide).contains("0 of a guide"));
+}

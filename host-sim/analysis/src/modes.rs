@@ -169,6 +169,7 @@ fn not_judged(scene: &Scene) -> Vec<&'static str> {
             wound && plant.drive == DriveName::Current,
             "the current loop, but for its lag and what back-EMF it lets through",
         ),
+        (scene.peers().iter().any(|peer| peer.fixture.friction > 0.0), "friction along walls"),
         (peer.axis.velocity == VelocityName::Adaptive, "the velocity window that adapts"),
         (peer.axis.count > peer.axis.shared, "the axes that are held on their line"),
         (

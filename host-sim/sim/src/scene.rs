@@ -740,19 +740,23 @@ impl Scene {
         linear.peer.scale = Scale::default();
         // What draws to another place is the same about zero; a wall that is away is none.
         let guides = |fixture: Fixture| if fixture.kind == FixtureName::Guide { fixture } else { Fixture::default() };
-        linear.peer.fixture = Fixture { position_m: 0.0, ..guides(self.peer.fixture) };
+        let about_zero = |fixture: Fixture| Fixture { position_m: 0.0, friction: 0.0, ..guides(fixture) };
+        linear.peer.fixture = about_zero(self.peer.fixture);
         let ends = self.ends().into_iter().zip(linear.users.iter_mut().zip(&mut linear.own));
         for (((peer, world), (user, own)), from) in ends.zip(&self.users) {
             // A scaled device is another device in the world; so is its arm.
             let heavier = peer.scale.force / peer.scale.position;
             let own_device = heavier != 1.0 || world.device != self.world.device;
             own.retain(|(key, _)| key.starts_with("contact."));
-            let fixture = Fixture { position_m: 0.0, ..guides(peer.fixture) };
+            let fixture = about_zero(peer.fixture);
             if fixture != linear.peer.fixture {
                 own.extend([
                     ("fixture.kind", Value::Text(fixture.kind.name())),
                     ("fixture.stiffness_n_per_m", Value::Number(fixture.stiffness_n_per_m)),
                     ("fixture.damping_n_s_per_m", Value::Number(fixture.damping_n_s_per_m)),
+                    ("fixture.drag_n_s_per_m", Value::Number(fixture.drag_n_s_per_m)),
+                    ("fixture.direction_rad", Value::Number(fixture.direction_rad)),
+                    ("fixture.elevation_rad", Value::Number(fixture.elevation_rad)),
                 ]);
             }
             if own_device {

@@ -20,6 +20,7 @@ use std::collections::VecDeque;
 use haptic_core::device::AXES;
 use haptic_core::device::kinematics::{AnySpatial, Kinematics};
 use haptic_core::law::{AnyLaw, Packet, Sends};
+use haptic_core::names::FixtureName;
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
@@ -55,7 +56,7 @@ pub struct Response {
     pub heard: Matrix,
     /// Each number of the packet sent at the start of the period, for each local state before.
     pub sent: Matrix,
-    /// This peer one metre away along each shared axis.
+    /// This peer one metre away along as many directions as there are shared axes.
     pub translations: Vec<Translation>,
 }
 
@@ -68,7 +69,7 @@ pub struct Translation {
     pub sent: Vec<f64>,
     /// Whether it stays there while it hears that packet: times 0, +1 and −1.
     pub stays: [bool; 3],
-    /// Where the position of the object along this axis stands in the local state.
+    /// Where the position of the object along the axis of the same number stands in the local state.
     pub object: usize,
 }
 
@@ -113,7 +114,7 @@ impl Response {
             seat.start().1[at] = 1.0;
             seat.period(column_mut(&mut self.heard, at));
         }
-        self.translations = (0..linear.peer.axis.shared as usize).map(|axis| translate(&mut *seat, axis)).collect();
+        self.translations = translate(&mut *seat, &along(linear));
         Ok(())
     }
 
@@ -129,24 +130,42 @@ impl Response {
     }
 }
 
-/// Finds what a translation of a peer along an axis is, and whether the peer stays there.
-fn translate(seat: &mut dyn Seated, axis: usize) -> Translation {
+/// Unit vectors along which translations are looked at: the axes, or where a guide couples them its normal and what is across it.
+fn along(linear: &Scene) -> Vec<Vec<f64>> {
+    let axes = linear.peer.axis.shared as usize;
+    let peers = linear.peers();
+    let guide = peers.iter().map(|peer| &peer.fixture).find(|fixture| fixture.kind != FixtureName::None);
+    let (direction, elevation) = guide.map_or((0.0, 0.0), |guide| (guide.direction_rad, guide.elevation_rad));
+    let ((sine, cosine), (up, level)) = (libm::sincos(direction), libm::sincos(elevation));
+    let all = [[cosine * level, sine * level, up], [-sine, cosine, 0.0], [-cosine * up, -sine * up, level]];
+    all[..axes].iter().map(|unit| unit[..axes].to_vec()).collect()
+}
+
+/// Finds what translations of a peer along these directions are, and whether the peer stays there.
+fn translate(seat: &mut dyn Seated, along: &[Vec<f64>]) -> Vec<Translation> {
     let [states, packet] = seat.sizes();
-    let (mut local, mut sent, mut after) = (vec![0.0; states], vec![0.0; packet], vec![0.0; states]);
-    let object = seat.translation(axis, &mut local);
-    seat.rest();
-    seat.start().0.copy_from_slice(&local);
-    seat.send(&mut sent);
-    let stays = [0.0, 1.0, -1.0].map(|sign| {
-        let (at, heard) = seat.start();
-        at.copy_from_slice(&local);
-        for (number, sent) in heard.iter_mut().zip(&sent) {
-            *number = sign * sent;
-        }
-        seat.period(&mut after);
-        after.iter().zip(&local).all(|(after, before)| (after - before).abs() <= UNMOVED_M)
-    });
-    Translation { local, sent, stays, object }
+    let mut axes = vec![vec![0.0; states]; along.len()];
+    let objects: Vec<_> = axes.iter_mut().enumerate().map(|(axis, local)| seat.translation(axis, local)).collect();
+    let mut translations = Vec::with_capacity(along.len());
+    for (unit, object) in along.iter().zip(objects) {
+        let part = |at: usize| unit.iter().zip(&axes).map(|(part, local)| part * local[at]).sum();
+        let local: Vec<f64> = (0..states).map(part).collect();
+        let (mut sent, mut after) = (vec![0.0; packet], vec![0.0; states]);
+        seat.rest();
+        seat.start().0.copy_from_slice(&local);
+        seat.send(&mut sent);
+        let stays = [0.0, 1.0, -1.0].map(|sign| {
+            let (at, heard) = seat.start();
+            at.copy_from_slice(&local);
+            for (number, sent) in heard.iter_mut().zip(&sent) {
+                *number = sign * sent;
+            }
+            seat.period(&mut after);
+            after.iter().zip(&local).all(|(after, before)| (after - before).abs() <= UNMOVED_M)
+        });
+        translations.push(Translation { local, sent, stays, object });
+    }
+    translations
 }
 
 /// A peer that shares the object along `SHARED` axes of its device.
