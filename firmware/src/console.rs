@@ -12,6 +12,7 @@ use core::fmt::{self, Write};
 use embassy_time::{Duration, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{kept::Kept, status};
@@ -25,7 +26,7 @@ use haptic_protocol::lines::Line;
 
 use crate::board::{Number, bridges, clocks::CORE_HZ, current::Power, pace};
 use crate::storage::{self, Origin};
-use crate::tick::{Peer, Plan};
+use crate::tick::Plan;
 use crate::{fault::Cause, flow, telemetry::Telemetry};
 
 pub(crate) struct Console {
@@ -84,7 +85,9 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
     haptic_core::device::encoder::check(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
-    let peer = Peer::new(&settings, [Motion::at(clear), Motion::REST])?;
+    let mut device = [Motion::REST; JOINTS];
+    device[0] = Motion::at(clear);
+    let peer = Peer::build(&settings, device)?;
     let power = match settings.motor.drive {
         MotorDrive::CurrentLoop => Some(Power::build(&settings)?),
         MotorDrive::Amplifier => None,

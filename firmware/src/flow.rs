@@ -13,8 +13,8 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::peer::{flow_of, open, packets_of};
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, Message};
+use haptic_protocol::peer::{flow_in, flow_of, open, packets_of};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, pace, random};
@@ -59,8 +59,8 @@ impl Flow {
         let taken = self.link.receive(now(), datagram);
         // Before the flow is handed on: it may be the first of another life of the other peer.
         self.heed();
-        match taken {
-            Ok(Some(Message::Flow(flow))) => {
+        match taken.map(|message| message.as_ref().and_then(flow_in)) {
+            Ok(Some(flow)) => {
                 self.signals.received.count();
                 if self.outdated {
                     return;
@@ -73,8 +73,7 @@ impl Flow {
                         self.signals.life.count();
                     }
                     let life = self.signals.life.get();
-                    let [packet] = packets_of(&flow);
-                    self.incoming.write(Received { life, packet });
+                    self.incoming.write(Received { life, packets: packets_of(&flow) });
                 }
             }
             Ok(_) => {}
@@ -132,9 +131,9 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
     loop {
         match select3(pace::rung(), socket.recv_from(&mut bytes), TOLD.wait()).await {
             Either3::First(()) => {
-                if let Some(Outgoing { tick, armed, packet }) = flow.outgoing.take()
+                if let Some(Outgoing { tick, armed, packets }) = flow.outgoing.take()
                     && !flow.outdated
-                    && let Some(length) = flow.link.send(now(), flow_of([packet], armed, tick), &mut out)
+                    && let Some(length) = flow.link.send(now(), flow_of(packets, armed, tick), &mut out)
                 {
                     let sent = send_now(&socket, out.get(..length).unwrap_or_default(), flow.peer).await;
                     (if sent { &signals.sent } else { &signals.dropped }).count();

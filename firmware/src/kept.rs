@@ -6,7 +6,10 @@
 use core::{fmt, net::Ipv4Addr};
 
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::names::{KinematicsName, MotorDrive};
 use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
+
+use crate::image::{JOINTS, SHARED};
 
 /// Where this board and the others are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,10 +33,16 @@ pub struct Kept {
     pub addresses: Addresses,
 }
 
-/// The settings of a board that was never told any: the scene defaults, with a velocity that encoders can give, and the limits of a
+/// The settings of a board that was never told any: the scene defaults, of a device that its image is for, with a velocity that encoders can give, and the limits of a
 /// device that nobody has got to know yet, beside a hand. Raised at the board only ([`crate::ceiling`]).
 pub fn defaults() -> Settings {
     let mut settings = Settings::default();
+    if SHARED > 1 {
+        (settings.axis.count, settings.axis.shared) = (JOINTS as u32, SHARED as u32);
+        settings.kinematics.model = KinematicsName::Arm;
+        settings.coordination.comm = "passive-wave";
+        settings.motor.drive = MotorDrive::Amplifier;
+    }
     settings.axis.velocity = VelocityName::Filtered;
     settings.safety.max_force_n = 3.0;
     settings.safety.max_slew_n_per_s = 60.0;

@@ -9,6 +9,7 @@ pub mod ceiling;
 pub mod exchange;
 pub mod hedge;
 pub mod hold;
+pub mod image;
 pub mod kept;
 pub mod keys;
 pub mod mac;

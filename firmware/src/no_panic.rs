@@ -37,6 +37,7 @@ mod proof {
     }
 
     unsafe extern "C" {
+        #[cfg(not(feature = "three-axes"))]
         fn ADC();
         fn TIM6_DAC();
     }
@@ -47,6 +48,7 @@ mod proof {
     extern "C" fn both() {
         // SAFETY: never run.
         unsafe {
+            #[cfg(not(feature = "three-axes"))]
             ADC();
             TIM6_DAC();
         }

@@ -1,4 +1,4 @@
-//! What one tick read, computed and commanded, with a digest of the state behind it: 108 bytes, little-endian.
+//! What one tick read, computed and commanded along one shared axis, with a digest of the state behind it: 108 bytes, little-endian.
 //!
 //! The interrupt fills one [`Record`] a tick; tasks put its bytes into telemetry. Inputs and digest are enough to run the
 //! same tick again on a PC and compare bits (tests/board does, and so may anyone with a full-rate capture).
@@ -6,12 +6,12 @@
 //! | offset | bytes | field |
 //! |---|---|---|
 //! | 0 | 4 | tick since boot |
-//! | 4 | 4 | encoder counts, 2 × u16 |
-//! | 8 | 4 | motor duties, 2 × i16, 1/32767 of full scale |
+//! | 4 | 4 | encoder counts, 2 × u16: joints 1 and 2; in the record of the second shared axis joints 2 and 3, of the third 3 and 1 |
+//! | 8 | 4 | motor duties of the same joints, 2 × i16, 1/32767 of full scale |
 //! | 12 | 1 | mode: 0 disarmed, 1 armed, 2 faulted, 3 probing |
 //! | 13 | 1 | fault number, 0 none |
 //! | 14 | 1 | flags: 1 bridges enabled, 2 a packet went out, 4 a packet came in, 8 the tick before overran, 16 let go of the other peer, 32 coordination acts |
-//! | 15 | 1 | 0 |
+//! | 15 | 1 | shared axis, from 0 |
 //! | 16 | 12 | the packet that came in: position (m), velocity (m/s), wave (√W), 3 × f32; 0 without one |
 //! | 28 | 8 | device position (m), velocity (m/s) |
 //! | 36 | 8 | object position, velocity |
@@ -25,14 +25,15 @@
 //! | 104 | 4 | supply of the bridges (mV), counts of the timer that are all of it, 2 × u16; 0 without a current loop |
 
 use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::law::{Law, Packet};
+use haptic_core::law::{Packet, ledger::Ledger};
 use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Actuators, Observed, Peer};
-use haptic_core::{device::AXES, device::encoder::Counts, device::motor::Duty, safety::Mode};
+use haptic_core::peer::Observed;
+use haptic_core::{device::encoder::Counts, device::motor::Duty, safety::Mode};
 
 use crate::signals::Coded;
 
-/// What a sample with a record in it is called on the operator's link.
+/// What a sample with a record in it is called on the operator's link; where the object is shared along several axes every tick has a
+/// record of each, those of the second axis called one more, those of the third two.
 pub const CODE: u16 = 1;
 /// Bytes of a record.
 pub const BYTES: usize = 108;
@@ -51,33 +52,52 @@ pub const PARTED: u8 = 16;
 /// The coordination acted in this tick.
 pub const ENGAGED: u8 = 32;
 
-/// One tick.
+/// What is the same of every record of a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick {
+    /// Since boot.
+    pub tick: u32,
+    /// The shared axis, from 0.
+    pub axis: u8,
+    /// Of two joints ([`joints`]): encoder counts and motor duties.
+    pub counts: [Counts; 2],
+    /// As above.
+    pub duties: [Duty; 2],
+    /// What the power stage measured; none without a current loop.
+    pub stage: Option<Measured>,
+    /// After the tick.
+    pub mode: Mode,
+    /// [`ENABLED`] and the others.
+    pub flags: u8,
+    /// Of the state after the tick ([`digest`]).
+    pub digest: u32,
+}
+
+/// What each of the `N` joints has, of the two that the record of a shared axis (from 0) tells: the axis' own and the next one's, after the
+/// last the first.
+#[inline(always)]
+pub fn joints<T: Copy, const N: usize>(each: [T; N], axis: usize) -> [T; 2] {
+    [each[axis % N], each[(axis + 1) % N]]
+}
+
+/// One tick, of one shared axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record(pub [u32; WORDS]);
 
 impl Record {
-    /// What a tick read and did. `flags` are [`ENABLED`] and the others.
-    #[inline]
-    pub fn fill<L: Law<f32>>(
-        &mut self,
-        tick: u32,
-        (counts, stage): ([Counts; AXES], Option<Measured>),
-        incoming: Option<Packet<f32>>,
-        flags: u8,
-        peer: &mut Peer<f32, L>,
-        actuators: &Actuators<f32>,
-    ) {
-        let digest = digest(peer);
-        let (seen, ledger) = (peer.observed(), peer.ledger());
+    /// What a tick read and did, of one shared axis.
+    #[inline(always)]
+    pub fn fill(&mut self, of: &Tick, incoming: Option<Packet<f32>>, seen: &Observed<f32>, ledger: &Ledger<f32>) {
+        let Tick { tick, axis, counts, duties, stage, mode, flags, digest } = *of;
         let incoming = incoming.unwrap_or_default();
         let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
-        let halves = |[low, high]: [u16; AXES]| u32::from(low) | u32::from(high) << 16;
+        let halves = |[low, high]: [u16; 2]| u32::from(low) | u32::from(high) << 16;
         // One after the other: an array of all of them would go by way of the stack.
         let Self(words) = self;
         words[0] = tick;
         words[1] = halves(counts.map(|Counts(count)| count));
-        words[2] = halves(actuators.duties.map(|duty| duty.0.cast_unsigned()));
-        words[3] = peer.mode().code() | u32::from(flags) << 16;
+        words[2] = halves(duties.map(|duty| duty.0.cast_unsigned()));
+        words[3] = mode.code() | u32::from(flags) << 16 | u32::from(axis) << 24;
         words[4] = incoming.motion.position.to_bits();
         words[5] = incoming.motion.velocity.to_bits();
         words[6] = incoming.wave.to_bits();
@@ -98,7 +118,7 @@ impl Record {
         words[21] = (integral >> 32) as u32;
         words[22] = incoming.live_ticks;
         let Measured { motors: [one, two], supply_mv, supply_counts } = stage.unwrap_or_default();
-        let signed = |numbers: [i16; AXES]| halves(numbers.map(i16::cast_unsigned));
+        let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));
         words[23] = signed([one.mean, one.last]);
         words[24] = signed([one.voltage, two.mean]);
         words[25] = signed([two.last, two.voltage]);
@@ -124,12 +144,16 @@ impl Record {
     pub fn tick(&self) -> u32 {
         self.0[0]
     }
+    /// The shared axis, from 0.
+    pub fn axis(&self) -> u8 {
+        (self.0[3] >> 24) as u8
+    }
     /// Encoder counts.
-    pub fn counts(&self) -> [Counts; AXES] {
+    pub fn counts(&self) -> [Counts; 2] {
         [self.0[1], self.0[1] >> 16].map(|half| Counts(half as u16))
     }
     /// Motor duties.
-    pub fn duties(&self) -> [Duty; AXES] {
+    pub fn duties(&self) -> [Duty; 2] {
         [self.0[2], self.0[2] >> 16].map(|half| Duty((half as u16).cast_signed()))
     }
     /// What the power stage measured since the tick before; none without a current loop.
@@ -144,7 +168,7 @@ impl Record {
     }
     /// Mode, and the fault in it.
     pub fn mode(&self) -> Mode {
-        Mode::decode(self.0[3])
+        Mode::decode(self.0[3] & 0xFFFF)
     }
     /// [`ENABLED`], [`SENT`], [`RECEIVED`], [`OVERRUN`], [`PARTED`], [`ENGAGED`].
     pub fn flags(&self) -> u8 {

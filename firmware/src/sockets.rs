@@ -6,15 +6,18 @@ use embassy_futures::poll_once;
 use embassy_net::udp::{PacketMetadata, UdpSocket};
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant};
+use firmware_parts::image::SHARED;
 use static_cell::ConstStaticCell;
 
 /// Memory for datagrams that wait, those that came in and those that go out. Apart from each other: bytes begin as zeros and
 /// take no room in the image, headers do not.
 macro_rules! buffers {
     () => {{
-        static HEADERS: ConstStaticCell<[[PacketMetadata; 8]; 2]> =
-            ConstStaticCell::new([[PacketMetadata::EMPTY; 8]; 2]);
-        static BYTES: ConstStaticCell<[[u8; 1024]; 2]> = ConstStaticCell::new([[0; 1024]; 2]);
+        // Records of several shared axes come several a tick.
+        const SHARE: usize = if SHARED > 1 { 3 } else { 1 };
+        static HEADERS: ConstStaticCell<[[PacketMetadata; 8 * SHARE]; 2]> =
+            ConstStaticCell::new([[PacketMetadata::EMPTY; 8 * SHARE]; 2]);
+        static BYTES: ConstStaticCell<[[u8; 1024 * SHARE]; 2]> = ConstStaticCell::new([[0; 1024 * SHARE]; 2]);
         (HEADERS.take(), BYTES.take())
     }};
 }

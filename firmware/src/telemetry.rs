@@ -3,6 +3,7 @@
 //! A record ([`firmware_parts::record`]) is a sample on the operator's link ([`crate::port`]), oldest first. One that finds no
 //! room is lost; whoever misses it sees it by the ticks' numbers. Events go to defmt, from tasks only.
 
+use firmware_parts::image::SHARED;
 use firmware_parts::record::{self, Record};
 use firmware_parts::{exchange::Consumer, signals::Signals};
 use haptic_protocol::wire::Sample;
@@ -35,7 +36,7 @@ impl Telemetry {
 
     /// The next `ticks` ticks, every one.
     pub(crate) fn capture(&mut self, ticks: u32) {
-        self.left = ticks;
+        self.left = ticks.saturating_mul(SHARED as u32);
         self.signals.record_every.set(u32::from(ticks > 0));
     }
 
@@ -56,6 +57,6 @@ impl Telemetry {
                 self.stream(0);
             }
         }
-        Sample::new(record::CODE, &record.bytes()).ok()
+        Sample::new(record::CODE + u16::from(record.axis()), &record.bytes()).ok()
     }
 }

@@ -13,19 +13,17 @@
 use core::mem::MaybeUninit;
 
 use firmware_parts::exchange::{Producer, Reader, Writer};
-use firmware_parts::record::{self, Record};
+use firmware_parts::image::{JOINTS, Peer, SHARED};
+use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::{AXES, Reading, encoder::Counts};
-use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::peer::{self, Actuators, Sensors};
+use haptic_core::device::{Reading, encoder::Counts};
+use haptic_core::law::Packet;
+use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 
-use crate::board::current::{Power, Stage};
+use crate::board::current::{self, Power, Stage};
 use crate::board::{bridges, deadman, encoders, pace};
-
-/// The peer that this image holds, with any law, chosen by the settings.
-pub(crate) type Peer = peer::Peer<f32, AnyLaw<f32>>;
 
 /// What to run: built and checked by a task, swapped in by the tick.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +40,8 @@ pub(crate) struct Plan {
 pub(crate) struct Outgoing {
     pub(crate) tick: u32,
     pub(crate) armed: bool,
-    pub(crate) packet: Packet<f32>,
+    /// Of every shared axis.
+    pub(crate) packets: [Packet<f32>; SHARED],
 }
 
 /// What the network has for the tick.
@@ -50,11 +49,12 @@ pub(crate) struct Outgoing {
 pub(crate) struct Received {
     /// Which life of the link it came by ([`Signals::life`]).
     pub(crate) life: u32,
-    pub(crate) packet: Packet<f32>,
+    /// Of every shared axis.
+    pub(crate) packets: [Packet<f32>; SHARED],
 }
 
-/// Records that may wait for telemetry: 64 ms at full rate.
-pub(crate) const RECORDS: usize = 64;
+/// Records that may wait for telemetry: 64 ms at full rate of one shared axis, 42 ms of three.
+pub(crate) const RECORDS: usize = if SHARED == 1 { 64 } else { 128 };
 
 /// The tick's side of what it shares with the tasks.
 pub(crate) struct Side {
@@ -74,7 +74,7 @@ pub(crate) struct Side {
 struct Loop {
     side: Side,
     /// The check before arming: passed by these joints, of this device.
-    passed: [bool; AXES],
+    passed: [bool; JOINTS],
     device: u32,
     /// A probe was begun, and what came of it is not told yet.
     probing: bool,
@@ -98,7 +98,7 @@ static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
 pub(crate) fn prepare(side: Side) {
     let plan = side.plans.get();
     let this = Loop {
-        passed: [false; AXES],
+        passed: [false; JOINTS],
         device: plan.device,
         probing: false,
         peer: plan.peer,
@@ -160,18 +160,18 @@ impl Loop {
             flags |= record::PARTED;
         }
         let incoming =
-            self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packet);
-        if let Some(packet) = incoming {
+            self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packets);
+        if let Some(packets) = incoming {
             flags |= record::RECEIVED;
-            self.peer.hear(packet);
+            self.peer.hear_each(packets);
         } else if self.side.signals.old.get() {
             self.peer.delayed();
         }
         if due {
             flags |= record::SENT;
-            if let Some(packet) = self.peer.exchange() {
+            if let Some(packets) = self.peer.exchange_each() {
                 let armed = self.peer.mode() == Mode::Armed;
-                self.side.outgoing.write(Outgoing { tick: self.tick, armed, packet });
+                self.side.outgoing.write(Outgoing { tick: self.tick, armed, packets });
             }
         }
 
@@ -197,10 +197,18 @@ impl Loop {
         self.side.signals.mode.set(self.peer.mode());
         self.side.signals.ticks.set(self.tick);
         if self.record_due() {
-            let (tick, peer) = (self.tick, &mut self.peer);
-            // Without room it is lost: whoever misses it sees it by the numbers.
-            let _ =
-                self.side.records.put(|record| record.fill(tick, (counts, stage), incoming, flags, peer, &actuators));
+            let (tick, mode, digest) = (self.tick, self.peer.mode(), digest(&mut self.peer));
+            let (seen, ledgers) = (self.peer.observed_each(), self.peer.ledger_each());
+            #[allow(clippy::needless_range_loop, reason = "iterators over arrays of one stay in memory")]
+            for axis in 0..SHARED {
+                // Without room it is lost: whoever misses it sees it by the numbers.
+                let _ = self.side.records.put(|record| {
+                    let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
+                    let (stage, number) = (current::told(stage), axis as u8);
+                    let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
+                    record.fill(&of, incoming.as_ref().map(|packets| packets[axis]), seen[axis], ledgers[axis]);
+                });
+            }
         }
         self.overrun = pace::due();
         if self.overrun {
@@ -212,7 +220,7 @@ impl Loop {
     /// What the peer wants, onto the bridges. Outputs are on when those have been enabled for long enough to be awake, and while a probe
     /// looks whether what is not enabled stays off.
     #[inline(always)]
-    fn drive(&mut self, actuators: &Actuators<f32>, counts: [Counts; AXES]) {
+    fn drive(&mut self, actuators: &Actuators<f32, JOINTS>, counts: [Counts; JOINTS]) {
         if !self.driving {
             self.driving = true;
             bridges::forget();
@@ -269,7 +277,7 @@ impl Loop {
             self.power = plan.power;
             if plan.device != self.device {
                 self.device = plan.device;
-                self.passed = [false; AXES];
+                self.passed = [false; JOINTS];
             }
         }
         // What the power stage says in this tick is still of the plan before, and a check goes by what there is in its first tick.
@@ -320,7 +328,7 @@ impl Loop {
         if let Mode::Faulted(fault) = self.peer.mode()
             && fault.doubts_encoders()
         {
-            self.passed = [false; AXES];
+            self.passed = [false; JOINTS];
         }
         self.side.signals.checked.set(self.checked());
     }

@@ -6,7 +6,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
-use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Along, wire::Flows};
+use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Along, wire::Flows, wire::Message};
 
 /// What both peers must have been told alike, as a greeting names it.
 pub fn parameters_of(settings: &Settings) -> Parameters {
@@ -59,6 +59,20 @@ pub fn packets_of<S: Scalar, const AXES: usize>(flow: &Flows<AXES>) -> [Packet<S
         wave_integral: S::Counter::from_f64(along.wave_integral),
         live_ticks: along.live_ticks,
     })
+}
+
+/// The flow in a message, if it is of so many shared axes.
+pub fn flow_in<const AXES: usize>(message: &Message) -> Option<Flows<AXES>> {
+    fn of<const CAME: usize, const AXES: usize>(flow: &Flows<CAME>) -> Option<Flows<AXES>> {
+        let Flows { engaged, fading, tick, axes } = flow;
+        axes.as_slice().try_into().ok().map(|axes| Flows { engaged: *engaged, fading: *fading, tick: *tick, axes })
+    }
+    match message {
+        Message::Flow(flow) => of(flow),
+        Message::Flow2(flow) => of(flow),
+        Message::Flow3(flow) => of(flow),
+        _ => None,
+    }
 }
 
 /// Flow of the other end that no exchange has taken yet: the newest, or, with play-out, what is due.

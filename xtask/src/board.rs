@@ -63,8 +63,20 @@ pub(crate) fn board(given: &Options<'_>) -> Result<(), Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
+    build(ready, &[])
+}
+
+/// Builds the image for three axes, which is put beside the other one, and that one again: both come out under one name.
+pub(crate) fn images(ready: &Ready) -> Result<PathBuf, Failure> {
+    let built = build(ready, &["--features", "three-axes"])?;
+    let place = built.with_file_name("firmware-three-axes");
+    fs::copy(&built, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
+    image(ready)
+}
+
+fn build(ready: &Ready, features: &[&str]) -> Result<PathBuf, Failure> {
     let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
-    run(build.args(["--bin", "firmware", "--target", THUMB_TARGET]))?;
+    run(build.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features))?;
     Ok(target().join(THUMB_TARGET).join("firmware/firmware"))
 }
 

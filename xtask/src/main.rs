@@ -136,7 +136,7 @@ protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fa
         does: "Shows that the 1 kHz interrupt cannot panic and lies in ITCM",
         more: "Links a program that holds the interrupt and a panic handler that calls a function which does not exist, and has a
 place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
-panic planted outside ITCM, which must fail on both counts.",
+panic planted outside ITCM, which must fail on both counts. Both images are tried, that for three axes second.",
         run: |_| no_panic::no_panic(&setup::setup()?),
     },
     Chore {

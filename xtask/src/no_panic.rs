@@ -21,9 +21,15 @@ fn build(ready: &Ready, feature: &str) -> Command {
 /// What the linker says of code that no place is for: the tick's, outside ITCM.
 const ASTRAY: &str = ") is being placed in '.text";
 
-/// Links it with and without the mistake.
+/// Links it with and without the mistake, of either image.
 pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
-    let (linked, words) = run::told(&mut build(ready, "proof"))?;
+    ["", ",three-axes"].into_iter().try_for_each(|image| of_image(ready, image))
+}
+
+/// The same of the image with these features.
+fn of_image(ready: &Ready, image: &str) -> Result<(), Failure> {
+    let [proof, planted] = ["proof", "planted-panic"].map(|feature| format!("{feature}{image}"));
+    let (linked, words) = run::told(&mut build(ready, &proof))?;
     if !linked {
         let reason = if words.contains(NOWHERE) {
             "a panic is reachable from the tick: look for an index, an unwrap, an integer division or a clamp"
@@ -34,9 +40,9 @@ pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
             "the proof does not build".to_owned()
         };
         eprint!("{words}");
-        return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, "proof")))));
+        return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, &proof)))));
     }
-    match run::told(&mut build(ready, "planted-panic"))? {
+    match run::told(&mut build(ready, &planted))? {
         (false, words) if words.contains(NOWHERE) && astray(&words).contains(&"planted") => Ok(()),
         (true, _) => Err(Failure::new("the proof links with a panic planted in it: it proves nothing")),
         (false, words) => {

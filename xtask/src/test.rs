@@ -118,7 +118,7 @@ pub(crate) fn board_test() -> Result<(), Failure> {
 /// The release image on virtual boards: last, because its emulator takes minutes to build.
 fn virtual_board(ready: &Ready) -> Result<(), Failure> {
     step("virtual board", || {
-        let image = board::image(ready)?;
+        let image = board::images(ready)?;
         run(&mut board::bench(&["test"], &image)).map_err(|failure| {
             advice(
                 &failure,

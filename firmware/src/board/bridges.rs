@@ -1,8 +1,11 @@
-//! Two motor bridges on one advanced timer, and the three things that keep them off.
+//! Two motor bridges on one advanced timer, or three (feature `three-axes`), and the three things that keep them off.
 //!
 //! Unipolar: each leg of a bridge is a channel of its own, around half of the period, one as much longer as the other is shorter; no
 //! voltage is both legs alike, and no ripple. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); [`COUNTS`] = 6000 are all of the supply. The dead time is
 //! the drivers' own. What is written acts from the next period on, which begins where both legs are high: there the timer updates.
+//!
+//! Three bridges have a channel each, and its complement for the second leg: no voltage is both legs half of the time, in turns, with the
+//! ripple that this has, and the steps are twice as large. Timer, breaks and all that keeps them off are the same.
 //!
 //! Off is the default three times over: the enable line is low (and pulled down on the wiring while the chip is in reset),
 //! the timer's outputs are off (MOE) and then held at their inactive level (OSSI), and a break clears MOE in hardware with no
@@ -20,17 +23,30 @@ use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
-use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
+#[cfg(not(feature = "three-axes"))]
+use embassy_stm32::peripherals::PE14;
+use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer, timer::simple_pwm::PwmPin};
-use haptic_core::device::{AXES, current::PWM_HZ, motor::Duty};
+#[cfg(feature = "three-axes")]
+use embassy_stm32::{
+    peripherals::{PE8, PE10, PE12},
+    timer::complementary_pwm::ComplementaryPwmPin,
+};
+use firmware_parts::image::JOINTS;
+use haptic_core::device::{current::PWM_HZ, motor::Duty};
 
 use super::clocks::TIMERS_HZ;
 
 /// Counts from the bottom of the period to its top: a leg that is high all the time, and a voltage that is all of the supply.
-pub(crate) const COUNTS: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
-const MIDDLE: u16 = COUNTS / 2;
-/// The channels of the timer that are legs.
-const LEGS: usize = 2 * AXES;
+#[cfg(not(feature = "three-axes"))]
+pub(crate) const COUNTS: u16 = TOP;
+/// Of three bridges a channel is both legs: what one is longer, the other is shorter, so that half as many steps are all of the supply.
+#[cfg(feature = "three-axes")]
+pub(crate) const COUNTS: u16 = MIDDLE;
+const TOP: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
+const MIDDLE: u16 = TOP / 2;
+/// The channels of the timer that are in use.
+const CHANNELS: usize = if cfg!(feature = "three-axes") { JOINTS } else { 2 * JOINTS };
 
 /// 8 samples at an eighth of the timer's clock: BKF and BK2F.
 const FILTER: u32 = 0b1001;
@@ -69,9 +85,47 @@ pub(crate) enum Cut {
     Chip,
 }
 
-pub(crate) struct Pins {
+/// Each bridge's two.
+#[cfg(not(feature = "three-axes"))]
+pub(crate) struct Legs {
     pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE11>),
     pub(crate) bridge_2: (Peri<'static, PE13>, Peri<'static, PE14>),
+}
+
+#[cfg(not(feature = "three-axes"))]
+impl Legs {
+    fn connect(self) {
+        let ((one_a, one_b), (two_a, two_b)) = (self.bridge_1, self.bridge_2);
+        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(one_b, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(two_b, OutputType::PushPull));
+    }
+}
+
+/// Each bridge's two: an output and its complement.
+#[cfg(feature = "three-axes")]
+pub(crate) struct Legs {
+    pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE8>),
+    pub(crate) bridge_2: (Peri<'static, PE11>, Peri<'static, PE10>),
+    pub(crate) bridge_3: (Peri<'static, PE13>, Peri<'static, PE12>),
+}
+
+#[cfg(feature = "three-axes")]
+impl Legs {
+    fn connect(self) {
+        let ((one_a, one_b), (two_a, two_b), (three_a, three_b)) = (self.bridge_1, self.bridge_2, self.bridge_3);
+        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(three_a, OutputType::PushPull));
+        core::mem::forget(ComplementaryPwmPin::new(one_b, OutputType::PushPull));
+        core::mem::forget(ComplementaryPwmPin::new(two_b, OutputType::PushPull));
+        core::mem::forget(ComplementaryPwmPin::new(three_b, OutputType::PushPull));
+    }
+}
+
+pub(crate) struct Pins {
+    pub(crate) legs: Legs,
     pub(crate) enable: Peri<'static, PF3>,
     pub(crate) stop: Peri<'static, PE15>,
     pub(crate) fault: Peri<'static, PE6>,
@@ -97,26 +151,27 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
         w.set_cms(Cms::CENTER_ALIGNED1);
         w.set_arpe(true);
     });
-    tim.arr().write(|w| w.set_arr(COUNTS));
+    tim.arr().write(|w| w.set_arr(TOP));
     // Every second turn is an update; written before the counter starts, the lower one (RM0433 §38.3.3).
     tim.rcr().write(|w| w.set_rep(1));
-    for leg in 0..LEGS {
-        tim.ccmr_output(leg / 2).modify(|w| {
-            w.set_ocm(leg % 2, OcmGp::PWM_MODE1);
-            w.set_ocpe(leg % 2, true);
+    for channel in 0..CHANNELS {
+        tim.ccmr_output(channel / 2).modify(|w| {
+            w.set_ocm(channel % 2, OcmGp::PWM_MODE1);
+            w.set_ocpe(channel % 2, true);
         });
-        tim.ccr(leg).write(|w| w.set_ccr(MIDDLE));
-        tim.ccer().modify(|w| w.set_cce(leg, true));
+        tim.ccr(channel).write(|w| w.set_ccr(MIDDLE));
+        tim.ccer().modify(|w| {
+            w.set_cce(channel, true);
+            if cfg!(feature = "three-axes") {
+                w.set_ccne(channel, true);
+            }
+        });
     }
     // Behind the modes and outputs of the channels, which it locks.
     tim.bdtr().write_value(BdtrAdv(BDTR_OFF));
     tim.egr().write(|w| w.set_ug(true));
     tim.cr1().modify(|w| w.set_cen(true));
-    let ((one_a, one_b), (two_a, two_b)) = (pins.bridge_1, pins.bridge_2);
-    core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
-    core::mem::forget(PwmPin::new(one_b, OutputType::PushPull));
-    core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
-    core::mem::forget(PwmPin::new(two_b, OutputType::PushPull));
+    pins.legs.connect();
     let mut stop = Flex::new(pins.stop);
     // Alternate function 1 of PE15 is the timer's break input.
     stop.set_as_af_unchecked(1, AfType::input(Pull::Down));
@@ -129,13 +184,21 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
 
 /// Duties as shares of the supply onto the bridges, for amplifiers behind them.
 #[inline(always)]
-pub(crate) fn drive(duties: [Duty; AXES]) {
+pub(crate) fn drive(duties: [Duty; JOINTS]) {
     for (bridge, duty) in duties.into_iter().enumerate() {
         voltage(bridge, counts(duty));
     }
 }
 
+/// The voltage of a bridge, at most [`COUNTS`] either way.
+#[cfg(feature = "three-axes")]
+#[inline(always)]
+fn voltage(bridge: usize, counts: i32) {
+    pac::TIM1.ccr(bridge).write(|w| w.set_ccr((i32::from(MIDDLE) + counts) as u16));
+}
+
 /// The voltage of a bridge, at most [`COUNTS`] either way: the difference of its legs. Of an odd count the first leg has the half more.
+#[cfg(not(feature = "three-axes"))]
 #[inline(always)]
 pub(crate) fn voltage(bridge: usize, counts: i32) {
     let second = counts >> 1;
@@ -176,8 +239,8 @@ pub(crate) fn rest() {
     DRIVEN.store(false, Ordering::Relaxed);
     compiler_fence(Ordering::SeqCst);
     pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_OFF));
-    for leg in 0..LEGS {
-        pac::TIM1.ccr(leg).write(|w| w.set_ccr(MIDDLE));
+    for channel in 0..CHANNELS {
+        pac::TIM1.ccr(channel).write(|w| w.set_ccr(MIDDLE));
     }
 }
 
@@ -202,7 +265,8 @@ pub(crate) fn off() {
     compiler_fence(Ordering::SeqCst);
 }
 
-/// Whether the outputs were turned on, and not off since.
+/// Whether the outputs were turned on, and not off since: what the current loop asks.
+#[cfg(not(feature = "three-axes"))]
 #[inline(always)]
 pub(crate) fn driven() -> bool {
     DRIVEN.load(Ordering::Relaxed)

@@ -1,4 +1,4 @@
-//! Two quadrature encoders on 16-bit counters: every edge counts, and the counter wraps; the peer takes care of that.
+//! Two quadrature encoders, or three (feature `three-axes`), on 16-bit counters: every edge counts, and the counter wraps; the peer takes care of that.
 //!
 //! The input filter takes an edge only when 8 samples at the timer's clock agree (33 ns at 240 MHz): a glitch of the wiring
 //! is shorter, and no encoder that a hand moves is faster than a few MHz.
@@ -8,11 +8,12 @@
 //! of its own in encoder mode (RM0433 §39.3.22).
 
 use embassy_stm32::gpio::{AfType, Flex, Pull};
-use embassy_stm32::pac::timer::{regs, vals};
+use embassy_stm32::pac::timer::{TimGp16, regs, vals};
 use embassy_stm32::peripherals::{PC6, PC7, PC8, PD12, PD13, PD14, TIM3, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
 use embassy_stm32::{Peri, pac};
-use haptic_core::{device::AXES, device::encoder::Counts, device::encoder::Marks};
+use firmware_parts::image::JOINTS;
+use haptic_core::{device::encoder::Counts, device::encoder::Marks};
 
 /// Starts both counters, at 0.
 pub(crate) fn init(
@@ -26,33 +27,65 @@ pub(crate) fn init(
     // Dropping a counter would stop its clock: they run until the power goes.
     core::mem::forget(Qei::new(one, a1, b1, config));
     core::mem::forget(Qei::new(two, a2, b2, config));
-    for mut pin in [Flex::new(index1), Flex::new(index2)] {
-        // Without an index there is never an edge.
-        pin.set_as_af_unchecked(2, AfType::input(Pull::Down));
-        core::mem::forget(pin);
-    }
-    for timer in [pac::TIM3, pac::TIM4] {
-        timer.ccmr_input(0).modify(|w| {
-            w.set_icf(0, vals::FilterValue::FCK_INT_N8);
-            w.set_icf(1, vals::FilterValue::FCK_INT_N8);
-        });
-        timer.ccmr_input(1).modify(|w| {
-            w.set_ccs(0, vals::CcmrInputCcs::TI4);
-            w.set_icf(0, vals::FilterValue::FCK_INT_N8);
-        });
-        timer.ccer().modify(|w| w.set_cce(2, true));
-    }
+    // Alternate function 2 of both.
+    look(pac::TIM3, Flex::new(index1), 2);
+    look(pac::TIM4, Flex::new(index2), 2);
+}
+
+/// Starts the third one, of whose counter the lower half counts.
+#[cfg(feature = "three-axes")]
+pub(crate) fn init_third(
+    timer: Peri<'static, embassy_stm32::peripherals::TIM2>,
+    (a, b, index): (
+        Peri<'static, embassy_stm32::peripherals::PA5>,
+        Peri<'static, embassy_stm32::peripherals::PB3>,
+        Peri<'static, embassy_stm32::peripherals::PB10>,
+    ),
+) {
+    let config = Config { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..Config::default() };
+    core::mem::forget(Qei::new(timer, a, b, config));
+    let [.., third] = timers();
+    look(third, Flex::new(index), 1);
+}
+
+/// Filters of an encoder that counts already, and its index, to which this alternate function of the pin leads.
+fn look(timer: TimGp16, mut index: Flex<'static>, function: u8) {
+    // Without an index there is never an edge.
+    index.set_as_af_unchecked(function, AfType::input(Pull::Down));
+    core::mem::forget(index);
+    timer.ccmr_input(0).modify(|w| {
+        w.set_icf(0, vals::FilterValue::FCK_INT_N8);
+        w.set_icf(1, vals::FilterValue::FCK_INT_N8);
+    });
+    timer.ccmr_input(1).modify(|w| {
+        w.set_ccs(0, vals::CcmrInputCcs::TI4);
+        w.set_icf(0, vals::FilterValue::FCK_INT_N8);
+    });
+    timer.ccer().modify(|w| w.set_cce(2, true));
+}
+
+#[cfg(not(feature = "three-axes"))]
+#[inline(always)]
+fn timers() -> [TimGp16; JOINTS] {
+    [pac::TIM3, pac::TIM4]
+}
+
+#[cfg(feature = "three-axes")]
+#[inline(always)]
+fn timers() -> [TimGp16; JOINTS] {
+    // SAFETY: TIM2 is one of these with longer counters, whose lower halves lie where theirs do.
+    [pac::TIM3, pac::TIM4, unsafe { TimGp16::from_ptr(pac::TIM2.as_ptr()) }]
 }
 
 #[inline(always)]
-pub(crate) fn read() -> [Counts; AXES] {
-    [Counts(pac::TIM3.cnt().read().cnt()), Counts(pac::TIM4.cnt().read().cnt())]
+pub(crate) fn read() -> [Counts; JOINTS] {
+    timers().map(|timer| Counts(timer.cnt().read().cnt()))
 }
 
 /// What the encoders showed since this was asked last.
 #[inline(always)]
-pub(crate) fn marks() -> [Marks; AXES] {
-    [pac::TIM3, pac::TIM4].map(|timer| {
+pub(crate) fn marks() -> [Marks; JOINTS] {
+    timers().map(|timer| {
         let seen = timer.sr().read();
         // A flag goes off where 0 is written; what came since it was read stays.
         timer.sr().write_value(regs::SrGp16(!seen.0));

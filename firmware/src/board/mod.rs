@@ -1,4 +1,4 @@
-//! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges. The only folder that knows the chip.
+//! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges, or three (feature `three-axes`). The only folder that knows the chip.
 //!
 //! docs/hardware.md has the wiring. Ethernet is the Nucleo's own.
 //!
@@ -8,6 +8,7 @@
 mod breaks;
 pub(crate) mod bridges;
 pub(crate) mod clocks;
+#[cfg_attr(feature = "three-axes", path = "amplifiers.rs")]
 pub(crate) mod current;
 pub(crate) mod deadman;
 pub(crate) mod encoders;
@@ -80,8 +81,10 @@ pub(crate) fn init() -> Board {
     bridges::init(
         p.TIM1,
         bridges::Pins {
-            bridge_1: (p.PE9, p.PE11),
-            bridge_2: (p.PE13, p.PE14),
+            #[cfg(not(feature = "three-axes"))]
+            legs: bridges::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
+            #[cfg(feature = "three-axes")]
+            legs: bridges::Legs { bridge_1: (p.PE9, p.PE8), bridge_2: (p.PE11, p.PE10), bridge_3: (p.PE13, p.PE12) },
             enable: p.PF3,
             stop: p.PE15,
             fault: p.PE6,
@@ -92,6 +95,8 @@ pub(crate) fn init() -> Board {
     uptime::put_right();
     memory::protect();
     encoders::init(p.TIM3, (p.PC6, p.PC7, p.PC8), p.TIM4, (p.PD12, p.PD13, p.PD14));
+    #[cfg(feature = "three-axes")]
+    encoders::init_third(p.TIM2, (p.PA5, p.PB3, p.PB10));
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
     interrupt::ETH.set_priority(Priority::P5);

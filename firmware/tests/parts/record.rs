@@ -1,12 +1,12 @@
 //! Records: bytes and back, and a digest that misses nothing.
 
-use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, digest};
+use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, Tick, digest, joints};
 use haptic_core::device::AXES;
-use haptic_core::device::encoder::Counts;
 use haptic_core::device::stage::{Flow, Measured};
+use haptic_core::device::{encoder::Counts, motor::Duty};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Actuators, Observed, Peer};
+use haptic_core::peer::{Observed, Peer};
 use haptic_core::safety::Mode;
 use haptic_core::settings::Settings;
 
@@ -14,15 +14,22 @@ fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
     Peer::new(&Settings::default(), [Motion::at(position); AXES]).unwrap()
 }
 
+/// A tick of a peer that is disarmed, with nothing in it but these.
+fn tick(peer: &mut Peer<f32, AnyLaw<f32>>, tick: u32, flags: u8) -> Tick {
+    let (counts, duties, digest) = ([Counts(0x1234), Counts(0xABCD)], [Duty::OFF; 2], digest(peer));
+    Tick { tick, axis: 0, counts, duties, stage: None, mode: peer.mode(), flags, digest }
+}
+
 #[test]
 fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
-    let counts = [Counts(0x1234), Counts(0xABCD)];
+    let of = Tick { axis: 2, duties: [Duty(-3), Duty(4)], ..tick(&mut peer, 7, ENABLED | SENT) };
     let mut record = Record::default();
-    record.fill(7, (counts, None), None, ENABLED | SENT, &mut peer, &Actuators::default());
+    record.fill(&of, None, peer.observed(), peer.ledger());
     let back = Record::from_bytes(&record.bytes());
     assert_eq!(back, record);
-    assert_eq!((back.tick(), back.counts(), back.mode(), back.flags()), (7, counts, Mode::Disarmed, ENABLED | SENT));
+    assert_eq!((back.tick(), back.axis(), back.mode(), back.flags()), (7, 2, Mode::Disarmed, ENABLED | SENT));
+    assert_eq!((back.counts(), back.duties()), (of.counts, of.duties));
     assert_eq!(back.digest(), digest(&mut peer));
     // Words 7 to 14 are what was seen, in the order of the table.
     let mut told = Record::default();
@@ -31,6 +38,12 @@ fn bytes_lead_back_to_the_record() {
         [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|(position, velocity)| Motion { position, velocity });
     let seen = Observed { device, object, desired, contact_force: 7.0, coordination_force: 8.0 };
     assert_eq!(told.observed(), seen);
+}
+
+#[test]
+fn records_of_three_axes_tell_of_three_joints() {
+    assert_eq!([0, 1, 2].map(|axis| joints([7, 8, 9], axis)), [[7, 8], [8, 9], [9, 7]]);
+    assert_eq!(joints([7, 8], 0), [7, 8]);
 }
 
 #[test]
@@ -45,7 +58,7 @@ fn a_packet_that_came_in_comes_out_whole() {
     let told = |flags, incoming| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(8, Default::default(), incoming, flags, &mut peer, &Actuators::default());
+        record.fill(&tick(&mut peer, 8, flags), incoming, peer.observed(), peer.ledger());
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
@@ -59,7 +72,7 @@ fn what_the_stage_measured_comes_out_whole() {
     for stage in [Some(stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(9, (Default::default(), stage), None, ENABLED, &mut peer, &Actuators::default());
+        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, peer.observed(), peer.ledger());
         assert_eq!(Record::from_bytes(&record.bytes()).stage(), stage);
     }
 }

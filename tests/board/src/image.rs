@@ -67,6 +67,11 @@ impl Firmware {
         Self::read(&path())
     }
 
+    /// The image for three axes under test, which lies beside it.
+    pub fn three_axes() -> Self {
+        Self::read(&path().with_file_name("firmware-three-axes"))
+    }
+
     /// The address of a function or static.
     pub fn address(&self, symbol: &str) -> u64 {
         self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}")).0

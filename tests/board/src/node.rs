@@ -16,7 +16,7 @@ use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
 use crate::part::motors::Motors;
-use crate::part::{Bridges, Nucleo, Part};
+use crate::part::{Bridges, MOTORS, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub struct Inputs {
     /// What hangs at the bridges from now on and moves by itself.
     pub motors: Option<Option<Arc<Mutex<Motors>>>>,
     /// Where the device has moved the encoders.
-    pub counts: Option<[i64; 2]>,
+    pub counts: Option<[i64; MOTORS]>,
     /// The emergency stop is pressed (or released).
     pub press: Option<bool>,
     /// A bridge reports a fault (or none any more).

@@ -58,6 +58,8 @@ pub struct Pc {
     pub answers: [Vec<String>; 2],
     /// Ticks of each board, oldest first.
     pub records: [Vec<Record>; 2],
+    /// The same along further shared axes.
+    pub further: [Vec<Record>; 2],
     /// Says nothing to anybody.
     pub away: bool,
     /// What is recorded of each board, as `host-sim board operator --record` does.
@@ -114,6 +116,7 @@ impl Pc {
             sessions: [session(1), session(2)],
             answers: Default::default(),
             records: Default::default(),
+            further: Default::default(),
             away: false,
             recordings: Default::default(),
         }
@@ -201,8 +204,13 @@ impl Pc {
         if let Some((ticks, recorder)) = &mut self.recordings[at] {
             ticks.take(session.link(), &samples, |channel, row| recorder.put_all(channel, now_ns, row));
         }
-        for (_, sample) in samples.iter().filter(|(_, sample)| sample.code == CODE) {
-            self.records[at].push(Record::from_bytes(sample.payload().try_into().expect("a record")));
+        for (_, sample) in &samples {
+            let record = || Record::from_bytes(sample.payload().try_into().expect("a record"));
+            match sample.code.checked_sub(CODE) {
+                Some(0) => self.records[at].push(record()),
+                Some(axis) if axis < 3 => self.further[at].push(record()),
+                _ => {}
+            }
         }
     }
 }

@@ -6,15 +6,18 @@
 //! then. [`replay`]: one board's recorded inputs go through the same code here, and the whole record must come out again,
 //! motor duties included.
 
+use std::collections::BTreeMap;
+
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::contact::Contact;
-use haptic_core::device::Reading;
+use haptic_core::device::{Reading, encoder::Counts, kinematics::AnySpatial, motor::Duty};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Observed, Peer, Sensors};
 use haptic_core::safety::Command;
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
+use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
 /// How far two runs are the same.
@@ -112,6 +115,89 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
     )
 }
 
+/// A peer of host-sim that shares three axes, with its device.
+struct Shared {
+    peer: Peer<f32, AnyLaw<f32>, 3, 3, AnySpatial<f32>>,
+    plant: Plant<3>,
+    /// What it has sent.
+    sent: Vec<[Packet<f32>; 3]>,
+}
+
+/// One tick of a board along three shared axes.
+struct Each<'a>([&'a Record; 3]);
+
+impl Each<'_> {
+    fn counts(&self) -> [Counts; 3] {
+        self.0.map(|record| record.counts()[0])
+    }
+    fn duties(&self) -> [Duty; 3] {
+        self.0.map(|record| record.duties()[0])
+    }
+    fn incoming(&self) -> Option<[Packet<f32>; 3]> {
+        let [x, y, z] = self.0.map(Record::incoming);
+        Some([x?, y?, z?])
+    }
+}
+
+/// [`closed_loop_given`] of an object that is shared along three axes: `further` are the boards' ticks along the second and the third.
+///
+/// # Panics
+/// host-sim refuses the scene.
+pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Record]; 2]) -> Equal {
+    let mut sides = [0, 1].map(|at| {
+        let plant = Plant::<3>::build(scene, at);
+        let in_the_world = |axis: Motion<f64>| Motion::at(axis.position as f32);
+        let mut peer: Peer<f32, AnyLaw<f32>, 3, 3, AnySpatial<f32>> =
+            Peer::build(&scene.peers()[at], plant.motions().map(in_the_world)).expect("the boards took it");
+        peer.command(Command::Arm);
+        // Nobody is there until he is heard.
+        peer.part();
+        Shared { peer, plant, sent: Vec::new() }
+    });
+    let told: [BTreeMap<(u32, u8), &Record>; 2] =
+        further.map(|records| records.iter().map(|record| ((record.tick(), record.axis()), record)).collect());
+    let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
+    let before = boards.map(|board| begin - board.standing as u64);
+    let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
+    compare(
+        |tick| {
+            let mut same = true;
+            for at in 0..2 {
+                // One board is armed some ticks before the other.
+                let Some(at_board) = tick.checked_sub(before[at]) else { continue };
+                let first = &boards[at].records[at_board as usize];
+                let (Some(second), Some(third)) = (told[at].get(&(first.tick(), 1)), told[at].get(&(first.tick(), 2)))
+                else {
+                    return false;
+                };
+                let board = Each([first, second, third]);
+                if first.flags() & record::PARTED != 0 {
+                    sides[at].peer.part();
+                }
+                if let Some(packets) = board.incoming() {
+                    same &= sides[1 - at].sent.iter().rev().take(LATEST).any(|sent| *sent == packets);
+                    sides[at].peer.hear_each(packets);
+                }
+                let Shared { peer, plant, sent } = &mut sides[at];
+                if peer.packet_due() {
+                    sent.extend(peer.exchange_each());
+                }
+                let sensors = plant.sensors::<f32>();
+                let actuators = peer.tick(&sensors);
+                if let Some(moving) = tick.checked_sub(begin) {
+                    plant.step(moving as f64 * scene.peer.timing.control_period_s, &actuators);
+                }
+                same &= sensors.reading == Reading::Counts(board.counts())
+                    && digest(peer) == first.digest()
+                    && actuators.duties == board.duties()
+                    && peer.observed_each().into_iter().zip(board.0).all(|(seen, record)| *seen == record.observed());
+            }
+            same
+        },
+        ticks,
+    )
+}
+
 /// One board's recorded inputs through the code here, from the tick that armed it.
 ///
 /// # Panics
@@ -150,8 +236,10 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let overrun = board.flags() & record::OVERRUN != 0;
             let stage = board.stage();
             let actuators = peer.tick(&Sensors { overrun, stage, ..Sensors::of(Reading::Counts(counts)) });
-            let mut record = Record::default();
-            record.fill(board.tick(), (counts, stage), incoming, board.flags(), &mut peer, &actuators);
+            let (mut record, digest) = (Record::default(), digest(&mut peer));
+            let (tick, mode, flags, duties) = (board.tick(), peer.mode(), board.flags(), actuators.duties);
+            let of = record::Tick { tick, axis: 0, counts, duties, stage, mode, flags, digest };
+            record.fill(&of, incoming, peer.observed(), peer.ledger());
             record == *board
         },
         records.len() as u64,

@@ -41,10 +41,14 @@ pub const COLUMNS: [Named; 24] = [
     ("supply_v", "supply of the bridges"),
 ];
 
-/// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record.
+/// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record of a first shared axis.
 pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
     const BYTES: usize = 108;
     let record: &[u8; BYTES] = record.try_into().ok()?;
+    if record[15] != 0 {
+        // Of a further shared axis: a row is of the first.
+        return None;
+    }
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
     let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);
     let number = |at: usize| f64::from(f32::from_bits(word(at)));

@@ -2,14 +2,13 @@
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::device::{AXES, motor::Duty};
 use haptic_core::names::MotorDrive;
-use haptic_core::peer::Actuators;
 use haptic_sim::scene::Scene;
 
-use crate::part::Bridges;
 use crate::part::motors::{Motors, has_loop};
+use crate::part::{Bridges, MOTORS};
 
 /// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
 pub const PWM_STEPS: u32 = 6000;
@@ -23,7 +22,8 @@ pub fn for_boards(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.world.plant.encoder = true;
     scene.world.plant.motor = true;
-    scene.world.plant.pwm_steps = PWM_STEPS;
+    // Three bridges have half as many.
+    scene.world.plant.pwm_steps = if scene.peer.axis.count > 2 { PWM_STEPS / 2 } else { PWM_STEPS };
     scene.world.plant.current_bits = 16;
     scene.peer.motor.drive = if has_loop(&scene) { MotorDrive::CurrentLoop } else { MotorDrive::Amplifier };
     if scene.peer.axis.velocity == VelocityName::Measured {
@@ -43,7 +43,7 @@ impl Device {
     }
 
     /// At `counts`, wherever it would be by itself.
-    pub(super) fn at(scene: &Scene, index: usize, counts: [i64; AXES]) -> Self {
+    pub(super) fn at(scene: &Scene, index: usize, counts: [i64; MOTORS]) -> Self {
         let device = Self::new(scene, index);
         let mut motors = device.motors();
         motors.turn();
@@ -63,23 +63,21 @@ impl Device {
 
     /// One period under what the bridges are told, and where its encoders are then; one that moves by itself does so from the next tick on, which
     /// is after `begins_ns`.
-    pub(super) fn step(&self, time_s: f64, bridges: &Bridges, begins_ns: u64) -> Option<[i64; AXES]> {
+    pub(super) fn step(&self, time_s: f64, bridges: &Bridges, begins_ns: u64) -> Option<[i64; MOTORS]> {
         let mut motors = self.motors();
         if motors.has_stage() {
             motors.moves(begins_ns, time_s);
             return None;
         }
-        let actuators: Actuators<f32> =
-            Actuators { duties: duties(bridges), enable: bridges.on(), ..Actuators::default() };
-        Some(motors.step(time_s, &actuators))
+        Some(motors.step(time_s, duties(bridges), bridges.on()))
     }
 }
 
 /// The duties that give what the bridges are told, to half a step.
-pub fn duties(bridges: &Bridges) -> [Duty; AXES] {
+pub fn duties(bridges: &Bridges) -> [Duty; MOTORS] {
     bridges.voltages().map(|steps| {
         let full = f64::from(Duty::FULL_SCALE);
-        let duty = (f64::from(steps) * full / f64::from(PWM_STEPS)).round();
+        let duty = (f64::from(steps) * full / f64::from(bridges.steps())).round();
         if bridges.on() { Duty(duty as i16) } else { Duty::OFF }
     })
 }

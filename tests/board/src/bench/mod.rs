@@ -328,7 +328,7 @@ impl Bench {
 
     /// How fast a board's (1 or 2) device moves along its free axis, m/s.
     pub fn speed(&self, number: usize) -> f64 {
-        self.devices[number - 1].as_ref().map_or(0.0, |device| device.motors().plant.motions()[0].velocity)
+        self.devices[number - 1].as_ref().map_or(0.0, |device| device.motors().speed())
     }
 
     /// The ticks of a board (1 or 2) from the one at which the devices begin to move.
@@ -345,6 +345,11 @@ impl Bench {
         let held = self.begun.zip(self.on[number - 1]).map_or(0, |(begun, on)| (begun - on) as u32);
         let first = records.first().map_or(0, |record| record.tick() + held);
         Armed { records, standing: records.iter().take_while(|record| record.tick() < first).count() }
+    }
+
+    /// The ticks of a board (1 or 2) along its further shared axes, every one, as it told them.
+    pub fn further(&self, number: usize) -> &[Record] {
+        &self.pc.further[number - 1]
     }
 
     /// Ends the run.

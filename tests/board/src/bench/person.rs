@@ -7,13 +7,13 @@
 //! coordination acting in full, as host-sim begins its own.
 
 use firmware_parts::record::ENGAGED;
-use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 use haptic_sim::scene::{PlantFault, Scene};
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
+use crate::part::MOTORS;
 
 /// The lines that bring a board from whatever it has to `settings`.
 fn lines(settings: &Settings) -> Vec<String> {
@@ -133,7 +133,7 @@ impl Bench {
         scene.users = Default::default();
         let counts = |index: usize| {
             let now = self.loose.get(index).or(self.devices[index].as_ref());
-            now.map_or([0; AXES], |device| device.motors().counts)
+            now.map_or([0; MOTORS], |device| device.motors().counts)
         };
         self.loose = (0..self.nodes.len()).map(|i| Device::at(&scene, i, counts(i))).collect();
         for (device, inputs) in self.loose.iter().zip(&mut self.inputs) {
@@ -146,7 +146,7 @@ impl Bench {
         for _ in 0..ms {
             let place = |device: &Device, further: f64| {
                 let mut motors = device.motors();
-                let motion = motors.plant.free_axis().0;
+                let motion = motors.free_axis();
                 *motion = Motion::at(motion.position + further);
             };
             place(&self.loose[number - 1], metres / ms as f64);
@@ -161,9 +161,9 @@ impl Bench {
         const STRIDE: i64 = 100;
         let whereabouts = |device: &Device| device.motors().counts;
         let loose = std::mem::take(&mut self.loose);
-        let mut now: Vec<[i64; AXES]> = loose.iter().map(whereabouts).collect();
-        let home: Vec<[i64; AXES]> =
-            self.devices.iter().map(|device| device.as_ref().map_or([0; AXES], whereabouts)).collect();
+        let mut now: Vec<[i64; MOTORS]> = loose.iter().map(whereabouts).collect();
+        let home: Vec<[i64; MOTORS]> =
+            self.devices.iter().map(|device| device.as_ref().map_or([0; MOTORS], whereabouts)).collect();
         self.inputs.iter_mut().for_each(|inputs| inputs.motors = Some(None));
         let held = std::mem::take(&mut self.devices);
         self.devices = held.iter().map(|_| None).collect();
@@ -186,7 +186,7 @@ impl Bench {
     /// Something goes wrong with the first joint of a board's (1 or 2) device, now.
     pub fn fail(&mut self, number: usize, fault: PlantFault) {
         if let Some(device) = &self.devices[number - 1] {
-            device.motors().plant.fail(fault);
+            device.motors().fail(fault);
         }
     }
 

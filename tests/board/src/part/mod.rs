@@ -53,11 +53,18 @@ const SUPPLY_LOW: usize = 3;
 /// Time over which the edges of a PWM period are spread, ns.
 const PERIOD_SPREAD_NS: u64 = 45_000;
 
-/// What the two bridges and their enable line are at an instant.
+/// Most motors that a board has.
+pub const MOTORS: usize = 3;
+
+/// What the bridges and their enable line are at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bridges {
-    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2.
+    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three.
     pub compare: [u16; 4],
+    /// The channels' complements are there, too: the second legs of three bridges.
+    pub three: bool,
+    /// Counts from the bottom of the timer's period to its top.
+    pub top: u16,
     /// The timer runs, its outputs are enabled.
     pub outputs: bool,
     /// The enable line is high.
@@ -65,10 +72,16 @@ pub struct Bridges {
 }
 
 impl Bridges {
-    /// Voltage of each bridge in counts of the timer.
-    pub fn voltages(&self) -> [i32; 2] {
-        let [one_a, one_b, two_a, two_b] = self.compare.map(i32::from);
-        [one_a - one_b, two_a - two_b]
+    /// Voltage of each bridge in steps of which [`Bridges::steps`] are all of the supply.
+    pub fn voltages(&self) -> [i32; MOTORS] {
+        let [one, two, three, four] = self.compare.map(i32::from);
+        let middle = i32::from(self.top / 2);
+        if self.three { [one, two, three].map(|leg| leg - middle) } else { [one - two, three - four, 0] }
+    }
+
+    /// Steps that are all of the supply.
+    pub fn steps(&self) -> u16 {
+        if self.three { self.top / 2 } else { self.top }
     }
 
     /// Whether current can flow at all.
@@ -92,8 +105,8 @@ pub struct Part {
     pub wwdg: Wwdg,
     /// ADC1.
     pub converter: Converter,
-    /// TIM3 and TIM4 with an encoder each.
-    pub encoders: [EncoderTimer; 2],
+    /// TIM3, TIM4 and TIM2 with an encoder each.
+    pub encoders: [EncoderTimer; MOTORS],
     /// Pulses of TIM1's second trigger output so far.
     triggers: u64,
     slots: Slots,
@@ -114,7 +127,7 @@ struct Slots {
     iwdg: usize,
     wwdg: usize,
     adc1: usize,
-    encoders: [usize; 2],
+    encoders: [usize; MOTORS],
     gpio_c: usize,
     gpio_e: usize,
     gpio_g: usize,
@@ -138,7 +151,7 @@ impl Part {
             iwdg: slot("IWDG")?,
             wwdg: slot("WWDG")?,
             adc1: slot("ADC1")?,
-            encoders: [slot("TIM3")?, slot("TIM4")?],
+            encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
             gpio_c: slot("GPIOC")?,
             gpio_e: slot("GPIOE")?,
             gpio_g: slot("GPIOG")?,
@@ -146,7 +159,7 @@ impl Part {
             rng: slot("RNG")?,
         };
         let (mac, dma) = ethernet::pair();
-        let encoders = [EncoderTimer::new(1), EncoderTimer::new(2)];
+        let encoders = [1, 2, 0].map(EncoderTimer::new);
         let mut part = Self {
             chip,
             mac,
@@ -283,7 +296,7 @@ impl Part {
     }
 
     /// Moves the encoders to these counts, edge by edge, from `at` on.
-    pub fn turn(&mut self, at: VirtualNanos, counts: [i64; 2]) {
+    pub fn turn(&mut self, at: VirtualNanos, counts: [i64; MOTORS]) {
         for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn(counts, &mut context);
@@ -301,8 +314,12 @@ impl Part {
     pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
         let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
         let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
+        // CC1NE, CC2NE, CC3NE.
+        const COMPLEMENTS: u64 = 1 << 2 | 1 << 6 | 1 << 10;
         Bridges {
             compare: [0x34, 0x38, 0x3C, 0x40].map(|register| peek(0x4001_0000 + register) as u16),
+            three: peek(0x4001_0020) & COMPLEMENTS == COMPLEMENTS,
+            top: peek(0x4001_002C) as u16,
             outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
             enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
         }
@@ -341,7 +358,7 @@ impl Mcu for Part {
         if slot == self.slots.rcc && self.missing.wanted {
             return (self.chip.bus_mut(), Some(&mut self.missing));
         }
-        let [one, two] = &mut self.encoders;
+        let [one, two, three] = &mut self.encoders;
         let model: &mut dyn ErasedDevice = match slot {
             s if s == self.slots.mac => &mut self.mac,
             s if s == self.slots.dma => &mut self.dma,
@@ -350,6 +367,7 @@ impl Mcu for Part {
             s if s == self.slots.adc1 => &mut self.converter,
             s if s == self.slots.encoders[0] => one,
             s if s == self.slots.encoders[1] => two,
+            s if s == self.slots.encoders[2] => three,
             _ => return self.chip.split(slot),
         };
         (self.chip.bus_mut(), Some(model))

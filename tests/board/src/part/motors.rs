@@ -5,21 +5,42 @@
 //! moves it once a control period under the duties that the bridges are told ([`Motors::step`]).
 
 use haptic_core::device::encoder::Counts;
-use haptic_core::device::{AXES, Reading};
+use haptic_core::device::{AXES, Reading, motor::Duty};
+use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
 use haptic_sim::plant::{Held, Plant};
-use haptic_sim::scene::{DriveName, Scene};
+use haptic_sim::scene::{DriveName, PlantFault, Scene};
 
-use super::Bridges;
+use super::{Bridges, MOTORS};
+
+/// What moves: a device of one or two motors, or of three.
+#[derive(Clone, Debug)]
+enum Body {
+    Plane(Plant),
+    Space(Plant<3>),
+}
+
+/// What its `N` encoders read.
+fn read<const N: usize>(plant: &Plant<N>) -> [u16; MOTORS] {
+    let Reading::Counts(counts) = plant.sensors::<f32>().reading else {
+        panic!("a device on a board has encoders: see for_boards");
+    };
+    core::array::from_fn(|joint| counts.get(joint).map_or(0, |Counts(count)| *count))
+}
+
+/// A control period of it.
+fn step<const N: usize>(plant: &mut Plant<N>, time_s: f64, duties: [Duty; MOTORS], enable: bool) {
+    let duties = core::array::from_fn(|joint| duties[joint]);
+    plant.step(time_s, &Actuators::<f32, N> { duties, enable, ..Actuators::default() });
+}
 
 /// The device.
 #[derive(Clone, Debug)]
 pub struct Motors {
-    /// What moves.
-    pub plant: Plant,
+    body: Body,
     /// Where its encoders are, and the 16 bits that they last gave.
-    pub counts: [i64; AXES],
-    read: [u16; AXES],
+    pub counts: [i64; MOTORS],
+    read: [u16; MOTORS],
     /// It has windings in a current loop.
     has_stage: bool,
     held: Option<Held>,
@@ -33,8 +54,11 @@ const SUPPLY_SPAN_V: f64 = 36.3;
 impl Motors {
     /// Of a peer of the scene, its encoders where they are when power comes on.
     pub fn new(scene: &Scene, index: usize) -> Self {
-        let plant = Plant::new(scene, index);
-        Self { plant, counts: [0; AXES], read: [0; AXES], has_stage: has_loop(scene), held: None, next: None }
+        let body = match scene.peer.axis.count {
+            3.. => Body::Space(Plant::build(scene, index)),
+            _ => Body::Plane(Plant::new(scene, index)),
+        };
+        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage: has_loop(scene), held: None, next: None }
     }
 
     /// It moves by itself, PWM period by PWM period.
@@ -43,11 +67,12 @@ impl Motors {
     }
 
     /// Where the encoders are now: the plant's 16-bit counts, unwrapped.
-    pub fn turn(&mut self) -> [i64; AXES] {
-        let Reading::Counts(counts) = self.plant.sensors::<f32>().reading else {
-            panic!("a device on a board has encoders: see for_boards");
+    pub fn turn(&mut self) -> [i64; MOTORS] {
+        let counts = match &self.body {
+            Body::Plane(plant) => read(plant),
+            Body::Space(plant) => read(plant),
         };
-        for ((whole, last), Counts(wrapped)) in self.counts.iter_mut().zip(&mut self.read).zip(counts) {
+        for ((whole, last), wrapped) in self.counts.iter_mut().zip(&mut self.read).zip(counts) {
             *whole += i64::from(wrapped.wrapping_sub(*last).cast_signed());
             *last = wrapped;
         }
@@ -55,9 +80,33 @@ impl Motors {
     }
 
     /// One control period under these duties, without windings.
-    pub fn step(&mut self, time_s: f64, actuators: &Actuators<f32>) -> [i64; AXES] {
-        self.plant.step(time_s, actuators);
+    pub fn step(&mut self, time_s: f64, duties: [Duty; MOTORS], enable: bool) -> [i64; MOTORS] {
+        match &mut self.body {
+            Body::Plane(plant) => step(plant, time_s, duties, enable),
+            Body::Space(plant) => step(plant, time_s, duties, enable),
+        }
         self.turn()
+    }
+
+    /// How fast it moves along its first axis, m/s.
+    pub fn speed(&mut self) -> f64 {
+        self.free_axis().velocity
+    }
+
+    /// Its motion along the first axis.
+    pub fn free_axis(&mut self) -> &mut Motion<f64> {
+        match &mut self.body {
+            Body::Plane(plant) => plant.free_axis().0,
+            Body::Space(plant) => plant.free_axis().0,
+        }
+    }
+
+    /// Something goes wrong with its first joint, now.
+    pub fn fail(&mut self, fault: PlantFault) {
+        match &mut self.body {
+            Body::Plane(plant) => plant.fail(fault),
+            Body::Space(plant) => plant.fail(fault),
+        }
     }
 
     /// The control period that begins after `begins_ns` is the one at `time_s` of the scene; before the first of these nothing moves.
@@ -67,16 +116,21 @@ impl Motors {
 
     /// The PWM period that begins now: what the converter's three inputs read at its beginning, where the encoders are at its end, and
     /// what their counters say at the index if they pass it.
-    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; AXES], [Option<u16>; AXES]) {
+    ///
+    /// # Panics
+    /// It has three motors: a board with three has no current loop.
+    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]) {
+        let Body::Plane(plant) = &mut self.body else { panic!("three motors, and windings") };
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {
-            self.held = self.plant.begin(time_s);
+            self.held = plant.begin(time_s);
         }
-        let supply = self.plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0;
-        let on = bridges.on() || bridges.outputs && self.plant.ignores_enable();
-        let voltages = bridges.voltages().map(|voltage| on.then_some(voltage));
-        let [one, two] = self.plant.period(self.held.as_ref(), voltages);
-        let marks = self.plant.sensors::<f32>().marks.unwrap_or_default();
-        let indexes = marks.map(|marks| marks.index.map(|Counts(index)| index));
+        let supply = plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0;
+        let on = bridges.on() || bridges.outputs && plant.ignores_enable();
+        let [first, second, _] = bridges.voltages().map(|voltage| on.then_some(voltage));
+        let [one, two] = plant.period(self.held.as_ref(), [first, second]);
+        let marks: [_; AXES] = plant.sensors::<f32>().marks.unwrap_or_default();
+        let [first, second] = marks.map(|marks| marks.index.map(|Counts(index)| index));
+        let indexes = [first, second, None];
         ([one, two, supply.round().clamp(0.0, 65535.0) as u16], self.turn(), indexes)
     }
 }

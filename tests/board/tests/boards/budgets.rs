@@ -14,7 +14,7 @@ use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
 
-use crate::current_loop;
+use crate::{current_loop, three_axes};
 use haptic_sim::scenes;
 
 /// Of the image's sections.
@@ -49,6 +49,11 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "current loop");
     measured.add("tick_instructions_median.current-loop", trial.instructions.median);
     measured.add("tick_instructions_max.current-loop", trial.instructions.max);
+    let (equal, three) = three_axes::run(2);
+    assert_eq!(equal.first_difference, None, "three axes");
+    measured.add("tick_instructions_median.three-axes", three.median);
+    measured.add("tick_instructions_max.three-axes", three.max);
+    measured.add("itcm_bytes.three-axes", Firmware::three_axes().sections[".itcm"].1 as f64);
     measured.add("loop_instructions_median", trial.loop_instructions.median);
     measured.add("loop_instructions_max", trial.loop_instructions.max);
 }

@@ -1,0 +1,31 @@
+//! What the image is made for: how many motors the board has, along how many axes the object is shared, and by which laws.
+//!
+//! One image holds every law, for devices of one or two motors and one shared axis. The other one (feature `three-axes`) is for three
+//! motors and an object that is shared along all of their axes: it names its law and its kind of mechanism, and carries no other, so that
+//! what it has three of still fits into ITCM.
+
+#[cfg(not(feature = "three-axes"))]
+mod made_for {
+    use haptic_core::{device::AXES, law::AnyLaw};
+
+    /// Joints that have a motor and an encoder.
+    pub const JOINTS: usize = AXES;
+    /// Axes along which the object is shared.
+    pub const SHARED: usize = 1;
+    /// The peer, with any law, chosen by the settings.
+    pub type Peer = haptic_core::peer::Peer<f32, AnyLaw<f32>>;
+}
+
+#[cfg(feature = "three-axes")]
+mod made_for {
+    use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveWave};
+
+    /// Joints that have a motor and an encoder.
+    pub const JOINTS: usize = 3;
+    /// Axes along which the object is shared.
+    pub const SHARED: usize = 3;
+    /// The peer, with the passive wave on every axis.
+    pub type Peer = haptic_core::peer::Peer<f32, PassiveWave<f32>, SHARED, JOINTS, AnySpatial<f32>>;
+}
+
+pub use made_for::{JOINTS, Peer, SHARED};

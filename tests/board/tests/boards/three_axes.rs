@@ -1,0 +1,71 @@
+//! Three shared axes: two boards with the image for three motors, each behind a serial arm, compute what host-sim computes.
+
+use std::sync::Arc;
+
+use board_bench::bench::{Bench, for_boards};
+use board_bench::cost::MedianAndMost;
+use board_bench::image::Firmware;
+use board_bench::reviewed;
+use board_bench::trial;
+use board_bench::twin::{self, Equal};
+use firmware_parts::record::ENGAGED;
+use haptic_sim::scene::Scene;
+use haptic_sim::{Laws, scenes};
+
+/// The paper's passive wave on every axis of a serial arm, whose users push against each other in a direction of space.
+fn scene() -> Scene {
+    let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+    for set in [
+        "axis.count=3",
+        "axis.shared=3",
+        "kinematics.model=arm",
+        "user.1.direction_rad=0.6",
+        "user.1.elevation_rad=0.4",
+        "user.2.direction_rad=0.6",
+        "user.2.elevation_rad=0.4",
+    ] {
+        scene.apply_override(set).expect("a good override");
+    }
+    for_boards(&scene)
+}
+
+/// Runs it for so many seconds; gives the bits that are equal and the instructions of a tick, an exchange and three records in it.
+pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
+    let (firmware, scene) = (Arc::new(Firmware::three_axes()), scene());
+    let mut bench = Bench::start(&firmware, 2, trial::line(&scene).expect("a wire can do it"));
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.arm();
+    bench.count_instructions();
+    bench.run_for_ms(1000 * seconds);
+    let instructions = MedianAndMost::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
+    // What is still in the boards comes out.
+    bench.send(1, "stream off");
+    bench.send(2, "stream off");
+    bench.run_for_ms(100);
+    let whole = [1, 2].map(|number| bench.since_armed(number));
+    let length = whole.iter().map(|board| board.records.len() - board.standing).min().unwrap_or(0);
+    let boards = whole.map(|board| twin::Armed { records: &board.records[..board.standing + length], ..board });
+    assert!(length as u64 >= 1000 * seconds, "only {length} ticks were recorded");
+    for board in boards {
+        assert!(board.records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
+        let last = board.records.last().expect("there are some");
+        assert_ne!(last.flags() & ENGAGED, 0, "{:?}: the peers are engaged to the end", last.mode());
+    }
+    // All three axes move, and are coupled.
+    for axis in [1, 2] {
+        let way = |record: &&firmware_parts::record::Record| record.axis() == axis;
+        let most = bench.further(1).iter().filter(way).map(|record| record.observed().coordination_force.abs());
+        assert!(most.fold(0.0, f32::max) > 0.05, "axis {axis} is at rest");
+    }
+    let equal = twin::closed_loop_shared(&scene, boards, [bench.further(1), bench.further(2)]);
+    bench.finish().iter().for_each(reviewed::check);
+    (equal, instructions)
+}
+
+#[test]
+fn two_boards_equal_host_sim_along_three_axes() {
+    let (equal, instructions) = run(5);
+    println!("{equal:?}, {instructions:?}");
+    assert_eq!(equal.first_difference, None);
+    assert!(instructions.max <= 3000, "{instructions:?}");
+}
