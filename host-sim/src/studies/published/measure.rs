@@ -263,9 +263,9 @@ pub fn velocity_held() -> Result<f64, Failure> {
         .ok_or_else(|| "no tick".into())
 }
 
-/// Of a copy that is held, with 0.1 mJ in the account and all of 100 N asked for, N.
+/// Of a copy that is held, with 0.4 mJ in the account and all of 100 N asked for, N.
 pub fn gated_force_n() -> Result<f64, Failure> {
-    let set = ["coordination.stiffness_n_per_m=1000", "coordination.damping_n_s_per_m=2", "coordination.tank_j=0.0001"];
+    let set = ["coordination.stiffness_n_per_m=1000", "coordination.damping_n_s_per_m=2", "coordination.tank_j=0.0004"];
     let mut end = End::new("input-gated", &set)?;
     end.hear(0.1, 0.0, 0.0, 0.0);
     Ok(end.held(0).force)
