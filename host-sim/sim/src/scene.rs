@@ -245,8 +245,8 @@ type Own = Vec<(&'static str, Value<'static>)>;
 
 /// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
 /// devices, scales and limits are unlike. What both must be told alike is shared, and what models the devices have is so in a simulation.
-const OWN: [&str; 6] =
-    ["scale", "device", "fixture", "safety", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
+const OWN: [&str; 7] =
+    ["scale", "device", "fixture", "safety", "probe", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
 /// What is wrong with a scene, and where, in one line.
 #[derive(Debug, thiserror::Error)]

@@ -76,6 +76,15 @@ const LATEST: usize = 64;
 /// # Panics
 /// host-sim refuses the scene.
 pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
+    closed_loop_ordered(scene, boards, &[])
+}
+
+/// The same of boards that were given orders: which board (0 or 1), before which tick of this comparison, and which. When an order reached its
+/// tick a record does not say: what it changes does.
+///
+/// # Panics
+/// host-sim refuses the scene.
+pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     // Nobody is there until he is heard.
     pair.sides_mut().for_each(|side| side.peer.part());
@@ -99,6 +108,9 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
                 }
                 if side.peer.packet_due() {
                     sent[at].extend(side.peer.exchange());
+                }
+                for (_, _, order) in orders.iter().filter(|(board, before, _)| (*board, *before) == (at, tick)) {
+                    side.peer.command(*order);
                 }
                 let sensors = side.plant.sensors::<f32>();
                 let actuators = side.peer.tick(&sensors);

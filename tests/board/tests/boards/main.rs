@@ -9,6 +9,7 @@
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
 //! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
 //! | [`three_axes`] | do they along three shared axes? |
+//! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
@@ -20,6 +21,7 @@ mod budgets;
 mod cable;
 mod calibrate;
 mod ceiling;
+mod clutch;
 mod current_loop;
 mod deadman;
 mod encoder_faults;
