@@ -65,7 +65,7 @@ fn verdicts(rows: &[Row], first: bool) -> Panel {
     Panel {
         title: if first { "Verdict, the worst of the seeds".to_owned() } else { String::new() },
         y_label: "Network, in the order of the table".to_owned(),
-        y_range: Some((0.0, networks + if first { 6.0 } else { 1.0 })),
+        y_range: Some((0.0, networks + if first { 8.0 } else { 1.0 })),
         categories: rows.iter().map(|row| row.law.name.to_owned()).collect(),
         series: series.collect(),
         ..Panel::default()
