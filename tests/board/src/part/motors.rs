@@ -16,8 +16,8 @@ use super::{Bridges, MOTORS};
 /// What moves: a device of one or two motors, or of three.
 #[derive(Clone, Debug)]
 enum Body {
-    Plane(Plant),
-    Space(Plant<3>),
+    Plane(Box<Plant>),
+    Space(Box<Plant<3>>),
 }
 
 /// What its `N` encoders read.
@@ -55,8 +55,8 @@ impl Motors {
     /// Of a peer of the scene, its encoders where they are when power comes on.
     pub fn new(scene: &Scene, index: usize) -> Self {
         let body = match scene.peer.axis.count {
-            3.. => Body::Space(Plant::build(scene, index)),
-            _ => Body::Plane(Plant::new(scene, index)),
+            3.. => Body::Space(Box::new(Plant::build(scene, index))),
+            _ => Body::Plane(Box::new(Plant::new(scene, index))),
         };
         Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage: has_loop(scene), held: None, next: None }
     }

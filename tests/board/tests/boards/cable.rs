@@ -63,7 +63,8 @@ fn pulled_and_put_back() {
     assert!(records.iter().all(|record| record.mode() == Mode::Armed), "it stayed armed");
     for record in records {
         let row = recording::row(&record.bytes(), 0.001).expect("a record");
-        let named = |name: &str| row[recording::COLUMNS.iter().position(|(column, _)| *column == name).expect("a column")];
+        let named =
+            |name: &str| row[recording::COLUMNS.iter().position(|(column, _)| *column == name).expect("a column")];
         let [counts, _] = record.counts();
         let [duty, _] = record.duties();
         assert_eq!(named("tick"), f64::from(record.tick()));
