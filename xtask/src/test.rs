@@ -95,16 +95,18 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
     }
 }
 
-/// What the workspace's own lints do not reach: the image, and the bench, which is a workspace of its own.
+/// What the workspace's own lints do not reach: both images, and the bench, which is a workspace of its own.
 fn lints_of_image(ready: &Ready) -> Result<(), Failure> {
-    let mut image =
-        cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "firmware"]);
-    image.args(["--target", THUMB_TARGET]);
     if ready.fallback {
         // Debian's toolchain has no clippy of its own.
-        eprintln!("    NOT CHECKED: the image, its toolchain is Debian's");
+        eprintln!("    NOT CHECKED: the images, their toolchain is Debian's");
     } else {
-        run(image.args(["--", "-D", "warnings"]).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
+        for features in [&[][..], &["--features", "three-axes"]] {
+            let mut image =
+                cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "firmware"]);
+            image.args(["--target", THUMB_TARGET]).args(features);
+            run(image.args(["--", "-D", "warnings"]).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
+        }
     }
     run(board::bench(&["clippy"], &board::image(ready)?).args(["--all-targets", "--", "-D", "warnings"]))
 }

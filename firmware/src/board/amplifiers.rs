@@ -17,11 +17,11 @@ pub(crate) const RING: u32 = 1;
 
 /// What the tick would tell the loop.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Order;
+pub(crate) struct Order {}
 
 /// What the loop would tell the tick.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sums;
+pub(crate) struct Sums {}
 
 /// The loop of one set of settings: there is none.
 #[derive(Clone, Copy, Debug)]
