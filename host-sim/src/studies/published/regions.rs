@@ -1,9 +1,10 @@
-//! The stable region of every law by two constructions: where the analyser's matrix has an eigenvalue outside the unit circle, and where a run of the pair grows.
+//! The stable region of every law by two constructions: where the analyser's matrix has an eigenvalue outside the unit circle, and where
+//! a run of the pair grows. Both with both hands on, in the linear scene behind the law's own (tanks that are never short, and `LINEAR`).
 //!
-//! Both with both hands on, in the linear scene behind the law's own (tanks that are never short, and [`LINEAR`]).
-//! The run knows nothing of matrices: two users kick the scene with 1 mN for 50 ms; it is unstable where the copies' motion is larger in the last fifth of
-//! [`RUN_S`] than in its middle one or than right after the kick (where forces have met their limits it grows no more), or a peer stopped. Its boundary is found by halving an interval about that of the matrix, so that of several
-//! crossings the same is meant; **stable on one side and unstable on the other** is what each construction says for itself.
+//! The run knows nothing of matrices: two users kick the scene with 1 mN for 50 ms; it is unstable where the copies' motion is larger in
+//! the last fifth of `RUN_S` than in its middle one or than right after the kick (where forces have met their limits it grows no more), or
+//! a peer stopped. Its boundary is found by halving an interval about that of the matrix, so that of several crossings the same is meant;
+//! **stable on one side and unstable on the other** is what each construction says for itself.
 
 use haptic_analysis::tune::{CONTACT, COORDINATION};
 use haptic_analysis::{Effort, Hands, Range, limit};
@@ -38,7 +39,7 @@ const HALVINGS: u32 = 7;
 pub struct Boundary {
     /// First unstable by the matrix, N/m.
     pub matrix: f64,
-    /// By runs, N/m; none where the runs do not change from stable to unstable within [`ABOUT`] of it.
+    /// By runs, N/m; none where the runs do not change from stable to unstable within `ABOUT` of it.
     pub run: Option<f64>,
 }
 
@@ -47,7 +48,7 @@ pub struct Boundary {
 pub struct Region {
     /// Its name.
     pub law: &'static str,
-    /// Along K_T; none where it is stable up to [`TO_N_PER_M`].
+    /// Along K_T; none where it is stable up to `TO_N_PER_M`.
     pub coordination: Option<Boundary>,
     /// Along K_LC, at the K_T that the law declares, or half of the boundary if it is not stable there.
     pub contact: Option<Boundary>,
