@@ -27,9 +27,15 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// The scene, its combinations checked: what a run, a verdict or a sweep begins with.
+    /// The scene, its combinations checked, of one shared axis: what a run or a sweep begins with.
     pub(crate) fn checked(&self) -> PyResult<&haptic_sim::Scene> {
         self.scene.check("scene").map_err(refused)?;
+        Ok(&self.scene)
+    }
+
+    /// The same of one to three: what a verdict begins with.
+    pub(crate) fn checked_any(&self) -> PyResult<&haptic_sim::Scene> {
+        self.scene.check_any("scene").map_err(refused)?;
         Ok(&self.scene)
     }
 
@@ -80,7 +86,7 @@ fn to_python(py: Python<'_>, value: Value<'_>) -> PyResult<Py<PyAny>> {
 /// The scene that a `Scene`, a name or a path stands for.
 pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
     if let Ok(scene) = source.cast::<Scene>() {
-        return Ok(scene.borrow().checked()?.clone());
+        return Ok(scene.borrow().checked_any()?.clone());
     }
     let path: PathBuf = source.extract()?;
     let is_word = source.is_instance_of::<PyString>() && built_in::meant(Some(&path)).map_err(refused)?.is_some();
@@ -115,7 +121,7 @@ impl Scene {
         let scene = with_laws(|laws| {
             let mut scene = haptic_sim::Scene::new(laws);
             scene.apply(text, "text", None)?;
-            scene.check("text").map(|()| scene)
+            scene.check_any("text").map(|()| scene)
         })?;
         Ok(Self { scene })
     }

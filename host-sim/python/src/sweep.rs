@@ -124,6 +124,7 @@ impl Sweep {
         seconds: f64,
     ) -> PyResult<Self> {
         let (scene, over, sample) = (meant(scene)?, written(over)?, written(sample)?);
+        scene.check("scene").map_err(refused)?;
         check_seconds(seconds, &scene)?;
         if !(1..=100_000).contains(&seeds) {
             return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));

@@ -28,7 +28,8 @@ pub const ALL: &[(&str, &str)] = scenes![
 ];
 
 /// Name and text of the others, which only their name finds.
-const OTHERS: &[(&str, &str)] = scenes!["impulsive", "any-network", "hub", "leader-follower", "leader-follower-wall"];
+const OTHERS: &[(&str, &str)] =
+    scenes!["impulsive", "any-network", "hub", "leader-follower", "leader-follower-wall", "plane", "space"];
 
 /// Every built-in scene.
 pub fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {

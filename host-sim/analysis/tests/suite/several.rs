@@ -4,7 +4,7 @@ use haptic_analysis::{Direction, Hands, judge};
 use haptic_sim::Laws;
 use haptic_sim::run::Options;
 use haptic_sim::scene::Scene;
-use haptic_sim::shared;
+use haptic_sim::{scenes, shared};
 
 fn scene(keys: &[&str]) -> Scene {
     let mut scene = Scene::new(Laws::built_in());
@@ -109,4 +109,18 @@ fn the_radius_of_coupled_axes_is_the_growth_of_a_long_run_along_the_direction_it
         }
     }
     assert_eq!(looked_at, 5);
+}
+
+/// Every mode of the built-in scenes dies away, and only the five-bar's mass points askew to the axes.
+#[test]
+fn the_scenes_of_a_plane_and_of_space_are_stable_in_every_mode() {
+    for (name, oblique) in [("plane", true), ("space", false)] {
+        let judged = judge(&scenes::load(Laws::built_in(), name).expect("built in")).expect("a good scene");
+        assert!(judged.worst.stable && judged.modes.len() == 3, "{name}: {judged:?}");
+        assert!(judged.modes.iter().all(|mode| mode.verdict.spectral_radius < 0.998), "{name}: {judged:?}");
+        let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both).expect("judged").verdict;
+        let is_oblique =
+            matches!(both.direction, Some(Direction::Along(unit)) if unit[0].abs().min(unit[1].abs()) > 0.1);
+        assert_eq!(is_oblique, oblique, "{name}: {both:?}");
+    }
 }

@@ -4,7 +4,7 @@ use haptic_sim::Laws;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{self, Options, Outcome};
 use haptic_sim::scene::Scene;
-use haptic_sim::shared;
+use haptic_sim::{scenes, shared};
 
 const RECORDED: Options = Options { duration_s: 1.5, record_every: 1 };
 
@@ -169,4 +169,29 @@ fn what_cannot_be_shared_is_refused_by_name() {
     let several = scene(&["axis.count=2", "axis.shared=2"]);
     assert!(several.check("test").unwrap_err().to_string().contains("axis.shared = 2 is not allowed here"));
     assert!(haptic_sim::pair::Pair::<f32>::new(&several).is_err());
+}
+
+/// At rest what user 2 pushes with is all that crosses the line, and user 1's arm alone holds it, so that along each axis
+///
+/// > F_T = −P·w₂,   x₁ = r·w₁ − P·w₂/k₁,   P = 0.5 N, r = 30 mm, k₁ = 300 N/m, w the direction of a user.
+///
+/// What a mechanism's mass couples dies away before.
+#[test]
+fn the_scenes_of_a_plane_and_of_space_balance_along_every_axis() {
+    let (push_n, reach_m, stiffness) = (0.5, 0.03, 300.0);
+    for (name, axes) in [("plane", 2), ("space", 3)] {
+        let scene = scenes::load(Laws::built_in(), name).expect("built in");
+        let run = shared::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| true);
+        let run = run.expect("a good scene");
+        assert!(run.is_stable() && run.axes.len() == axes, "{name}");
+        let ways = scene.users.each_ref().map(|user| user.way());
+        for (axis, outcome) in run.axes.iter().enumerate() {
+            let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
+            let wanted = [-push_n * ways[1][axis], reach_m * ways[0][axis] - push_n * ways[1][axis] / stiffness];
+            let [force, place] = [-last("coordination_2_n"), last("device_1_m")];
+            assert!((force / wanted[0] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {force} N, not {}", wanted[0]);
+            assert!((place / wanted[1] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {place} m, not {}", wanted[1]);
+            assert!(outcome.energy_out_over_in() < 1.0, "{name}, axis {axis}");
+        }
+    }
 }
