@@ -10,19 +10,22 @@
 //! a caller that has none of its own; here it only goes into the report, for two ladders in a row would fade twice.
 //!
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
-//! the board does.
+//! the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
 
 use std::collections::VecDeque;
+use std::fmt::Debug;
 
+use haptic_core::device::{AXES, kinematics::Kinematics};
+use haptic_core::law::ledger::Ledger;
 use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
+use haptic_core::peer::{Actuators, Observed};
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Error, Link, Notice, Stage};
-use haptic_protocol::peer::{Inbox, flow_of, open, packets_of};
-use haptic_protocol::wire::{Flow, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
+use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::{peers::DynPeer, plant::Plant, scene::Scene};
+use crate::{peers::SharedPeer, plant::Plant, scene::Scene, shared};
 
 /// A link that hands each datagram to whoever sends it.
 pub trait Says {
@@ -47,18 +50,18 @@ impl Says for Link {
     }
 }
 
-/// One peer, its device and its link.
+/// One peer that shares the object along `SHARED` axes of its device of `N`, that device and its link.
 #[derive(Debug)]
-pub struct Node {
+pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
     /// The peer; only the node gives it a tick.
-    pub peer: Box<dyn DynPeer<f32>>,
-    plant: Plant,
+    pub peer: Box<dyn SharedPeer<f32, SHARED, N>>,
+    plant: Plant<N>,
     /// Its motors are off until somebody says otherwise.
     halted: bool,
     /// Its clutch is open.
     clutched: bool,
     /// Its end of the line to the other one.
-    pub line: Line,
+    pub line: Line<SHARED>,
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
@@ -78,11 +81,11 @@ pub const MOST_NOTICES: usize = 256;
 
 /// One end of the sealed line between the two peers of a scene, and what has come over it.
 #[derive(Debug)]
-pub struct Line {
+pub struct Line<const SHARED: usize = 1> {
     /// The link.
     pub link: Link,
     /// The flow that has come and waits for its exchange.
-    pub inbox: Inbox,
+    pub inbox: Inbox<SHARED>,
     /// What the other one last said about itself, every half second.
     pub heard: Option<Telemetry>,
     /// What the link has reported, in order, with the time of each in µs: the newest [`MOST_NOTICES`].
@@ -93,7 +96,7 @@ pub struct Line {
     pub lives: u64,
 }
 
-impl Line {
+impl<const SHARED: usize> Line<SHARED> {
     /// The end of peer `number` (1 or 2), calling. `entropy` must never be the same at two starts.
     pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         let settings = &scene.peers()[usize::from(number == 2)];
@@ -111,19 +114,19 @@ impl Line {
         tick: u32,
         datagram: &mut [u8],
         part: impl FnMut(),
-    ) -> Result<Option<Flow>, Error> {
+    ) -> Result<Option<Flows<SHARED>>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.
         self.heed(now_us, part);
-        match taken? {
-            Some(Message::Flow(flow)) => {
-                self.inbox.put(tick, flow);
-                return Ok(Some(flow));
-            }
-            Some(Message::Telemetry(telemetry)) => self.heard = Some(telemetry),
-            _ => {}
+        let taken = taken?;
+        if let Some(Message::Telemetry(telemetry)) = taken {
+            self.heard = Some(telemetry);
         }
-        Ok(None)
+        let flow = taken.as_ref().and_then(flow_in);
+        if let Some(flow) = flow {
+            self.inbox.put(tick, flow);
+        }
+        Ok(flow)
     }
 
     /// Takes in what the link has noticed.
@@ -158,6 +161,40 @@ impl Node {
         plant: Plant,
     ) -> Result<Self, String> {
         let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
+        Self::of(scene, number, key, entropy, peer, plant)
+    }
+}
+
+impl<const N: usize> Node<N, N>
+where
+    Flows<N>: Into<Message>,
+{
+    /// [`Node::new`] of an object that is shared along all axes of a device of mechanism `K`, with a law of core.
+    pub fn several<K: Kinematics<f32, N> + Debug + Send + Sync + 'static>(
+        scene: &Scene,
+        number: u8,
+        key: Key,
+        entropy: [u8; Key::LEN],
+    ) -> Result<Self, String> {
+        let at = usize::from(number == 2);
+        let plant = Plant::build(scene, at);
+        let peer = shared::peer::<f32, N, K>(scene, at, &plant).map_err(|refused| refused.to_string())?;
+        Self::of(scene, number, key, entropy, Box::new(peer), plant)
+    }
+}
+
+impl<const SHARED: usize, const N: usize> Node<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    fn of(
+        scene: &Scene,
+        number: u8,
+        key: Key,
+        entropy: [u8; Key::LEN],
+        peer: Box<dyn SharedPeer<f32, SHARED, N>>,
+        plant: Plant<N>,
+    ) -> Result<Self, String> {
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {
@@ -181,12 +218,12 @@ impl Node {
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
-    pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flow>, Error> {
+    pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
         self.line.receive(now_us, self.ticks, datagram, || self.peer.part())
     }
 
     /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
-    pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32> {
+    pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32, N> {
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us, || self.peer.part());
         self.line.inbox.play(self.ticks);
@@ -199,15 +236,14 @@ impl Node {
             self.peer.part();
         }
         if let Some(flow) = &flow {
-            let [packet] = packets_of(flow);
-            self.peer.hear(packet);
+            self.peer.hear_each(packets_of(flow));
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }
         if self.peer.packet_due()
-            && let Some(packet) = self.peer.exchange()
+            && let Some(packets) = self.peer.exchange_each()
         {
-            let flow = flow_of([packet], self.peer.mode() == Mode::Armed, self.ticks);
+            let flow = flow_of(packets, self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);
         }
         if self.until_telemetry == 0 {
@@ -257,6 +293,11 @@ impl Node {
         self.plant.wall_n()
     }
 
+    /// What the last tick saw and did, along the first shared axis.
+    pub fn observed(&self) -> &Observed<f32> {
+        self.peer.observed_each()[0]
+    }
+
     /// Where its device is along the free axis, and how fast it moves.
     pub fn motion(&self) -> Motion<f64> {
         self.plant.motions()[0]
@@ -267,9 +308,10 @@ impl Node {
         self.line.link.say(now_us, Goodbye {}, send);
     }
 
-    /// How this one is doing, for the other end's people and logs.
+    /// How this one is doing, for the other end's people and logs: along the first shared axis, with the energies of all.
     fn telemetry(&self, now_us: u64) -> Telemetry {
-        let (seen, ledger) = (self.peer.observed(), self.peer.ledger());
+        let (seen, ledgers) = (self.observed(), self.peer.ledger_each());
+        let sum = |each: fn(&Ledger<f32>) -> f32| ledgers.iter().map(|ledger| f64::from(each(ledger))).sum();
         let (mode, fault) = match self.peer.mode() {
             Mode::Armed => (1, 0),
             Mode::Faulted(fault) => (2, fault.number()),
@@ -284,8 +326,8 @@ impl Node {
             desired_position: seen.desired.position,
             contact_force: seen.contact_force,
             coordination_force: seen.coordination_force,
-            energy_received: ledger.received_j().into(),
-            energy_sent: ledger.sent_j().into(),
+            energy_received: sum(Ledger::received_j),
+            energy_sent: sum(Ledger::sent_j),
             ..Telemetry::default()
         };
         self.line.link.describe(now_us, &mut telemetry);
@@ -293,7 +335,7 @@ impl Node {
     }
 
     /// What a reset leaves: the device, in a hand that holds it still.
-    pub fn device(&self) -> Plant {
+    pub fn device(&self) -> Plant<N> {
         let mut plant = self.plant.clone();
         plant.rest();
         plant

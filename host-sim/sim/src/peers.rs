@@ -1,11 +1,12 @@
 //! Peers behind one door, whatever their law and number type: what everything that runs a scene on a PC holds.
 //!
-//! Behind [`DynPeer`] runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`]
+//! Behind [`DynPeer`], or [`SharedPeer`] of several axes, runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`]
 //! says which laws there are: a program with a law of its own adds it once, as a [`Family`], and every scene that is loaded
 //! with these laws takes its name, its keys, and builds its peers.
 
 use std::fmt::Debug;
 
+use haptic_core::device::kinematics::Kinematics;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
@@ -28,13 +29,28 @@ pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
     hash ^ hash >> 32
 }
 
-/// Declares [`DynPeer`] once: methods that [`Peer`] has under the same names, and those that are this trait's own.
+/// Declares the two traits below once: methods that [`Peer`] has under the same names, of any number of shared axes and of one, and those
+/// that are [`DynPeer`]'s own.
 macro_rules! dyn_peer {
     (
-        $( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+
+        any { $( $(#[$any_doc:meta])* fn $any:ident($any_self:ident: $any_receiver:ty $(, $any_argument:ident: $any_type:ty)?) $(-> $any_out:ty)?; )+ }
+        one { $( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+ }
     ) => {
-        /// One haptic peer, configuration and state: the methods of `haptic_core::peer`, by number type only.
-        pub trait DynPeer<S: Scalar>: Debug + Send + Sync {
+        /// One haptic peer that shares the object along `SHARED` axes of a device of `N`, whatever its law: the methods of
+        /// `haptic_core::peer` that a wire needs.
+        pub trait SharedPeer<S: Scalar, const SHARED: usize, const N: usize>: Debug + Send + Sync {
+            $( $(#[$any_doc])* fn $any($any_self: $any_receiver $(, $any_argument: $any_type)?) $(-> $any_out)?; )+
+        }
+
+        impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K> SharedPeer<S, SHARED, N> for Peer<S, L, SHARED, N, K>
+        where
+            K: Kinematics<S, N> + Debug + Send + Sync,
+        {
+            $( fn $any($any_self: $any_receiver $(, $any_argument: $any_type)?) $(-> $any_out)? { Peer::$any($any_self $(, $any_argument)?) } )+
+        }
+
+        /// One haptic peer that shares one axis, configuration and state: the methods of `haptic_core::peer`, by number type only.
+        pub trait DynPeer<S: Scalar>: SharedPeer<S, 1, AXES> {
             $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
             /// Calls `each` for every number of the dynamic state, always in the same order.
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
@@ -62,40 +78,54 @@ macro_rules! dyn_peer {
 }
 
 dyn_peer! {
-    /// One control period: sensors in, forces out.
-    fn tick(self: &mut Self, sensors: &Sensors<S>) -> Actuators<S>;
-    /// Takes in a packet of the other peer: it acts at the next tick.
-    fn hear(self: &mut Self, packet: Packet<S>);
-    /// One packet period: gives what to send, if anything.
-    fn exchange(self: &mut Self) -> Option<Packet<S>>;
-    /// The first half of it: what to send.
-    fn speak(self: &mut Self) -> Option<Packet<S>>;
-    /// The second half of it: counts silence.
-    fn listen(self: &mut Self);
-    /// What it would send now.
-    fn outgoing(self: &Self) -> Packet<S>;
-    /// Whether [`DynPeer::exchange`] is due before the next tick.
-    fn packet_due(self: &Self) -> bool;
-    /// Carries out an operator's command.
-    fn command(self: &mut Self, command: Command);
-    /// What the other peer sends is too old to be taken.
-    fn delayed(self: &mut Self);
-    /// Lets go of the other peer until a packet comes.
-    fn part(self: &mut Self);
-    /// Begins a probe, if disarmed.
-    fn probe(self: &mut Self, probe: Probe<S>);
-    /// What came of the last probe.
-    fn probed(self: &Self) -> Outcome;
-    /// The mode, with the fault that latched.
-    fn mode(self: &Self) -> Mode;
-    /// Whether the coordination acts.
-    fn is_engaged(self: &Self) -> bool;
-    /// What the last tick saw and did.
-    fn observed(self: &Self) -> &Observed<S>;
-    /// Energy that crossed the network port since arming.
-    fn ledger(self: &Self) -> &Ledger<S>;
-    /// Impacts since arming, where contact is impulsive.
-    fn impacts(self: &Self) -> Impacts<S>;
+    any {
+        /// One control period: sensors in, forces out.
+        fn tick(self: &mut Self, sensors: &Sensors<S, N>) -> Actuators<S, N>;
+        /// Takes in a packet of the other peer for each axis: they act at the next tick.
+        fn hear_each(self: &mut Self, packets: [Packet<S>; SHARED]);
+        /// One packet period: gives what to send, if anything.
+        fn exchange_each(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
+        /// What it would send now.
+        fn outgoing_each(self: &Self) -> [Packet<S>; SHARED];
+        /// Whether an exchange is due before the next tick.
+        fn packet_due(self: &Self) -> bool;
+        /// Carries out an operator's command.
+        fn command(self: &mut Self, command: Command);
+        /// What the other peer sends is too old to be taken.
+        fn delayed(self: &mut Self);
+        /// Lets go of the other peer until a packet comes.
+        fn part(self: &mut Self);
+        /// The mode, with the fault that latched.
+        fn mode(self: &Self) -> Mode;
+        /// Whether the coordination acts.
+        fn is_engaged(self: &Self) -> bool;
+        /// What the last tick saw and did along each axis.
+        fn observed_each(self: &Self) -> [&Observed<S>; SHARED];
+        /// Energy that crossed the network port of each axis since arming.
+        fn ledger_each(self: &Self) -> [&Ledger<S>; SHARED];
+    }
+    one {
+        /// Takes in a packet of the other peer: it acts at the next tick.
+        fn hear(self: &mut Self, packet: Packet<S>);
+        /// One packet period: gives what to send, if anything.
+        fn exchange(self: &mut Self) -> Option<Packet<S>>;
+        /// The first half of it: what to send.
+        fn speak(self: &mut Self) -> Option<Packet<S>>;
+        /// The second half of it: counts silence.
+        fn listen(self: &mut Self);
+        /// What it would send now.
+        fn outgoing(self: &Self) -> Packet<S>;
+        /// Begins a probe, if disarmed.
+        fn probe(self: &mut Self, probe: Probe<S>);
+        /// What came of the last probe.
+        fn probed(self: &Self) -> Outcome;
+        /// What the last tick saw and did.
+        fn observed(self: &Self) -> &Observed<S>;
+        /// Energy that crossed the network port since arming.
+        fn ledger(self: &Self) -> &Ledger<S>;
+        /// Impacts since arming, where contact is impulsive.
+        fn impacts(self: &Self) -> Impacts<S>;
+    }
 }
 
 impl<S: Scalar> Clone for Box<dyn DynPeer<S>> {

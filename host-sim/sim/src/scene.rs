@@ -540,7 +540,7 @@ impl Scene {
     pub fn check(&self, place: &str) -> Result<(), SceneError> {
         if self.is_shared_along_several() {
             let said = format!(
-                "axis.shared = {} is not allowed here: `cooperate` and `stability` share several axes, everything else shares one",
+                "axis.shared = {} is not allowed here: `cooperate`, `peer` and `stability` share several axes, everything else shares one",
                 self.peer.axis.shared
             );
             return Err(SceneError::at(place, said));

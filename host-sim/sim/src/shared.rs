@@ -83,13 +83,22 @@ struct Side<S: Scalar, const N: usize, K> {
     period_ns: u64,
 }
 
+/// Peer `index` (0 or 1) of this device, disarmed and at rest.
+pub(crate) fn peer<S: Scalar, const N: usize, K: Kinematics<S, N>>(
+    scene: &Scene,
+    index: usize,
+    plant: &Plant<N>,
+) -> Result<Peer<S, AnyLaw<S>, N, N, K>, Refused<'static>> {
+    let settings = &scene.peers()[index];
+    let in_the_world = |axis: Motion<f64>| Motion::at(S::from_f64(settings.scale.position * axis.position));
+    Peer::build(settings, plant.motions().map(in_the_world))
+}
+
 impl<S: Scalar, const N: usize, K: Kinematics<S, N>> Side<S, N, K> {
     /// Peer `index` (0 or 1), armed and at rest, which writes to the other one.
     fn new(scene: &Scene, index: usize) -> Result<Self, Refused<'static>> {
         let plant = Plant::build(scene, index);
-        let settings = &scene.peers()[index];
-        let in_the_world = |axis: Motion<f64>| Motion::at(S::from_f64(settings.scale.position * axis.position));
-        let mut peer = Peer::build(settings, plant.motions().map(in_the_world))?;
+        let mut peer = peer(scene, index, &plant)?;
         peer.command(Command::Arm);
         let timing = &scene.peer.timing;
         Ok(Self {

@@ -182,7 +182,7 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
         Kind::of("cooperate", both),
     ];
     let channels = [
-        ("peer", ticks::channels("peer_1")),
+        ("peer", ticks::channels("peer_1", 1)),
         ("hub", ticks::hub_channels(2)),
         ("board", ticks::board_channels(1)),
         ("play", play::channels("/both/ticks")),

@@ -3,13 +3,15 @@
 
 use std::{net::SocketAddr, time::Duration};
 
+use haptic_core::device::kinematics::{AnyKinematics, AnySpatial};
 use haptic_core::safety::Mode;
+use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Notice};
-use haptic_protocol::{key::Key, wire::Telemetry};
+use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::measure::port::{ObjectPort, PortEnergy, counted};
 use haptic_sim::measure::{LastHalf, Statistics};
-use haptic_sim::{key_file::entropy, node::Node, scene::Scene};
+use haptic_sim::{key_file::entropy, node::Node, scene::Scene, shared::NAMES};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
@@ -22,14 +24,17 @@ pub(crate) struct Report {
     pub(crate) peer: u8,
     /// Ticks while armed.
     pub(crate) ticks: u64,
-    /// Mean |x_o − x_d| over the last half, mm.
+    /// Mean |x_o − x_d| over the last half, mm; of several shared axes the distance in the plane or in space.
     pub(crate) decoded_discrepancy_mm: f64,
+    /// Of several shared axes, along the first.
     #[serde(flatten)]
     pub(crate) seen: Seen,
-    /// Mean F_T over the last half, N.
-    pub(crate) coordination_force_n: f64,
-    /// F_LC over the last half, N of the world.
-    pub(crate) contact_force_n: Statistics,
+    /// Of one shared axis, or the first.
+    #[serde(flatten)]
+    pub(crate) forces: Forces,
+    /// Each of several shared axes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) axes: Vec<Along>,
     /// What the wall in the room of its device pushed with over the last half, N of the device; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) wall_force_n: Option<Statistics>,
@@ -52,7 +57,26 @@ pub(crate) struct Report {
     pub(crate) punctuality: Punctuality,
 }
 
-/// Energy through the ports of its coordination while armed, J, and what came out over what went in: above 1 it made energy.
+/// Forces along one axis, over the last half.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Forces {
+    /// Mean F_T, N.
+    pub(crate) coordination_force_n: f64,
+    /// F_LC, N of the world.
+    pub(crate) contact_force_n: Statistics,
+}
+
+/// What one peer saw along one of several shared axes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Along {
+    axis: &'static str,
+    decoded_discrepancy_mm: f64,
+    #[serde(flatten)]
+    forces: Forces,
+}
+
+/// Energy through the ports of its coordination while armed, J, of all shared axes, and what came out over what went in: above 1 it made
+/// energy.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Ports {
     received_j: f64,
@@ -107,15 +131,17 @@ pub(super) fn told<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> 
 /// How long a peer that refuses the other one goes on calling, so that that one is told as well, µs.
 const LINGER_US: u64 = 500_000;
 
-struct Peer {
-    node: Node,
+struct Peer<const SHARED: usize, const N: usize> {
+    node: Node<SHARED, N>,
     connect: SocketAddr,
     patience_s: f64,
     /// Ticks of the experiment.
     ticks: u64,
-    /// |x_o − x_d|, F_T, then F_LC and the wall's force, each with its square.
-    halves: LastHalf<6>,
-    port: ObjectPort,
+    /// Along each axis |x_o − x_d|, F_T, F_LC and its square.
+    halves: [LastHalf<4>; SHARED],
+    /// The distance of the copies; the wall's force and its square.
+    whole: LastHalf<3>,
+    ports: [ObjectPort; SHARED],
     /// Who sent the newest datagram that was refused and tells something, and why it was.
     refusal: Option<(SocketAddr, Error)>,
     /// The other peer was told other parameters: which table differs, and when that was found, µs.
@@ -127,13 +153,16 @@ struct Peer {
     told: Option<u32>,
 }
 
-impl Peer {
+impl<const SHARED: usize, const N: usize> Peer<SHARED, N> {
     fn differs_in(&self, table: &str) -> String {
         format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
     }
 }
 
-impl Actor<SocketAddr> for Peer {
+impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for Peer<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
@@ -160,18 +189,26 @@ impl Actor<SocketAddr> for Peer {
         let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
-            let seen = counted(node.peer.observed());
-            let discrepancy_m = (seen.object.position - seen.desired.position).abs();
-            let (contact_n, wall_n) = (seen.contact_force, node.wall_n());
-            let squares = [contact_n * contact_n, wall_n * wall_n];
-            self.halves.see(tick, [discrepancy_m, seen.coordination_force, contact_n, squares[0], wall_n, squares[1]]);
-            self.port.see(&seen);
+            let mut apart_m: f64 = 0.0;
+            let axes = node.peer.observed_each().into_iter().map(counted);
+            for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
+                let discrepancy_m = (seen.object.position - seen.desired.position).abs();
+                let contact_n = seen.contact_force;
+                half.see(tick, [discrepancy_m, seen.coordination_force, contact_n, contact_n * contact_n]);
+                port.see(&seen);
+                apart_m = apart_m.hypot(discrepancy_m);
+            }
+            let wall_n = node.wall_n();
+            self.whole.see(tick, [apart_m, wall_n, wall_n * wall_n]);
         }
         self.watch.ticked(now_ns, node);
     }
 }
 
-impl Live for Peer {
+impl<const SHARED: usize, const N: usize> Live for Peer<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
     fn waited(&mut self, waited: Duration) {
         self.node.line.link.waited(waited.as_micros() as u64);
     }
@@ -211,12 +248,30 @@ pub(crate) fn run(
     scene: &Scene,
     key: Key,
     number: u8,
-    [listen, connect]: [SocketAddr; 2],
-    Span { duration_s, patience_s }: Span,
+    ends: [SocketAddr; 2],
+    span: Span,
     wanted: &Wanted,
     stop: &Stop,
 ) -> Result<Report, String> {
-    let node = Node::new(scene, number, key, entropy()?)?.telling_every(TELLING_S);
+    let entropy = entropy()?;
+    let among = (scene, number, ends, span);
+    match scene.peer.axis.shared {
+        3 => live(Node::<3, 3>::several::<AnySpatial<f32>>(scene, number, key, entropy)?, among, wanted, stop),
+        2 => live(Node::<2, 2>::several::<AnyKinematics<f32>>(scene, number, key, entropy)?, among, wanted, stop),
+        _ => live(Node::new(scene, number, key, entropy)?, among, wanted, stop),
+    }
+}
+
+fn live<const SHARED: usize, const N: usize>(
+    node: Node<SHARED, N>,
+    (scene, number, [listen, connect], Span { duration_s, patience_s }): (&Scene, u8, [SocketAddr; 2], Span),
+    wanted: &Wanted,
+    stop: &Stop,
+) -> Result<Report, String>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    let node = node.telling_every(TELLING_S);
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
@@ -228,29 +283,38 @@ pub(crate) fn run(
         connect,
         patience_s,
         ticks,
-        halves: LastHalf::new(ticks),
-        port: ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m),
+        halves: [LastHalf::new(ticks); SHARED],
+        whole: LastHalf::new(ticks),
+        ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
         refusal: None,
         differs: None,
         now_us: 0,
     };
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let Peer { node, halves, port, watch, .. } = peer;
-    let [discrepancy_m, coordination_force_n, contact, contact_squared, wall, wall_squared] = halves.means();
-    let ledger = node.peer.ledger();
+    let Peer { node, halves, whole, ports, watch, .. } = peer;
+    let [apart_m, wall, wall_squared] = whole.means();
+    let along = |(axis, half): (&'static str, &LastHalf<4>)| {
+        let [discrepancy_m, coordination_force_n, contact, contact_squared] = half.means();
+        let contact_force_n = Statistics::of_moments(contact, contact_squared);
+        let forces = Forces { coordination_force_n, contact_force_n };
+        Along { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
+    };
+    let axes: Vec<Along> = NAMES.into_iter().zip(&halves).map(along).collect();
+    let energies = ports.iter().zip(node.peer.ledger_each());
+    let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
     let (line, link) = (&node.line, &node.line.link);
     let counts = link.counts();
     Ok(Report {
         peer: number,
         ticks: node.armed_ticks,
-        decoded_discrepancy_mm: 1e3 * discrepancy_m,
+        decoded_discrepancy_mm: 1e3 * apart_m,
         seen: watch.end(endpoint.now_ns() as f64 * 1e-9),
-        coordination_force_n,
-        contact_force_n: Statistics::of_moments(contact, contact_squared),
+        forces: axes[0].forces,
+        axes: if SHARED > 1 { axes } else { Vec::new() },
         wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
             .then(|| Statistics::of_moments(wall, wall_squared)),
-        port_energy: port.with_network(ledger.received_j().into(), ledger.sent_j().into()).into(),
+        port_energy: energies.sum::<PortEnergy>().into(),
         fault: match node.peer.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,

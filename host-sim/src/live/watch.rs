@@ -7,7 +7,7 @@ use std::time::Instant;
 use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_protocol::link::Notice;
-use haptic_protocol::wire::Telemetry;
+use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::node::{Line, Node};
 use haptic_sim::report::Made;
 use haptic_sim::scene::Scene;
@@ -286,7 +286,7 @@ impl Watch {
         partner: String,
         ticks: u64,
     ) -> Result<Self, String> {
-        let channels = ticks::channels(&format!("peer_{number}"));
+        let channels = ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize);
         let timing = &scene.peer.timing;
         Ok(Self {
             recorder: wanted.recorder(&format!("peer {number}"), start, channels)?,
@@ -311,7 +311,7 @@ impl Watch {
     }
 
     /// A datagram was taken; whether it brought flow.
-    pub(crate) fn heard(&mut self, now_ns: u64, line: &Line, flow: bool) {
+    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, line: &Line<SHARED>, flow: bool) {
         if flow {
             self.silent = 0;
         }
@@ -344,16 +344,23 @@ impl Watch {
     }
 
     /// A tick is over.
-    pub(crate) fn ticked(&mut self, now_ns: u64, node: &mut Node) {
-        let live_ticks = node.peer.outgoing().live_ticks;
+    pub(crate) fn ticked<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
+        // All axes count the same.
+        let live_ticks = node.peer.outgoing_each()[0].live_ticks;
         let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.live_ticks, self.silent) = (live_ticks, self.silent.saturating_add(1));
-        let (seen, ledger, mode) = (*node.peer.observed(), node.peer.ledger(), node.peer.mode());
-        let energies = [ledger.received_j(), ledger.sent_j()];
-        self.record(ticks::TICKS, now_ns, &ticks::tick(now_ns, self.all_ticks, mode, &seen, energies, live));
+        let mode = node.peer.mode();
+        for (axis, (seen, ledger)) in node.peer.observed_each().into_iter().zip(node.peer.ledger_each()).enumerate() {
+            let energies = [ledger.received_j(), ledger.sent_j()];
+            let row = ticks::tick(now_ns, self.all_ticks, mode, seen, energies, live);
+            self.record(ticks::of_axis(axis, ticks::SECONDS), now_ns, &row);
+        }
         self.all_ticks += 1;
         if mode == Mode::Armed {
-            self.own.is_at(now_ns as f64 * 1e-9, seen.object.position.into());
+            self.own.is_at(now_ns as f64 * 1e-9, node.observed().object.position.into());
         } else {
             self.own.forget();
         }
@@ -370,7 +377,7 @@ impl Watch {
         }
     }
 
-    fn second(&mut self, now_ns: u64, node: &Node) {
+    fn second<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>) {
         self.clock.look();
         let (time_s, link, sum) = (now_ns as f64 * 1e-9, &node.line.link, std::mem::take(&mut self.of_second));
         let [ticks, live] = std::mem::take(&mut self.of_this);

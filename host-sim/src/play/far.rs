@@ -147,7 +147,7 @@ impl Far {
     }
 
     fn sample(&mut self) -> Sample {
-        let seen = *self.node.peer.observed();
+        let seen = *self.node.observed();
         let booked = self.side.see(&*self.node.peer, self.heard);
         let link = &self.node.line.link;
         let one_way_s = link.clock().round_trip_us().map_or(f32::NAN, |us| 0.5e-6 * us as f32);
@@ -235,7 +235,7 @@ impl Environment for Far {
         });
         endpoint.flush(going);
         self.was.truncate(KEPT - 1);
-        self.was.push_front(f64::from(node.peer.observed().object.position));
+        self.was.push_front(f64::from(node.observed().object.position));
         self.tick += 1;
         Ok(self.sample())
     }

@@ -7,13 +7,14 @@
 //!
 //! **Ends of travel.** A device can go [`REACH_M`] to either side; there a spring of [`END_STIFFNESS`] and a damper push back.
 
+use haptic_core::device::AXES;
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::Command as Order;
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::{pair::Pair, peers::DynPeer, scene::Scene};
+use haptic_sim::{pair::Pair, peers::SharedPeer, scene::Scene};
 
 use super::environment::{ARMED, Column, Command, Environment, MOST, Sample, Standing, number_of};
 use super::hand::Hand;
@@ -88,13 +89,13 @@ impl Side {
     }
 
     /// After a tick of this peer, which has heard so many packets.
-    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
-        let ledger = peer.ledger();
+    pub(super) fn see(&mut self, peer: &dyn SharedPeer<f32, 1, AXES>, heard: u64) -> Seen {
+        let [ledger] = peer.ledger_each();
         let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-        self.port.see(&as_f64(peer.observed()));
+        self.port.see(&as_f64(peer.observed_each()[0]));
         let energy = self.port.with_network(received, sent);
         let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
-        let live_ticks = peer.outgoing().live_ticks;
+        let live_ticks = peer.outgoing_each()[0].live_ticks;
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
         let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.heard, self.live_ticks) = (heard, live_ticks);

@@ -6,6 +6,7 @@ use haptic_core::safety::Mode;
 
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
+use haptic_sim::shared::NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
 use super::mcap::Channel;
@@ -72,13 +73,22 @@ const HUB_SECOND: [Named; 6] = [
     ("clock_error_s", "by how much the clock may be wrong of the line whose clock is known least"),
 ];
 
-/// The three channels of a peer, in this order: ticks, exchanges, seconds.
-pub fn channels(of: &str) -> Vec<Channel> {
-    vec![
+/// The channels of a peer that shares so many axes, in this order: ticks, exchanges, seconds; ticks of each further axis.
+pub fn channels(of: &str, axes: usize) -> Vec<Channel> {
+    let mut channels = vec![
         Channel::new(format!("/{of}/ticks"), "Tick", TICK),
         Channel::new(format!("/{of}/exchanges"), "Exchange", EXCHANGE),
         Channel::new(format!("/{of}/seconds"), "Second", SECOND),
-    ]
+    ];
+    let further = NAMES.iter().take(axes).skip(1);
+    channels.extend(further.map(|axis| Channel::new(format!("/{of}/ticks-{axis}"), "Tick", TICK)));
+    channels
+}
+
+/// The channel of a shared axis' ticks, from axis 0: [`TICKS`], or one after `last`, the last of the channels that are there anyway.
+pub fn of_axis(axis: usize, last: u16) -> u16 {
+    // There are three axes at most.
+    if axis == 0 { TICKS } else { last + axis as u16 }
 }
 
 /// Which of [`channels`].

@@ -91,7 +91,7 @@ struct World<'a> {
 fn measure(report: &mut Report, life: &mut Life) {
     let engaged = life.node.peer.is_engaged();
     if engaged && !life.engaged {
-        let first = f64::from(life.node.peer.observed().coordination_force).abs();
+        let first = f64::from(life.node.observed().coordination_force).abs();
         report.first_force_n = report.first_force_n.max(first);
     }
     life.engaged = engaged;

@@ -57,7 +57,7 @@ fn course(at_s: f64) -> (f64, f64) {
 fn two_peers_on_clocks_of_their_own() {
     let other = |at_s: f64| at_s + 3.25 + 2e-5 * at_s;
     let exchange = |at_s: f64| vec![other(at_s), at_s + 150e-6, at_s + 650e-6, other(at_s + 800e-6), SESSION];
-    let one = recorded("one", &origin("peer 1", "here", 0), ticks::channels("peer_1"), |row| {
+    let one = recorded("one", &origin("peer 1", "here", 0), ticks::channels("peer_1", 1), |row| {
         for at in 0..10_000 {
             let at_s = 1.0 + 1e-3 * f64::from(at);
             row(0, tick(at_s, course(at_s).0, course(at_s).1));
@@ -67,7 +67,7 @@ fn two_peers_on_clocks_of_their_own() {
             }
         }
     });
-    let two = recorded("two", &origin("peer 2", "there", 0), ticks::channels("peer_2"), |row| {
+    let two = recorded("two", &origin("peer 2", "there", 0), ticks::channels("peer_2", 1), |row| {
         for at in 0..10_000 {
             let at_s = 1.0004 + 1e-3 * f64::from(at);
             row(0, tick(other(at_s), course(at_s).0 - 0.003, course(at_s).1));
@@ -90,7 +90,7 @@ fn two_peers_on_clocks_of_their_own() {
     assert!((back.rms_true_discrepancy_mm - merged.rms_true_discrepancy_mm).abs() < 2e-3, "{back:?}");
     assert!((back.clock_offset_us + merged.clock_offset_us).abs() < 2.0, "{back:?} {merged:?}");
     // Were its ticks 2 ms late, at 0.126 m/s, it would show.
-    let late = recorded("late", &origin("peer 2", "there", 0), ticks::channels("peer_2"), |row| {
+    let late = recorded("late", &origin("peer 2", "there", 0), ticks::channels("peer_2", 1), |row| {
         for at in 0..10_000 {
             let at_s = 1.0004 + 1e-3 * f64::from(at);
             row(0, tick(other(at_s) + 0.002, course(at_s).0 - 0.003, course(at_s).1));
@@ -154,7 +154,7 @@ fn two_boards_to_the_bit() {
 #[test]
 fn what_cannot_be_merged_is_said() {
     let peer = |name: &str, clock: &str| {
-        recorded(name, &origin(name, clock, 0), ticks::channels(name), |row| row(0, tick(1.0, 0.0, 0.0)))
+        recorded(name, &origin(name, clock, 0), ticks::channels(name, 1), |row| row(0, tick(1.0, 0.0, 0.0)))
     };
     let (one, two) = (peer("peer_1", "here"), peer("peer_2", "there"));
     let why = merge(&one, &two).expect_err("no session, two machines");
@@ -170,7 +170,7 @@ fn what_cannot_be_merged_is_said() {
     assert_eq!((merged.instants, merged.rms_true_discrepancy_mm, merged.clock_error_us), (4, 2.0, 0.0));
     assert!(merge(&one, &pair).expect_err("no copy").contains("has no column mode"));
     // On one machine, without a word with each other; but never both armed at once.
-    let other = recorded("other", &origin("peer 2", "here", 5_000_000_000), ticks::channels("x"), |row| {
+    let other = recorded("other", &origin("peer 2", "here", 5_000_000_000), ticks::channels("x", 1), |row| {
         row(0, tick(1.0, 0.0, 0.0));
     });
     assert!(merge(&one, &other).expect_err("no instant").contains("no instant in common"));

@@ -128,6 +128,90 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
     }
 }
 
+/// The built-in scenes of two and of three shared axes as two processes, recorded: along every axis they hold what the run in memory holds.
+#[test]
+fn two_processes_share_a_plane_and_space() {
+    let folder = folder("several-axes");
+    let key = folder.join("key").display().to_string();
+    for (scene, axes) in [("plane", &["x", "y"][..]), ("space", &["x", "y", "z"])] {
+        let [one, two] = addresses();
+        let recording = folder.join(format!("{scene}.mcap")).display().to_string();
+        let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
+            host_sim(&["peer", "--json", "--scene", scene, "--seconds", SECONDS, "--number", number])
+                .args(["--listen", listen, "--connect", connect, "--key-file", &key])
+                .args(more)
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped())
+                .spawn()
+                .expect("host-sim runs")
+        };
+        let peers = [peer("1", &one, &two, &[]), peer("2", &two, &one, &["--record", &recording])];
+        let memory = document(&mut host_sim(&["cooperate", "--json", "--scene", scene, "--seconds", SECONDS]));
+        let number = |of: &Value, key: &str| of[key].as_f64().unwrap_or_else(|| panic!("{key} in {of}"));
+        let lives = peers.map(report);
+        for live in &lives {
+            assert_eq!((&live["fault"], number(live, "ticks")), (&Value::Null, 4000.0), "{live}");
+            let names: Vec<_> = live["axes"].as_array().expect("axes").iter().map(|axis| &axis["axis"]).collect();
+            assert_eq!(names, axes, "{live}");
+            let mut squares = 0.0;
+            for (axis, wanted) in live["axes"].as_array().into_iter().flatten().zip(memory["axes"].as_array().unwrap())
+            {
+                let [real, in_memory] = [axis, wanted].map(|of| number(of, "decoded_discrepancy_mm"));
+                assert!((real / in_memory - 1.0).abs() < 0.05, "{real} mm, {in_memory} mm in memory: {live}");
+                let force = number(axis, "coordination_force_n").abs();
+                let in_memory = number(&wanted["coordination_force_n"], "mean").abs();
+                assert!((force / in_memory - 1.0).abs() < 0.05, "{force} N, {in_memory} N in memory: {live}");
+                squares += real * real;
+            }
+            assert!((number(live, "decoded_discrepancy_mm") / squares.sqrt() - 1.0).abs() < 0.01, "{live}");
+            assert!(number(&live["port_energy"], "out_over_in") < 1.0, "{live}");
+        }
+        // The rows of every axis: what pulls in the last half of them is what the report says.
+        let table = folder.join(format!("{scene}.csv"));
+        let converted = host_sim(&["convert", &recording]).arg(&table).stdout(Stdio::null()).status();
+        assert!(converted.expect("host-sim runs").success());
+        for axis in lives[1]["axes"].as_array().expect("axes") {
+            let ending = match axis["axis"].as_str() {
+                Some("x") => String::new(),
+                further => format!("-ticks-{}", further.expect("a name")),
+            };
+            let text = std::fs::read_to_string(folder.join(format!("{scene}{ending}.csv"))).expect("a table");
+            let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+            let [mode, force] =
+                ["mode", "coordination_n"].map(|name| rows[0].iter().position(|column| *column == name));
+            let armed: Vec<_> =
+                rows.iter().skip(1).filter(|row| row[mode.expect("a column")].parse() == Ok(1.0)).collect();
+            let half = &armed[armed.len() / 2..];
+            let each = half.iter().map(|row| row[force.expect("a column")].parse::<f64>().expect("a number"));
+            let mean = each.sum::<f64>() / half.len() as f64;
+            assert!((mean / number(axis, "coordination_force_n") - 1.0).abs() < 0.01, "{mean} N: {axis}");
+        }
+    }
+}
+
+/// One shares a plane, the other space: both say so, and which table.
+#[test]
+fn another_number_of_shared_axes_is_told_at_both_ends() {
+    let folder = folder("other-axes");
+    let [one, two] = addresses();
+    let peer = |number: &str, scene: &str, listen: &str, connect: &str| {
+        host_sim(&["peer", "--number", number, "--scene", scene, "--listen", listen, "--connect", connect])
+            .args(["--patience-s", "10", "--quiet", "--key-file"])
+            .arg(folder.join("key"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("host-sim runs")
+    };
+    for (peer, other) in [(peer("1", "space", &one, &two), &two), (peer("2", "plane", &two, &one), &one)] {
+        let output = peer.wait_with_output().expect("it ends");
+        let error = String::from_utf8_lossy(&output.stderr);
+        let wanted = format!("{other} was told other parameters: table [axis] of the scene differs");
+        assert!(output.status.code() == Some(2) && error.contains(&wanted), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}
+
 /// An end of version 1 of the wire says hello all the time: why it is nobody is told, with both versions.
 #[test]
 fn an_end_of_another_version_is_named() {

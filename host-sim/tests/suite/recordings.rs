@@ -76,7 +76,7 @@ fn in_process(settings: &[String], seconds: f64) -> f64 {
     let (ticks, mut sum) = ((1e3 * seconds) as u64, 0.0);
     for tick in 0..ticks {
         engine.step(&mut |_| ());
-        let at = |seat: usize| f64::from(engine.seats[seat].actor.node.peer.observed().object.position);
+        let at = |seat: usize| f64::from(engine.seats[seat].actor.node.observed().object.position);
         if tick >= ticks / 2 {
             sum += 1e3 * (at(0) - at(1)).abs() / (ticks / 2) as f64;
         }

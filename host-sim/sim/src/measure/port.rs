@@ -19,6 +19,8 @@
 //! Left out: an impact changes ẋ_o between two ticks, so that v̄ is not known; nothing is said of impulsive contact. A force
 //! that acts late (`object.force_delay_ticks`) is booked in the tick that computed it.
 
+use core::iter::Sum;
+
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 
@@ -44,6 +46,18 @@ impl PortEnergy {
     pub fn out_over_in(&self) -> f64 {
         let out = self.sent_j + self.to_object_j + self.stored_j;
         ratio(out, self.received_j + self.from_object_j)
+    }
+}
+
+impl Sum for PortEnergy {
+    fn sum<I: Iterator<Item = Self>>(each: I) -> Self {
+        each.fold(Self::default(), |sum, one| Self {
+            received_j: sum.received_j + one.received_j,
+            sent_j: sum.sent_j + one.sent_j,
+            to_object_j: sum.to_object_j + one.to_object_j,
+            from_object_j: sum.from_object_j + one.from_object_j,
+            stored_j: sum.stored_j + one.stored_j,
+        })
     }
 }
 

@@ -12,6 +12,7 @@ mod leader_follower;
 mod link;
 mod measure;
 mod midpoint;
+mod node;
 mod oracle;
 mod outcome;
 mod precision;

@@ -155,7 +155,7 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
             }
             memory.step();
             for (peer, copy) in meeting.peers().zip(memory.copies()) {
-                let apart = f64::from(peer.peer.observed().object.position) - copy.position;
+                let apart = f64::from(peer.observed().object.position) - copy.position;
                 farthest_m = farthest_m.max(copy.position.abs());
                 // f32 here, f64 there.
                 assert!(apart.abs() < 1e-7, "{users} users, tick {}: {apart} m apart", meeting.engine.tick());
@@ -176,7 +176,7 @@ fn self_timed_lines_meet_in_a_copy() {
         let scene = built_in("any-network", &[&keys[..], &[credit]].concat());
         let mut meeting = Meeting::new(scene, 2);
         (0..20_000).for_each(|_| meeting.step());
-        let copies: Vec<f32> = meeting.peers().map(|peer| peer.peer.observed().object.position).collect();
+        let copies: Vec<f32> = meeting.peers().map(|peer| peer.observed().object.position).collect();
         let coordination = &meeting.scene.peer.coordination;
         let apart_m = f64::from((copies[0] - copies[1]).abs());
         let line_s = (apart_m / 2.0 - 2.0 / coordination.stiffness_n_per_m) * coordination.wave_impedance_n_s_per_m;
@@ -218,7 +218,7 @@ fn self_timed_lines_around_a_hub_stand_through_bursts() {
                 meeting.restart(users - 1, device);
             }
             meeting.step();
-            let places = || meeting.peers().map(|peer| f64::from(peer.peer.observed().object.position));
+            let places = || meeting.peers().map(|peer| f64::from(peer.observed().object.position));
             // The one that began anew is where its device is.
             if (1_000..6_000).contains(&tick) {
                 let apart = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
@@ -265,7 +265,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
             }
             meeting.step();
             for (peer, before) in meeting.peers().take(3).zip(&mut forces) {
-                let force = f64::from(peer.peer.observed().coordination_force);
+                let force = f64::from(peer.observed().coordination_force);
                 if tick >= 1_000 {
                     let jump_n = &mut jumps_n[usize::from(tick >= 4_000)];
                     *jump_n = jump_n.max((force - *before).abs());
@@ -324,7 +324,7 @@ fn what_a_hub_cannot_be_made_for() {
 #[test]
 fn notices_of_a_line_take_bounded_memory() {
     let scene = scene(&[]);
-    let line = |number: u8| Line::open(&scene, number, key(), [number; Key::LEN]).expect("a line");
+    let line = |number: u8| Line::<1>::open(&scene, number, key(), [number; Key::LEN]).expect("a line");
     let (mut one, mut two, mut joined) = (line(1), line(2), 0);
     for round in 0..3_000_u64 {
         let (now, mut said) = (8_000 * round, [vec![], vec![]]);

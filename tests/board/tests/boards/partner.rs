@@ -38,15 +38,15 @@ fn hold_one_object(set: &[&str]) {
     let force = last.coordination_force;
     println!(
         "engaged after {engaged} ticks; coordination {force:.3} N on the board, {:.3} N in host-sim; decoded {:.3} mm; {counts:?}",
-        node.peer.observed().coordination_force,
+        node.observed().coordination_force,
         1e3 * (last.object.position - last.desired.position),
     );
     // What one pulls the other is pulled by: the forces of a line that is at rest are equal and opposite.
-    let sum = force + node.peer.observed().coordination_force;
+    let sum = force + node.observed().coordination_force;
     assert!(
         force.abs() > 0.5 && sum.abs() < 0.2 * force.abs(),
         "{force} N and {} N",
-        node.peer.observed().coordination_force
+        node.observed().coordination_force
     );
 
     // And every tick of the board is what the code here makes of the same arrivals.
