@@ -11,6 +11,7 @@
 //! coordination force, outgoing wave; (d) the object advances. With `object.integrator = "midpoint"` (b) to (d) are one solve (THEORY §7).
 
 mod axis;
+mod exchange;
 
 use crate::contact::{AnyRendering, Impacts};
 use crate::device::encoder::{Encoder, EncoderState, Marks};
@@ -23,7 +24,7 @@ use crate::device::stage_watch::{Driven, StageState, StageWatch};
 use crate::device::watch::{Still, Watch};
 use crate::device::{self, AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
-use crate::law::{AnyLaw, Law, Packet, credit};
+use crate::law::{AnyLaw, Law, credit};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
@@ -197,27 +198,6 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
 
 /// One shared axis.
 impl<S: Scalar, L: Law<S>, const N: usize, K: Kinematics<S, N>> Peer<S, L, 1, N, K> {
-    /// [`Peer::hear_each`].
-    pub fn hear(&mut self, packet: Packet<S>) {
-        self.hear_each([packet]);
-    }
-
-    /// [`Peer::exchange_each`].
-    pub fn exchange(&mut self) -> Option<Packet<S>> {
-        self.exchange_each().map(|[packet]| packet)
-    }
-
-    /// [`Peer::speak_each`].
-    pub fn speak(&mut self) -> Option<Packet<S>> {
-        self.speak_each().map(|[packet]| packet)
-    }
-
-    /// [`Peer::outgoing_each`].
-    pub fn outgoing(&self) -> Packet<S> {
-        let [packet] = self.outgoing_each();
-        packet
-    }
-
     /// [`Peer::observed_each`].
     pub fn observed(&self) -> &Observed<S> {
         let [axis] = &self.shared;
@@ -387,19 +367,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.probing.outcome()
     }
 
-    /// Packets come, but too old to be taken (`safety.max_delay_s`): silence all the same, which is the link's to say. Until one is taken
-    /// the fault that silence leads to is [`Fault::PeerDelayed`].
-    pub fn delayed(&mut self) {
-        self.delayed = true;
-    }
-
-    /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
-    /// a packet comes, which starts the coordination anew from no force, step by step. Without this a peer that is armed
-    /// takes the first packet in full: both were at rest where they met.
-    pub fn part(&mut self) {
-        self.engagement.part();
-    }
-
     /// The mode, with the fault that latched.
     pub fn mode(&self) -> Mode {
         self.mode
@@ -408,11 +375,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Whether the coordination acts: armed, and the other peer neither silent for too long nor parted from.
     pub fn is_engaged(&self) -> bool {
         self.mode == Mode::Armed && self.engagement.is_engaged()
-    }
-
-    /// Whether [`Peer::exchange_each`] is due before the next [`Peer::tick`].
-    pub fn packet_due(&self) -> bool {
-        self.until_packet == 0
     }
 
     /// What the last tick saw and did along every shared axis.
@@ -433,95 +395,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Axes, and joints, in use.
     pub fn axes(&self) -> usize {
         self.axes
-    }
-
-    /// What [`Peer::exchange_each`] would send now, if it is worth sending.
-    pub fn outgoing_each(&self) -> [Packet<S>; SHARED] {
-        let engaged = self.is_engaged();
-        self.shared.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
-    }
-
-    /// What goes out in this packet period; nothing where the law keeps silent of every axis ([`crate::law::event`]). The first half of
-    /// [`Peer::exchange_each`]: only a network without delay needs it before the other's packets are heard.
-    pub fn speak_each(&mut self) -> Option<[Packet<S>; SHARED]> {
-        let packets = self.outgoing_each();
-        let silent = self.ladder.longest() > 1 && self.keeps_silent(&packets);
-        if silent { None } else { Some(packets) }
-    }
-
-    /// Whether none of these packets is worth sending, and silence not over.
-    #[inline(never)]
-    fn keeps_silent(&mut self, packets: &[Packet<S>; SHARED]) -> bool {
-        self.quiet = self.quiet.saturating_add(1);
-        let may = self.is_engaged() && self.quiet < self.ladder.longest();
-        if may && !self.shared.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet)) {
-            return true;
-        }
-        self.quiet = 0;
-        for (axis, packet) in self.shared.iter_mut().zip(packets) {
-            self.law.spoke(&mut axis.coordination, packet);
-        }
-        false
-    }
-
-    /// Takes in the packets of the other peer, one for each shared axis: they act at the next tick, and stand until others come.
-    ///
-    /// Before any tick, whether or not [`Peer::exchange_each`] is due; where both are, first this. Which of several that have come
-    /// are the newest, the caller knows.
-    pub fn hear_each(&mut self, packets: [Packet<S>; SHARED]) {
-        if !packets.iter().all(|packet| packet.is_finite()) {
-            return self.trip(Fault::NonFiniteInput);
-        }
-        if self.mode != Mode::Armed {
-            return;
-        }
-        let anew = self.ladder.hear(&mut self.engagement);
-        let whole = self.ladder.is_whole(&self.engagement);
-        for (axis, packet) in self.shared.iter_mut().zip(packets) {
-            if anew {
-                self.law.restart(&mut axis.coordination, axis.object);
-            }
-            axis.standing = packet;
-            if whole {
-                self.law.receive(&mut axis.coordination, packet);
-            }
-        }
-        self.age_ticks = 0;
-        self.delayed = false;
-        if !whole {
-            self.fade();
-        }
-    }
-
-    /// Gives the law the packets that stand, as far as they still count.
-    #[inline(never)]
-    fn fade(&mut self) {
-        let share = self.ladder.share(&self.engagement);
-        for axis in &mut self.shared {
-            axis.fade(&self.law, share);
-        }
-    }
-
-    /// One packet period: gives what to send, if anything, and counts the silence if nothing has been heard in it.
-    ///
-    /// Due before every M-th tick, when [`Peer::packet_due`].
-    pub fn exchange_each(&mut self) -> Option<[Packet<S>; SHARED]> {
-        let packets = self.speak_each();
-        self.listen();
-        packets
-    }
-
-    /// The second half of [`Peer::exchange_each`]: counts the silence if nothing has been heard in this packet period.
-    pub fn listen(&mut self) {
-        if self.mode == Mode::Armed {
-            self.ladder.pass(&mut self.engagement);
-            if self.engagement.is_fading() {
-                self.fade();
-            }
-            if self.engagement.silent() >= self.guard.silent_packets {
-                self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
-            }
-        }
     }
 
     /// One control period: sensors in, forces out.

@@ -194,7 +194,7 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
             for (packet, wave) in packets.iter_mut().zip([g, a, b]) {
                 packet.wave = wave;
             }
-            peer.hear_each(packets);
+            peer.hear_each(&packets);
         }
         if peer.packet_due() {
             let sent = peer.exchange_each();

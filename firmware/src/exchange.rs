@@ -98,9 +98,19 @@ impl<T> Writer<'_, T> {
     /// Publishes a value in place of the last one.
     #[inline]
     pub fn write(&mut self, value: T) {
+        self.fill(|slot| {
+            *slot = value;
+            true
+        });
+    }
+
+    /// Writes a value where it is to lie, over what lay there, and publishes it in place of the last one if `fill` says so.
+    #[inline]
+    pub fn fill(&mut self, fill: impl FnOnce(&mut T) -> bool) {
         // SAFETY: the index `own` is this side's alone.
-        self.cell.slot(self.own).with_mut(|slot| unsafe { *slot = value });
-        self.own = self.cell.free.swap(self.own | FRESH, Ordering::AcqRel) & INDEX;
+        if self.cell.slot(self.own).with_mut(|slot| fill(unsafe { &mut *slot })) {
+            self.own = self.cell.free.swap(self.own | FRESH, Ordering::AcqRel) & INDEX;
+        }
     }
 }
 

@@ -87,20 +87,30 @@ pub struct Record(pub [u32; WORDS]);
 impl Record {
     /// What a tick read and did, of one shared axis.
     #[inline(always)]
-    pub fn fill(&mut self, of: &Tick, incoming: Option<Packet<f32>>, seen: &Observed<f32>, ledger: &Ledger<f32>) {
+    pub fn fill(&mut self, of: &Tick, incoming: Option<&Packet<f32>>, seen: &Observed<f32>, ledger: &Ledger<f32>) {
         let Tick { tick, axis, counts, duties, stage, mode, flags, digest } = *of;
-        let incoming = incoming.unwrap_or_default();
-        let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
         let halves = |[low, high]: [u16; 2]| u32::from(low) | u32::from(high) << 16;
-        // One after the other: an array of all of them would go by way of the stack.
+        // One after the other, and what may be absent in a branch of its own: an array of all of them, or a default, would go by way of
+        // the stack.
         let Self(words) = self;
         words[0] = tick;
         words[1] = halves(counts.map(|Counts(count)| count));
         words[2] = halves(duties.map(|duty| duty.0.cast_unsigned()));
         words[3] = mode.code() | u32::from(flags) << 16 | u32::from(axis) << 24;
-        words[4] = incoming.motion.position.to_bits();
-        words[5] = incoming.motion.velocity.to_bits();
-        words[6] = incoming.wave.to_bits();
+        if let Some(incoming) = incoming {
+            let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
+            words[4] = incoming.motion.position.to_bits();
+            words[5] = incoming.motion.velocity.to_bits();
+            words[6] = incoming.wave.to_bits();
+            words[18] = energy as u32;
+            words[19] = (energy >> 32) as u32;
+            words[20] = integral as u32;
+            words[21] = (integral >> 32) as u32;
+            words[22] = incoming.live_ticks;
+        } else {
+            words[4..7].fill(0);
+            words[18..23].fill(0);
+        }
         words[7] = seen.device.position.to_bits();
         words[8] = seen.device.velocity.to_bits();
         words[9] = seen.object.position.to_bits();
@@ -112,17 +122,15 @@ impl Record {
         words[15] = digest;
         words[16] = ledger.received_j().to_bits();
         words[17] = ledger.sent_j().to_bits();
-        words[18] = energy as u32;
-        words[19] = (energy >> 32) as u32;
-        words[20] = integral as u32;
-        words[21] = (integral >> 32) as u32;
-        words[22] = incoming.live_ticks;
-        let Measured { motors: [one, two], supply_mv, supply_counts } = stage.unwrap_or_default();
-        let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));
-        words[23] = signed([one.mean, one.last]);
-        words[24] = signed([one.voltage, two.mean]);
-        words[25] = signed([two.last, two.voltage]);
-        words[26] = halves([supply_mv, supply_counts]);
+        if let Some(Measured { motors: [one, two], supply_mv, supply_counts }) = stage {
+            let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));
+            words[23] = signed([one.mean, one.last]);
+            words[24] = signed([one.voltage, two.mean]);
+            words[25] = signed([two.last, two.voltage]);
+            words[26] = halves([supply_mv, supply_counts]);
+        } else {
+            words[23..].fill(0);
+        }
     }
 
     /// The bytes on the wire.

@@ -159,20 +159,23 @@ impl Loop {
             self.peer.part();
             flags |= record::PARTED;
         }
-        let incoming =
-            self.side.incoming.take().filter(|received| received.life == life).map(|received| received.packets);
-        if let Some(packets) = incoming {
+        let incoming = &mut self.side.incoming;
+        let received =
+            if incoming.fetch() { Some(incoming.get()) } else { None }.filter(|received| received.life == life);
+        if let Some(received) = received {
             flags |= record::RECEIVED;
-            self.peer.hear_each(packets);
+            self.peer.hear_each(&received.packets);
         } else if self.side.signals.old.get() {
             self.peer.delayed();
         }
         if due {
             flags |= record::SENT;
-            if let Some(packets) = self.peer.exchange_each() {
-                let armed = self.peer.mode() == Mode::Armed;
-                self.side.outgoing.write(Outgoing { tick: self.tick, armed, packets });
-            }
+            let (peer, tick) = (&mut self.peer, self.tick);
+            self.side.outgoing.fill(|out| {
+                let speaks = peer.exchange_into(&mut out.packets);
+                (out.tick, out.armed) = (tick, peer.mode() == Mode::Armed);
+                speaks
+            });
         }
 
         // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
@@ -199,6 +202,8 @@ impl Loop {
         if self.record_due() {
             let (tick, mode, digest) = (self.tick, self.peer.mode(), digest(&mut self.peer));
             let (seen, ledgers) = (self.peer.observed_each(), self.peer.ledger_each());
+            let heard = flags & record::RECEIVED != 0;
+            let incoming = heard.then(|| &self.side.incoming.get().packets);
             #[allow(clippy::needless_range_loop, reason = "iterators over arrays of one stay in memory")]
             for axis in 0..SHARED {
                 // Without room it is lost: whoever misses it sees it by the numbers.
@@ -206,7 +211,7 @@ impl Loop {
                     let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
                     let (stage, number) = (current::told(stage), axis as u8);
                     let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
-                    record.fill(&of, incoming.as_ref().map(|packets| packets[axis]), seen[axis], ledgers[axis]);
+                    record.fill(&of, incoming.map(|packets| &packets[axis]), seen[axis], ledgers[axis]);
                 });
             }
         }

@@ -65,11 +65,15 @@ impl<S: Scalar> Ladder<S> {
         Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
 
-    /// A packet has come: the first of a packet period takes one step back, or as many as its sender may have kept silent for. True if the law has to start anew.
+    /// A packet has come: the first of a packet period takes one step back, or as many as its sender may have kept silent for. True if
+    /// the law has to start anew.
     pub fn hear(&self, at: &mut Engagement) -> bool {
         let anew = at.level == 0;
-        let step = if at.came { 0 } else { at.silent.saturating_add(1).min(self.longest) };
-        *at = Engagement { level: at.level.saturating_add(step).min(self.steps), silent: 0, heard: true, came: true };
+        if !self.is_whole(at) && !at.came {
+            let step = at.silent.saturating_add(1).min(self.longest);
+            at.level = at.level.saturating_add(step).min(self.steps);
+        }
+        (at.silent, at.heard, at.came) = (0, true, true);
         anew
     }
 

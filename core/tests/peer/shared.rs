@@ -47,8 +47,8 @@ fn together<S: Scalar, const SHARED: usize, K: Kinematics<S, SHARED>>(settings: 
             exchanges += 1;
             let [to_two, to_one] = peers.each_ref().map(|peer| peer.outgoing_each());
             if !lost(exchanges) {
-                peers[0].hear_each(to_one);
-                peers[1].hear_each(to_two);
+                peers[0].hear_each(&to_one);
+                peers[1].hear_each(&to_two);
             }
             for peer in &mut peers {
                 peer.exchange_each();
@@ -189,7 +189,7 @@ fn a_packet_that_is_no_number_along_any_axis_turns_all_motors_off() {
         peer.command(Command::Arm);
         let mut packets = [Packet::default(); 3];
         packets[bad].wave = f32::NAN;
-        peer.hear_each(packets);
+        peer.hear_each(&packets);
         assert_eq!(peer.mode(), Mode::Faulted(Fault::NonFiniteInput));
         let actuators = peer.tick(&Sensors::of(Reading::Exact([Motion::REST; 3])));
         assert!(!actuators.enable && actuators.forces == [0.0; 3], "{bad}");

@@ -32,6 +32,23 @@ fn the_newest_value_is_taken_once() {
 }
 
 #[test]
+fn what_is_filled_in_place_is_published_only_if_it_is_said_so() {
+    let mut cell = Latest::new([0; 2]);
+    let (mut writer, mut reader) = cell.split();
+    let mut fill = |value: i32, publish: bool| {
+        writer.fill(|slot| {
+            *slot = [value; 2];
+            publish
+        });
+    };
+    fill(1, false);
+    assert_eq!(reader.take(), None);
+    fill(2, true);
+    fill(3, false);
+    assert_eq!((reader.take(), reader.take()), (Some([2; 2]), None));
+}
+
+#[test]
 fn what_the_reader_holds_stands_while_the_writer_goes_on() {
     let mut cell = Latest::new([0; 2]);
     let (mut writer, mut reader) = cell.split();

@@ -55,10 +55,10 @@ fn a_packet_that_came_in_comes_out_whole() {
         wave_integral: -1.0 / 7.0,
         live_ticks: 0xFEDC_BA98,
     };
-    let told = |flags, incoming| {
+    let told = |flags, incoming: Option<Packet<f32>>| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&tick(&mut peer, 8, flags), incoming, peer.observed(), peer.ledger());
+        record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), peer.observed(), peer.ledger());
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));

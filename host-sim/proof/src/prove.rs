@@ -226,7 +226,7 @@ fn step<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numbe
     let motion = || Motion { position: Number::any(), velocity: Number::any() };
     if let Some(live_ticks) = outside.heard {
         let finite = || Motion { position: Number::any_finite(), velocity: Number::any_finite() };
-        peer.hear_each([(); SHARED].map(|()| Packet {
+        peer.hear_each(&[(); SHARED].map(|()| Packet {
             motion: finite(),
             wave: Number::any_finite(),
             energy_j: Unknown::any_finite(),

@@ -132,7 +132,7 @@ impl<S: Scalar, const N: usize, K: Kinematics<S, N>> Actor<usize> for Side<S, N,
 
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
         if let Some(packets) = self.inbox.take(now_ns) {
-            self.peer.hear_each(packets);
+            self.peer.hear_each(&packets);
         }
         if self.peer.packet_due() {
             self.peer.listen();

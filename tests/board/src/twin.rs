@@ -188,7 +188,7 @@ pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Rec
                 }
                 if let Some(packets) = board.incoming() {
                     same &= sides[1 - at].sent.iter().rev().take(LATEST).any(|sent| *sent == packets);
-                    sides[at].peer.hear_each(packets);
+                    sides[at].peer.hear_each(&packets);
                 }
                 let Shared { peer, plant, sent } = &mut sides[at];
                 if peer.packet_due() {
@@ -251,7 +251,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let (mut record, digest) = (Record::default(), digest(&mut peer));
             let (tick, mode, flags, duties) = (board.tick(), peer.mode(), board.flags(), actuators.duties);
             let of = record::Tick { tick, axis: 0, counts, duties, stage, mode, flags, digest };
-            record.fill(&of, incoming, peer.observed(), peer.ledger());
+            record.fill(&of, incoming.as_ref(), peer.observed(), peer.ledger());
             record == *board
         },
         records.len() as u64,

@@ -217,7 +217,7 @@ impl<const N: usize, K: Kinematics<f64, N>> Driven<N, N> for Peer<f64, AnyLaw<f6
         self.command(Command::Arm);
     }
     fn hear(&mut self, packets: [Packet<f64>; N]) {
-        self.hear_each(packets);
+        self.hear_each(&packets);
     }
     fn exchange(&mut self) {
         self.exchange_each();

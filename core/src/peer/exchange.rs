@@ -1,0 +1,157 @@
+//! What a peer says to the other one and hears of it: packets once each packet period, and the silence between them.
+//!
+//! Packets are written where the caller wants them, and read where he has them: on a board that is the memory that tick and network
+//! share, and copies cost more than what is decided here.
+
+use super::Peer;
+use crate::device::kinematics::Kinematics;
+use crate::law::{Law, Packet};
+use crate::num::Scalar;
+use crate::safety::{Fault, Mode};
+
+/// One shared axis.
+impl<S: Scalar, L: Law<S>, const N: usize, K: Kinematics<S, N>> Peer<S, L, 1, N, K> {
+    /// [`Peer::hear_each`].
+    pub fn hear(&mut self, packet: Packet<S>) {
+        self.hear_each(&[packet]);
+    }
+
+    /// [`Peer::exchange_each`].
+    pub fn exchange(&mut self) -> Option<Packet<S>> {
+        self.exchange_each().map(|[packet]| packet)
+    }
+
+    /// [`Peer::speak_each`].
+    pub fn speak(&mut self) -> Option<Packet<S>> {
+        self.speak_each().map(|[packet]| packet)
+    }
+
+    /// [`Peer::outgoing_each`].
+    pub fn outgoing(&self) -> Packet<S> {
+        let [packet] = self.outgoing_each();
+        packet
+    }
+}
+
+impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Peer<S, L, SHARED, N, K> {
+    /// Whether [`Peer::exchange_each`] is due before the next [`Peer::tick`].
+    pub fn packet_due(&self) -> bool {
+        self.until_packet == 0
+    }
+
+    /// One packet period: gives what to send, if anything, and counts the silence if nothing has been heard in it.
+    ///
+    /// Due before every M-th tick, when [`Peer::packet_due`].
+    pub fn exchange_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+        let mut packets = [Packet::default(); SHARED];
+        self.exchange_into(&mut packets).then_some(packets)
+    }
+
+    /// [`Peer::exchange_each`], written where it is to lie; true if it is to be sent.
+    pub fn exchange_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
+        let speaks = self.speak_into(packets);
+        self.listen();
+        speaks
+    }
+
+    /// What goes out in this packet period; nothing where the law keeps silent of every axis ([`crate::law::event`]). The first half of
+    /// [`Peer::exchange_each`]: only a network without delay needs it before the other's packets are heard.
+    pub fn speak_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+        let mut packets = [Packet::default(); SHARED];
+        self.speak_into(&mut packets).then_some(packets)
+    }
+
+    /// [`Peer::speak_each`], written where it is to lie.
+    fn speak_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
+        let engaged = self.is_engaged();
+        for (packet, axis) in packets.iter_mut().zip(&self.shared) {
+            *packet = axis.outgoing(&self.law, engaged);
+        }
+        self.ladder.longest() <= 1 || !self.keeps_silent(packets)
+    }
+
+    /// What [`Peer::exchange_each`] would send now, if it is worth sending.
+    pub fn outgoing_each(&self) -> [Packet<S>; SHARED] {
+        let engaged = self.is_engaged();
+        self.shared.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
+    }
+
+    /// Whether none of these packets is worth sending, and silence not over.
+    #[inline(never)]
+    fn keeps_silent(&mut self, packets: &[Packet<S>; SHARED]) -> bool {
+        self.quiet = self.quiet.saturating_add(1);
+        let may = self.is_engaged() && self.quiet < self.ladder.longest();
+        if may && !self.shared.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet)) {
+            return true;
+        }
+        self.quiet = 0;
+        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+            self.law.spoke(&mut axis.coordination, packet);
+        }
+        false
+    }
+
+    /// The second half of [`Peer::exchange_each`]: counts the silence if nothing has been heard in this packet period.
+    pub fn listen(&mut self) {
+        if self.mode == Mode::Armed {
+            self.ladder.pass(&mut self.engagement);
+            if self.engagement.is_fading() {
+                self.fade();
+            }
+            if self.engagement.silent() >= self.guard.silent_packets {
+                self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
+            }
+        }
+    }
+
+    /// Takes in the packets of the other peer, one for each shared axis: they act at the next tick, and stand until others come.
+    ///
+    /// Before any tick, whether or not [`Peer::exchange_each`] is due; where both are, first this. Which of several that have come
+    /// are the newest, the caller knows.
+    pub fn hear_each(&mut self, packets: &[Packet<S>; SHARED]) {
+        if !packets.iter().all(|packet| packet.is_finite()) {
+            return self.trip(Fault::NonFiniteInput);
+        }
+        if self.mode != Mode::Armed {
+            return;
+        }
+        let anew = self.ladder.hear(&mut self.engagement);
+        let whole = self.ladder.is_whole(&self.engagement);
+        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+            if anew {
+                self.law.restart(&mut axis.coordination, axis.object);
+            }
+            axis.standing = *packet;
+            if whole {
+                self.law.receive(&mut axis.coordination, *packet);
+            }
+        }
+        self.age_ticks = 0;
+        self.delayed = false;
+        if !whole {
+            self.fade();
+        }
+    }
+
+    /// Gives the law the packets that stand, as far as they still count.
+    #[inline(never)]
+    fn fade(&mut self) {
+        let share = self.ladder.share(&self.engagement);
+        for axis in &mut self.shared {
+            axis.fade(&self.law, share);
+        }
+    }
+
+    /// Packets come, but too old to be taken (`safety.max_delay_s`): silence all the same, which is the link's to say. Until one is taken
+    /// the fault that silence leads to is [`Fault::PeerDelayed`].
+    pub fn delayed(&mut self) {
+        self.delayed = true;
+    }
+
+    /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
+    /// a packet comes, which starts the coordination anew from no force, step by step. Without this a peer that is armed
+    /// takes the first packet in full: both were at rest where they met.
+    pub fn part(&mut self) {
+        self.engagement.part();
+    }
+}
