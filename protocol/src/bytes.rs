@@ -50,7 +50,13 @@ impl<'a> Reader<'a> {
     /// What lies before offset `at` must be 0.
     #[inline]
     pub(crate) fn zeros_to(&mut self, at: usize) -> Result<(), Error> {
-        let gap = self.slice(at.saturating_sub(self.at()))?;
+        self.zeros(at.saturating_sub(self.at()))
+    }
+
+    /// So many bytes must be 0.
+    #[inline]
+    pub(crate) fn zeros(&mut self, count: usize) -> Result<(), Error> {
+        let gap = self.slice(count)?;
         if gap.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(self.reserved()) }
     }
 
@@ -141,8 +147,12 @@ pub(crate) trait Field: Sized {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
     fn write(&self, writer: &mut Writer<'_>);
 
+    #[inline]
     fn read_all(reader: &mut Reader<'_>, all: &mut [Self]) -> Result<(), Error> {
-        all.iter_mut().try_for_each(|one| reader.get().map(|read| *one = read))
+        for one in all {
+            *one = reader.get()?;
+        }
+        Ok(())
     }
 
     fn write_all(all: &[Self], writer: &mut Writer<'_>) {
@@ -328,19 +338,22 @@ macro_rules! layout {
 
             #[inline]
             fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
-                let start = reader.at();
-                $(reader.$first($value)?;)*
+                // Known when this is compiled, wherever the struct begins: where no gap is, none is looked for.
+                let mut _at: usize = 0;
+                $(reader.$first($value)?; _at = usize::saturating_add(_at, 1);)*
                 $(
-                    reader.zeros_to(start + $at)?;
+                    reader.zeros(usize::saturating_sub($at, _at))?;
                     let mut flags: u8 = reader.get()?;
+                    _at = $at + 1;
                     $(let $flag = flags & 1 == 1; flags >>= 1;)+
                     if flags != 0 {
                         return Err(reader.reserved());
                     }
                 )?
                 $(
-                    reader.zeros_to(start + $offset)?;
+                    reader.zeros(usize::saturating_sub($offset, _at))?;
                     let $field: $ty = reader.get()?;
+                    _at = $offset + <$ty as $crate::bytes::Field>::LEN;
                     $(
                         let allowed: fn(&$ty) -> bool = $allowed;
                         if !allowed(&$field) {
@@ -348,7 +361,7 @@ macro_rules! layout {
                         }
                     )?
                 )*
-                reader.zeros_to(start + $len)?;
+                reader.zeros(usize::saturating_sub($len, _at))?;
                 Ok(Self { $($($flag,)+)? $($field,)* })
             }
 

@@ -77,13 +77,12 @@ impl<const AXES: usize> Field for Flows<AXES> {
 
     #[inline]
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error> {
-        let start = reader.at();
         reader.kind(Self::KIND)?;
         let flags: u8 = reader.get()?;
         if flags > byte_of(&[true; 2]) {
             return Err(reader.reserved());
         }
-        reader.zeros_to(start + 4)?;
+        reader.zeros(2)?;
         Ok(Self { engaged: flags & 1 != 0, fading: flags & 2 != 0, tick: reader.get()?, axes: reader.get()? })
     }
 
