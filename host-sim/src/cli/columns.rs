@@ -184,7 +184,7 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
     let channels = [
         ("peer", ticks::channels("peer_1", 1)),
         ("hub", ticks::hub_channels(2)),
-        ("board", ticks::board_channels(1)),
+        ("board", ticks::board_channels(1, 1)),
         ("play", play::channels("/both/ticks")),
     ];
     let recorded = channels.into_iter().flat_map(|(of, all)| all.into_iter().map(move |channel| Kind::of(of, channel)));

@@ -106,8 +106,13 @@ impl Party for Operator {
 
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
         let samples = self.samples(Duration::from_secs_f64(seconds))?;
-        Ok(samples.iter().filter_map(|sample| row(sample.payload(), PERIOD_S)).collect())
+        Ok(samples.iter().filter_map(|sample| first_row(sample.payload())).collect())
     }
+}
+
+/// A row of the first shared axis.
+fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
+    row(payload, PERIOD_S).filter(|(axis, _)| *axis == 0).map(|(_, row)| row)
 }
 
 /// How a board's thread begins.

@@ -98,15 +98,19 @@ pub const EXCHANGES: u16 = 1;
 /// Which of [`channels`].
 pub const SECONDS: u16 = 2;
 
-/// The channels of a board as its operator records them: [`TICKS`] as the board tells them, with when each was sealed, and
-/// [`EXCHANGES`].
-pub fn board_channels(number: u8) -> Vec<Channel> {
-    let sealed = ("sealed_s", "when the record was sealed, by the board's clock");
-    let ticks = haptic_sim::board::recording::COLUMNS;
-    vec![
-        Channel::new(format!("/board_{number}/ticks"), "Tick", ticks.into_iter().chain([sealed])),
-        Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE),
-    ]
+/// The channels of a board that shares so many axes, as its operator records them: [`TICKS`] as the board tells them, with when each
+/// was sealed, and [`EXCHANGES`]; ticks of each further axis.
+pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
+    let sealed = || ("sealed_s".to_owned(), "when the record was sealed, by the board's clock");
+    let ticks = |axis: usize, leaf: String| {
+        let columns = haptic_sim::board::recording::columns(axis, axes).chain([sealed()]);
+        Channel::new(format!("/board_{number}/{leaf}"), "Tick", columns)
+    };
+    let exchanges = Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE);
+    let further = NAMES.iter().enumerate().take(axes).skip(1);
+    let mut channels = vec![ticks(0, "ticks".to_owned()), exchanges];
+    channels.extend(further.map(|(axis, name)| ticks(axis, format!("ticks-{name}"))));
+    channels
 }
 
 /// The channels of a hub with so many lines, in the order of [`channels`].
@@ -130,24 +134,26 @@ pub fn hub_channels(lines: usize) -> Vec<Channel> {
 #[derive(Debug)]
 pub struct BoardTicks {
     period_s: f64,
+    axes: usize,
     clock: Watched,
     /// Ticks that came.
     pub ticks: u64,
 }
 
 impl BoardTicks {
-    /// A board with this control period, s.
-    pub fn new(period_s: f64) -> Self {
-        Self { period_s, clock: Watched::default(), ticks: 0 }
+    /// A board with this control period, s, that shares so many axes.
+    pub fn new(period_s: f64, axes: usize) -> Self {
+        Self { period_s, axes, clock: Watched::default(), ticks: 0 }
     }
 
     /// Takes samples that came over a link, each with when it was sealed, µs of the board's clock; `put` gets rows of
     /// [`board_channels`].
     pub fn take(&mut self, link: &Link, samples: &[(u64, Sample)], mut put: impl FnMut(u16, &[f64])) {
         for (sealed_us, sample) in samples {
-            if let Some(row) = haptic_sim::board::recording::row(sample.payload(), self.period_s) {
-                self.ticks += 1;
-                put(TICKS, &[&row[..], &[1e-6 * *sealed_us as f64]].concat());
+            let row = haptic_sim::board::recording::row(sample.payload(), self.period_s);
+            if let Some((axis, row)) = row.filter(|(axis, _)| *axis < self.axes) {
+                self.ticks += u64::from(axis == 0);
+                put(of_axis(axis, EXCHANGES), &[&row[..], &[1e-6 * *sealed_us as f64]].concat());
             }
         }
         if let Some(one) = self.clock.see(link.clock().newest()) {

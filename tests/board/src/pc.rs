@@ -122,16 +122,17 @@ impl Pc {
         }
     }
 
-    /// Records a board (1 or 2) in this file, on the PC's clock.
+    /// Records a board (1 or 2) that shares so many axes in this file, on the PC's clock.
     ///
     /// # Panics
     /// The file is there already, or cannot be written.
-    pub fn record(&mut self, number: u8, file: &Path) {
+    pub fn record(&mut self, number: u8, axes: usize, file: &Path) {
         let made = Made::now(env!("CARGO_PKG_VERSION"), "bench");
         let origin =
             Origin { clock: "bench".to_owned(), ..Origin::simulated(&made, format!("operator of board {number}")) };
-        let recorder = Recorder::create(file, &origin, board_channels(number)).expect("a file that is not there yet");
-        self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3), recorder));
+        let recorder =
+            Recorder::create(file, &origin, board_channels(number, axes)).expect("a file that is not there yet");
+        self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3, axes), recorder));
     }
 
     /// Closes what is recorded.

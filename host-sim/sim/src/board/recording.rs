@@ -1,4 +1,4 @@
-//! What a board's ticks saw and did, as a table: one row for each record that came.
+//! What a board's ticks saw and did, as a table for each shared axis: one row for each record that came.
 //!
 //! Records are those of firmware/src/record.rs; tests/board compares the two. Records travel once and some get lost: the
 //! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
@@ -9,7 +9,12 @@ use haptic_core::device::AXES;
 use crate::quantities::{self, Named};
 use crate::report::Columns;
 
-/// Columns; duties, currents and voltages are shares of all there is, currents and voltages 0 without a current loop.
+/// Of an encoder.
+const COUNTS: &str = "counter of the encoder of this number, modulo 65536";
+/// Of a motor.
+const DUTY: &str = "command to the motor of this number, -1 to 1";
+
+/// Columns of the first shared axis; duties, currents and voltages are shares of all there is, currents and voltages 0 without a current loop.
 pub const COLUMNS: [Named; 24] = [
     ("time_s", "control periods as time: since the first record in CSV, since the board started in a recording"),
     quantities::TICK,
@@ -20,10 +25,10 @@ pub const COLUMNS: [Named; 24] = [
         "sum of 1 bridges enabled, 2 a packet went out, 4 one came in, 8 the tick before overran, 16 let go of the other peer, 32 \
          the coordination acts",
     ),
-    ("encoder_1_counts", "counter of encoder 1, modulo 65536"),
-    ("encoder_2_counts", "counter of encoder 2, modulo 65536"),
-    ("duty_1", "command to motor 1, -1 to 1"),
-    ("duty_2", "command to motor 2, -1 to 1"),
+    ("encoder_1_counts", COUNTS),
+    ("encoder_2_counts", COUNTS),
+    ("duty_1", DUTY),
+    ("duty_2", DUTY),
     quantities::DEVICE,
     quantities::DEVICE_SPEED,
     quantities::OBJECT,
@@ -41,14 +46,23 @@ pub const COLUMNS: [Named; 24] = [
     ("supply_v", "supply of the bridges"),
 ];
 
-/// A row from a record, its time counted in ticks since boot (s); `None` when the bytes are no record of a first shared axis.
-pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
+/// The same of a shared axis (from 0) of so many: of joints it has the axis' own and the next one's, after the last the first.
+pub fn columns(axis: usize, axes: usize) -> impl Iterator<Item = (String, &'static str)> {
+    let joint = move |at: usize| if axes > 1 { (axis + at) % axes + 1 } else { at + 1 };
+    COLUMNS.into_iter().map(move |(name, meaning)| match name {
+        "encoder_1_counts" => (format!("encoder_{}_counts", joint(0)), COUNTS),
+        "encoder_2_counts" => (format!("encoder_{}_counts", joint(1)), COUNTS),
+        "duty_1" => (format!("duty_{}", joint(0)), DUTY),
+        "duty_2" => (format!("duty_{}", joint(1)), DUTY),
+        _ => (name.to_owned(), meaning),
+    })
+}
+
+/// A row from a record, its time counted in ticks since boot (s), and the shared axis (from 0) that it is of; `None` when the bytes are
+/// no record.
+pub fn row(record: &[u8], period_s: f64) -> Option<(usize, [f64; COLUMNS.len()])> {
     const BYTES: usize = 108;
     let record: &[u8; BYTES] = record.try_into().ok()?;
-    if record[15] != 0 {
-        // Of a further shared axis: a row is of the first.
-        return None;
-    }
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
     let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);
     let number = |at: usize| f64::from(f32::from_bits(word(at)));
@@ -67,18 +81,20 @@ pub fn row(record: &[u8], period_s: f64) -> Option<[f64; COLUMNS.len()]> {
     let stage = currents.into_iter().chain(voltages).chain([f64::from(half(104)) / 1e3]);
     let values = head.into_iter().chain(counts).chain(duties).chain(motions).chain(energies).chain(stage);
     row.iter_mut().zip(values).for_each(|(to, from)| *to = from);
-    Some(row)
+    Some((usize::from(record[15]), row))
 }
 
-/// A table of the records among these payloads.
-pub fn table<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64) -> Columns {
-    let mut table = Columns::named(COLUMNS);
+/// A table for each of so many shared axes, of the records among these payloads. Times count from the first of all.
+pub fn tables<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64, axes: usize) -> Vec<Columns> {
+    let mut tables: Vec<_> = (0..axes).map(|axis| Columns::named(columns(axis, axes))).collect();
     let mut first_s = None;
-    for mut row in payloads.into_iter().filter_map(|payload| row(payload, period_s)) {
+    for (axis, mut row) in payloads.into_iter().filter_map(|payload| row(payload, period_s)) {
         row[0] -= *first_s.get_or_insert(row[0]);
-        table.push_row(&row);
+        if let Some(table) = tables.get_mut(axis) {
+            table.push_row(&row);
+        }
     }
-    table
+    tables
 }
 
 /// When the longest gap in a recording began and how long it was, s; `None` where the ticks come evenly. One or two that the

@@ -1,6 +1,6 @@
 //! Gaps in recordings, and boards that started anew in the middle of one.
 
-use haptic_sim::board::recording::{longest_gap, started_anew, table};
+use haptic_sim::board::recording::{longest_gap, started_anew, tables};
 use haptic_sim::report::Columns;
 
 fn recorded(ticks: &[u32]) -> Columns {
@@ -11,7 +11,42 @@ fn recorded(ticks: &[u32]) -> Columns {
             record
         })
         .collect();
-    table(records.iter().map(|record| &record[..]), 0.001)
+    tables(records.iter().map(|record| &record[..]), 0.001, 1).remove(0)
+}
+
+/// Three records a tick, as a board with three motors tells them: each axis has a table, with the joints that its records tell.
+#[test]
+fn every_shared_axis_has_a_table() {
+    let record = |tick: u32, axis: u8| {
+        let mut record = [0; 108];
+        record[..4].copy_from_slice(&tick.to_le_bytes());
+        // Counts and duties of this joint and the next, the force of this axis and tick.
+        let joints = [u16::from(axis), (u16::from(axis) + 1) % 3];
+        for (at, joint) in joints.into_iter().enumerate() {
+            record[4 + 2 * at..][..2].copy_from_slice(&(100 * (joint + 1)).to_le_bytes());
+            record[8 + 2 * at..][..2].copy_from_slice(&(1000 * (joint + 1)).to_le_bytes());
+        }
+        record[15] = axis;
+        record[56..60].copy_from_slice(&(tick as f32 + 0.25 * f32::from(axis)).to_le_bytes());
+        record
+    };
+    let records: Vec<_> = (50..53).flat_map(|tick| (0..3).map(move |axis| record(tick, axis))).collect();
+    let tables = tables(records.iter().map(|record| &record[..]), 0.001, 3);
+    for (axis, table) in tables.iter().enumerate() {
+        let column = |name: &str| table.column(name).unwrap_or_else(|| panic!("{name} of axis {axis}")).to_vec();
+        let seconds = column("time_s");
+        assert!(
+            seconds.iter().zip([0.0, 0.001, 0.002]).all(|(came, wanted)| (came - wanted).abs() < 1e-12),
+            "{seconds:?}"
+        );
+        assert_eq!(column("coordination_n"), [50.0, 51.0, 52.0].map(|tick| tick + 0.25 * axis as f64));
+        for joint in [axis + 1, (axis + 1) % 3 + 1] {
+            assert_eq!(column(&format!("encoder_{joint}_counts")), [100.0 * joint as f64; 3]);
+            assert_eq!(column(&format!("duty_{joint}")), [1000.0 * joint as f64 / 32767.0; 3]);
+        }
+        let other = (axis + 2) % 3 + 1;
+        assert!(table.column(&format!("duty_{other}")).is_none(), "joint {other} in axis {axis}");
+    }
 }
 
 #[test]

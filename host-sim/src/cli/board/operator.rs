@@ -20,6 +20,7 @@ use haptic_sim::board::{
     recording,
 };
 use haptic_sim::report::files::write_csv;
+use haptic_sim::shared::NAMES;
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);
@@ -65,13 +66,19 @@ fn left_armed(answers: &[String]) -> bool {
     answers.iter().rev().find(said).is_some_and(|last| last == "ok armed")
 }
 
+/// The file of a shared axis: of the first the one that was named, of the others one beside it, as `convert` names them.
+fn of_axis(file: &Path, axis: usize) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    if axis == 0 { file.to_owned() } else { file.with_file_name(format!("{stem}-ticks-{}.csv", NAMES[axis])) }
+}
+
 impl Operate {
     /// Gives the scene, says the lines and prints the answers, and records.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let stop = Stop::on_signals()?;
         let mut operator = Operator::connect(self.board, &self.key.key_file)?.until(stop.clone());
         if self.scene.is_given() {
-            let given = settings_file::give_scene(&mut operator, &self.scene.load(ui)?, &self.scene.named()?)?;
+            let given = settings_file::give_scene(&mut operator, &self.scene.load_any(ui)?, &self.scene.named()?)?;
             ui.status(format_args!("{given} settings of {} applied", self.scene.name()));
         }
         let mut answers = Vec::new();
@@ -99,51 +106,65 @@ impl Operate {
                 }
             }
         }
-        if let Some(file) = &self.record {
-            self.record(ui, &mut operator, file)?;
-        }
+        let files = match &self.record {
+            Some(file) => self.record(ui, &mut operator, file)?,
+            None => Vec::new(),
+        };
         if left_armed(&answers) {
             ui.status("no operator stays: the motors go off after safety.operator_lost_s (`arm alone` keeps them on)");
         }
-        ui.document(&json!({ "answers": answers, "files": self.record.as_slice() }))
+        ui.document(&json!({ "answers": answers, "files": files }))
     }
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
-    fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<(), Failure> {
+    fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<Vec<PathBuf>, Failure> {
         let period_s = get(operator, "timing.control_period_s")?.parse().unwrap_or(0.001);
+        let axes = get(operator, "axis.shared")?.parse().unwrap_or(1);
         if file.extension().is_none_or(|ending| ending != "csv") {
-            return self.record_as_it_goes(ui, operator, file, period_s);
+            self.record_as_it_goes(ui, operator, file, period_s, axes)?;
+            return Ok(vec![file.to_owned()]);
         }
         let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
-        let table = recording::table(samples.iter().map(|sample| sample.payload()), period_s);
-        if table.is_empty() {
-            return Err(format!("board {}: no tick came in {} s", operator.number(), self.time.seconds).into());
+        let tables = recording::tables(samples.iter().map(|sample| sample.payload()), period_s, axes);
+        let table = tables.first().filter(|table| !table.is_empty());
+        let table =
+            table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number(), self.time.seconds))?;
+        let files: Vec<PathBuf> = (0..tables.len()).map(|axis| of_axis(file, axis)).collect();
+        for (table, file) in tables.iter().zip(&files) {
+            write_csv(table, file)?;
         }
-        write_csv(&table, file)?;
-        if let Some(row) = recording::started_anew(&table) {
+        if let Some(row) = recording::started_anew(table) {
             ui.status(format_args!(
                 "the board started anew before row {row}: its ticks and times count from zero there"
             ));
         }
-        let gap = recording::longest_gap(&table).map_or_else(String::new, |(from_s, gap_s)| {
+        let gap = recording::longest_gap(table).map_or_else(String::new, |(from_s, gap_s)| {
             format!("; none came from {from_s:.3} s on for {gap_s:.3} s, the longest gap")
         });
-        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), file.display()));
+        let named: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), named.join(", ")));
         if let Some(refusal) = refusal {
             return Err(refusal.into());
         }
         stopped?;
-        Ok(())
+        Ok(files)
     }
 
     /// Has the ticks sent, and records each as it comes, with what tells the board's clock.
-    fn record_as_it_goes(&self, ui: &Ui, operator: &mut Operator, file: &Path, period_s: f64) -> Result<(), Failure> {
+    fn record_as_it_goes(
+        &self,
+        ui: &Ui,
+        operator: &mut Operator,
+        file: &Path,
+        period_s: f64,
+        axes: usize,
+    ) -> Result<(), Failure> {
         let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
         let made = ui.made().with("board", number).with("every", self.every);
         let origin = Origin::here(&made, format!("operator of board {number}"), operator.start());
-        let recorder = Recorder::create(file, &origin, board_channels(number))?;
-        let mut ticks = BoardTicks::new(period_s);
+        let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
+        let mut ticks = BoardTicks::new(period_s, axes);
         let refusal = operator.record_each(self.every, time, |now_ns, session| {
             let samples = session.take_stamped();
             ticks.take(session.link(), &samples, |channel, row| recorder.put(channel, now_ns, row));

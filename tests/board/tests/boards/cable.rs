@@ -62,7 +62,8 @@ fn pulled_and_put_back() {
     assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
     assert!(records.iter().all(|record| record.mode() == Mode::Armed), "it stayed armed");
     for record in records {
-        let row = recording::row(&record.bytes(), 0.001).expect("a record");
+        let (axis, row) = recording::row(&record.bytes(), 0.001).expect("a record");
+        assert_eq!(axis, 0);
         let named =
             |name: &str| row[recording::COLUMNS.iter().position(|(column, _)| *column == name).expect("a column")];
         let [counts, _] = record.counts();

@@ -23,7 +23,7 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
     // Until the PC knows their clocks.
     bench.run_for_ms(1000);
     bench.set_up(&scene).expect("the boards take the scene");
-    (1..).zip(&files).for_each(|(number, file)| bench.pc.record(number, file));
+    (1..).zip(&files).for_each(|(number, file)| bench.pc.record(number, 1, file));
     bench.arm();
     bench.run_for_ms(4000);
     bench.pc.end_recordings();

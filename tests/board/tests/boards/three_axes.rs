@@ -1,5 +1,6 @@
 //! Three shared axes: two boards with the image for three motors, each behind a serial arm, compute what host-sim computes.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use board_bench::bench::{Bench, for_boards};
@@ -11,6 +12,7 @@ use board_bench::twin::{self, Equal};
 use firmware_parts::record::ENGAGED;
 use haptic_sim::scene::Scene;
 use haptic_sim::{Laws, scenes};
+use host_sim::recording::file::read;
 
 /// The paper's passive wave on every axis of a serial arm, whose users push against each other in a direction of space.
 fn scene() -> Scene {
@@ -68,4 +70,43 @@ fn two_boards_equal_host_sim_along_three_axes() {
     println!("{equal:?}, {instructions:?}");
     assert_eq!(equal.first_difference, None);
     assert!(instructions.max <= 3000, "{instructions:?}");
+}
+
+/// What an operator records of such a board is, axis by axis, what the board told.
+#[test]
+fn an_operator_records_every_shared_axis() {
+    let file: PathBuf = std::env::temp_dir().join(format!("three-axes-{}.mcap", std::process::id()));
+    let _ = std::fs::remove_file(&file);
+    let scene = scene();
+    let line = trial::line(&scene).expect("a wire can do it");
+    let mut bench = Bench::start(&Arc::new(Firmware::three_axes()), 2, line);
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.pc.record(1, 3, &file);
+    bench.arm();
+    bench.run_for_ms(1000);
+    bench.pc.end_recordings();
+    let recording = read(&file).expect("a recording");
+    std::fs::remove_file(&file).expect("it is there");
+    for (axis, leaf) in [(0, "ticks"), (1, "ticks-y"), (2, "ticks-z")] {
+        let topic = format!("/board_1/{leaf}");
+        let rows = recording.channels.iter().find(|rows| rows.topic == topic).expect("a channel");
+        let told: Vec<_> = match axis {
+            0 => bench.since_armed(1).records.iter().collect(),
+            _ => bench.further(1).iter().filter(|record| record.axis() == axis).collect(),
+        };
+        let column = |name: &str| rows.column(name).expect("a column");
+        let (ticks, forces) = (column("tick"), column("coordination_n"));
+        let mut compared = 0;
+        for (tick, force) in ticks.iter().zip(forces) {
+            let Some(record) = told.iter().find(|record| f64::from(record.tick()) == *tick) else { continue };
+            assert_eq!(
+                force.to_bits(),
+                f64::from(record.observed().coordination_force).to_bits(),
+                "{topic}, tick {tick}"
+            );
+            compared += 1;
+        }
+        assert!(compared > 900 && forces.iter().any(|force| force.abs() > 0.01), "{topic}: {compared} ticks");
+    }
+    bench.finish().iter().for_each(reviewed::check);
 }
