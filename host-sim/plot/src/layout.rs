@@ -4,7 +4,7 @@
 //! need; a row is as high as its headings and axis texts need. In a row that shares its vertical axis only the first
 //! panel carries its texts; of panels below each other with the same horizontal axis only the lowest does. If a legend
 //! would cover data, every vertical range of its group found from data is widened upwards once, until the legend is
-//! clear; a legend that would take more than half of its panel, or that covers data in a range that was given, stands below all
+//! clear; a legend that would take more than a third of its panel, or that covers data in a range that was given, stands below all
 //! panels instead.
 
 use super::range::{self, Axes};
@@ -21,6 +21,8 @@ const CAPTION: f64 = 21.0;
 const LEADING: f64 = 1.3;
 /// Between two frames side by side, and two rows.
 const GAP: f64 = 46.0;
+/// Share of a panel that a legend may take above the data.
+const TALL: f64 = 1.0 / 3.0;
 
 /// The figure as marks in pixels.
 pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, String> {
@@ -28,7 +30,7 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, String> {
     let axes = range::resolve(figure);
     // Legends that stand below all panels.
     let needs_room = needs(figure, &axes, width).into_iter().zip(&axes);
-    let tall: Vec<bool> = needs_room.map(|(need, axes)| need > if axes.y_auto { 0.5 } else { 0.0 }).collect();
+    let tall: Vec<bool> = needs_room.map(|(need, axes)| need > if axes.y_auto { TALL } else { 0.0 }).collect();
     let axes = with_headroom(figure, axes, &tall, width);
     let mut writer = Writer(Vec::new());
     let mut top = MARGIN;

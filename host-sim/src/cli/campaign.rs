@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::num::Scalar;
-use haptic_plot::{ReportError, write_file};
+use haptic_plot::{Figure, ReportError, write_file};
 use serde_json::json;
 
 use super::flags::Out;
@@ -36,7 +36,7 @@ pub(super) struct Campaign {
     /// Instead: laws beside each other, all in the same scene, each at the gains that it declares.
     #[arg(long, value_name = "all|LAW,…", conflicts_with = "costs")]
     laws: Option<String>,
-    /// Also write the page of the laws in Markdown, its pictures beside it.
+    /// Also write the page of the laws in Markdown; the pictures then stand beside it.
     #[arg(long, value_name = "FILE", requires = "laws", conflicts_with_all = ["scene", "set", "seed"])]
     page: Option<PathBuf>,
     #[command(flatten)]
@@ -76,10 +76,12 @@ impl Campaign {
         let (table, networks, impedance) = (tables::columns(&rows), columns(&cells), tables::impedance_columns(&rows));
         let made = ui.made().with("number_type", f64::NAME).settings(scenes[0].settings());
         let mut files = Vec::new();
+        // Each picture is drawn once: beside the page if there is one.
+        let drawn = |of: fn(&[Row]) -> Figure| self.page.is_none().then(|| of(&rows));
         for (name, table, figure) in [
-            ("laws", &table, Some(figures::laws(&rows))),
+            ("laws", &table, drawn(figures::laws)),
             ("laws-networks", &networks, None),
-            ("laws-impedance", &impedance, Some(figures::impedance(&rows))),
+            ("laws-impedance", &impedance, drawn(figures::impedance)),
         ] {
             files.extend(ui.files(&self.out, "laws", name, &made, |files| {
                 files.csv(table)?;

@@ -29,8 +29,9 @@ pub const WALLS_N_PER_M: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
 pub const WIDTH_TO_HZ: f64 = 2.0;
 /// Lowest and highest frequency, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 100.0];
-/// Frequencies.
+/// Frequencies at which runs are measured, and how many analysed ones come to each: a resonance is narrower than what runs can be asked for.
 const POINTS: usize = 31;
+const FINER: usize = 10;
 /// The far device held, and alone.
 const FARS: [Far; 2] = [Far::Held, Far::Alone];
 
@@ -41,7 +42,7 @@ pub struct Point {
     pub frequency_hz: f64,
     /// From the matrices.
     pub analysed: [Answer; 2],
-    /// From a run; none where it did not repeat.
+    /// From a run; none where none ran, or where it did not repeat.
     pub measured: [Option<Answer>; 2],
 }
 
@@ -146,12 +147,17 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
     let cases = round_trips_ms.iter().flat_map(|round_trip_ms| [1, 2].map(|end| (*round_trip_ms, end)));
     let curve = |(round_trip_ms, end): (f64, usize)| {
         let scene = delayed(scene, round_trip_ms)?;
-        let frequencies = frequencies_hz(&scene);
+        let frequencies = frequencies_hz(&scene, FINER);
+        let run = frequencies_hz(&scene, 1);
         let [held, alone] = FARS.map(|far| answers(&scene, end - 1, far, &frequencies));
         let analysed = held?.into_iter().zip(alone?).map(|(held, alone)| [held, alone]);
         let points: Vec<(f64, [Answer; 2])> = frequencies.iter().copied().zip(analysed).collect();
         let point = |(frequency_hz, analysed): (f64, [Answer; 2])| {
-            let [held, alone] = FARS.map(|far| answer(&scene, end - 1, far, frequency_hz, SPEED_M_PER_S));
+            let measured = |far| match run.contains(&frequency_hz) {
+                true => answer(&scene, end - 1, far, frequency_hz, SPEED_M_PER_S),
+                false => Ok(None),
+            };
+            let [held, alone] = FARS.map(measured);
             Ok::<_, Failure>(Point { frequency_hz, analysed, measured: [held?, alone?] })
         };
         let points = points.into_par_iter().map(point).collect::<Result<_, _>>()?;
@@ -162,12 +168,13 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
     cases.map(curve).collect()
 }
 
-/// Frequencies whose periods are whole control periods, about evenly spaced by their logarithm.
-fn frequencies_hz(scene: &Scene) -> Vec<f64> {
+/// [`POINTS`] frequencies whose periods are whole control periods, about evenly spaced by their logarithm; so many times finer.
+fn frequencies_hz(scene: &Scene, finer: usize) -> Vec<f64> {
     let (period_s, [low, high]) = (scene.peer.timing.control_period_s, BAND_HZ);
     let high = high.min(0.2 / period_s);
-    let at = |point: usize| low * (high / low).powf(point as f64 / (POINTS - 1) as f64);
-    let mut ticks: Vec<u32> = (0..POINTS).map(|point| (1.0 / (at(point) * period_s)).round() as u32).collect();
+    let last = finer * (POINTS - 1);
+    let at = |point: usize| low * (high / low).powf(point as f64 / last as f64);
+    let mut ticks: Vec<u32> = (0..=last).map(|point| (1.0 / (at(point) * period_s)).round() as u32).collect();
     ticks.dedup();
     ticks.into_iter().map(|ticks| 1.0 / (f64::from(ticks) * period_s)).collect()
 }
@@ -240,7 +247,7 @@ pub fn response_columns(curves: &[Curve]) -> Columns {
         .value("force_error", |(_, point)| Point::force_error(&point.analysed[0]))
         .means("|F_1 - F_2| over |F_2|, what the hand gives and what the far device, held, presses with")
         .value("measured_held_n_s_per_m", measured(0, |answer| answer.impedance.abs()))
-        .means("held_n_s_per_m from a run in time; nothing where it did not repeat")
+        .means("held_n_s_per_m from a run in time; nothing where none ran, or it did not repeat")
         .value("measured_held_phase_rad", measured(0, |answer| answer.impedance.phase()))
         .means("its phase")
         .value("measured_alone_n_s_per_m", measured(1, |answer| answer.impedance.abs()))
@@ -269,10 +276,11 @@ pub fn figure(curves: &[Curve]) -> Figure {
         let series = of_end.enumerate().flat_map(|(colour, curve)| {
             let points = |of: Of| curve.points.iter().map(move |point| (point.frequency_hz, of(&point.analysed)));
             let runs = move |of: Of| {
-                curve.points.iter().step_by(3).filter_map(move |point| {
+                let measured = curve.points.iter().filter_map(move |point| {
                     let [Some(held), Some(alone)] = point.measured else { return None };
                     Some((point.frequency_hz, of(&[held, alone])))
-                })
+                });
+                measured.step_by(3)
             };
             lines.iter().flat_map(move |(of, dash, name)| {
                 let label = if legend { format!("{} ms, {name}", curve.round_trip_ms) } else { String::new() };
