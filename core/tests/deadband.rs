@@ -1,23 +1,16 @@
 //! Deadband coding: Weber's law on a ramp, and what the receiver goes on at between packets, in closed form.
 
+mod setup;
+
 use haptic_core::law::deadband::{Deadband, PassiveDeadband};
 use haptic_core::law::{Coupled, Law, Packet, Seen};
 use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
-use haptic_core::settings::{Settings, Value};
+use haptic_core::settings::Settings;
 
-/// A packet a tick of 1 ms, silence for 50 ms.
+/// Silence for 50 ms.
 fn settings(comm: &'static str, own: &[(&str, f64)]) -> Settings {
-    let mut settings = Settings::default();
-    settings.coordination.comm = comm;
-    settings.object.integrator = IntegratorName::Midpoint;
-    settings.timing.ticks_per_packet = 1;
-    settings.coordination.stiffness_n_per_m = 1000.0;
-    settings.safety.fade_s = 0.1;
-    settings.safety.disengage_s = 0.4;
-    for (key, value) in [("event.longest_s", 0.05)].iter().chain(own) {
-        settings.set(key, Value::Number(*value)).unwrap_or_else(|error| panic!("{key}: {error:?}"));
-    }
+    let mut settings = setup::settings(comm, &[&[("event.longest_s", 0.05)], own].concat());
+    (settings.safety.fade_s, settings.safety.disengage_s) = (0.1, 0.4);
     settings
 }
 

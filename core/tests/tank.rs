@@ -1,5 +1,7 @@
 //! Laws that pay for their energy, one end at a time: numbers of their papers and closed forms.
 
+mod setup;
+
 use haptic_core::contact::Side;
 use haptic_core::law::passivity_control::PassivityControl;
 use haptic_core::law::set_position::SetPosition;
@@ -8,20 +10,8 @@ use haptic_core::law::wave_compensator::WaveCompensator;
 use haptic_core::law::wave_integral::WaveIntegral;
 use haptic_core::law::{Coupled, Law, Packet, Seen};
 use haptic_core::num::Motion;
-use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Settings, Value};
-
-fn settings(comm: &'static str, own: &[(&str, f64)]) -> Settings {
-    let mut settings = Settings::default();
-    settings.coordination.comm = comm;
-    settings.object.integrator = IntegratorName::Midpoint;
-    settings.timing.ticks_per_packet = 1;
-    settings.coordination.stiffness_n_per_m = 1000.0;
-    for (key, value) in own {
-        settings.set(key, Value::Number(*value)).unwrap_or_else(|error| panic!("{key}: {error:?}"));
-    }
-    settings
-}
+use setup::settings;
 
 /// A law with its state, and a copy that moves as it is told.
 struct End<L: Law<f64>> {

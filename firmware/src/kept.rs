@@ -33,8 +33,8 @@ pub struct Kept {
     pub addresses: Addresses,
 }
 
-/// The settings of a board that was never told any: the scene defaults, of a device that its image is for, with a velocity that encoders can give, and the limits of a
-/// device that nobody has got to know yet, beside a hand. Raised at the board only ([`crate::ceiling`]).
+/// The settings of a board that was never told any: the scene defaults, of a device that its image is for, with a velocity that encoders
+/// can give, and the limits of a device that nobody has got to know yet, beside a hand. Raised at the board only ([`crate::ceiling`]).
 pub fn defaults() -> Settings {
     let mut settings = Settings::default();
     if SHARED > 1 {

@@ -1,6 +1,6 @@
 //! No coordination: the scene has one peer, or two that do not feel each other. Also the least a law can be.
 
-use super::{Coupled, Kind, Law, Packet, Seen, Sends};
+use super::{Kind, Law, Packet, Sends};
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 
@@ -18,9 +18,6 @@ impl<S: Scalar> Law<S> for Free {
     }
     fn start(&self, _: Motion<S>) {}
     fn receive(&self, (): &mut (), _: Packet<S>) {}
-    fn couple(&self, (): &mut (), seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
     fn send(&self, (): &(), _: Motion<S>) -> Packet<S> {
         Packet::default()
     }

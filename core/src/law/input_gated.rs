@@ -101,11 +101,6 @@ impl<S: Scalar> Law<S> for InputGated<S> {
         state.desired = packet.motion;
     }
 
-    /// No force: where nothing is solved, [`InputGated::build`] refuses.
-    fn couple(&self, _: &mut InputGatedState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     #[inline]
     fn couple_as_port(
         &self,

@@ -160,8 +160,12 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     }
     /// Takes in the other peer's packet; it stands until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
-    /// One tick: the force on the local copy from what is seen and what was received.
-    fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S>;
+    /// One tick: the force on the local copy from what is seen and what was received. None where the law does not say: it has no force, or
+    /// acts only on a copy that is moved by ports ([`Law::couple_as_port`]) and refuses to be built for any other.
+    #[inline]
+    fn couple(&self, _state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
+        Coupled::none(seen.local)
+    }
     /// One tick of a copy that is moved by ports (`object.integrator = "midpoint"`): the law says what its port is, is told
     /// the mean velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force is `port.at(velocity)`.
     ///

@@ -32,6 +32,8 @@
 //! itself is no impedance: its push comes with the correction, late. Needs `object.integrator = "midpoint"`. With an account that
 //! nothing empties ([`PLENTY_J`]) nothing is learned and the law is linear.
 
+mod estimate;
+
 use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{START, needs_midpoint};
@@ -39,6 +41,7 @@ use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::object::port::{Port, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
+use estimate::Estimate;
 
 const STIFFNESS: Key = Key::number(
     "model_mediated.correction_n_per_m",
@@ -85,62 +88,6 @@ pub struct Model<S> {
     pub stiffness: S,
     /// x̂₀, m.
     pub rest: S,
-}
-
-/// Recursive least squares of four parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Estimate<S> {
-    /// θ in [`UNITS`].
-    theta: [S; 4],
-    /// Lower triangle of P, row by row.
-    covariance: [S; 10],
-}
-
-/// Place of P's element in its triangle.
-const fn at(i: usize, j: usize) -> usize {
-    if i >= j { i * (i + 1) / 2 + j } else { j * (j + 1) / 2 + i }
-}
-
-impl<S: Scalar> Estimate<S> {
-    fn start(theta: [S; 4]) -> Self {
-        let mut covariance = [S::ZERO; 10];
-        for i in 0..4 {
-            covariance[at(i, i)] = S::ONE;
-        }
-        Self { theta, covariance }
-    }
-
-    /// One packet: λ·R, R/1000 and 1/λ, the factors φ and the force, N.
-    fn learn(&mut self, [noise, least, forget]: [S; 3], factors: [S; 4], force: S) {
-        let dot = |a: &[S; 4], b: &[S; 4]| a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b);
-        let mut seen = [S::ZERO; 4];
-        for (i, seen) in seen.iter_mut().enumerate() {
-            *seen = (0..4).fold(S::ZERO, |sum, j| sum + self.covariance[at(i, j)] * factors[j]);
-        }
-        let told = dot(&factors, &seen);
-        if told < least {
-            return;
-        }
-        let error = force - dot(&factors, &self.theta);
-        let share = S::ONE.ratio(noise + told);
-        for i in 0..4 {
-            let gain = seen[i] * share;
-            self.theta[i] = self.theta[i] + gain * error;
-            for (j, seen) in seen.iter().enumerate().take(i + 1) {
-                self.covariance[at(i, j)] = (self.covariance[at(i, j)] - gain * *seen) * forget;
-            }
-        }
-        for i in 0..4 {
-            let variance = self.covariance[at(i, i)];
-            if variance > S::ONE {
-                let shrink = S::ONE.ratio(variance.sqrt());
-                for j in 0..4 {
-                    let both = if i == j { shrink * shrink } else { shrink };
-                    self.covariance[at(i, j)] = self.covariance[at(i, j)] * both;
-                }
-            }
-        }
-    }
 }
 
 /// A model of the other copy, and what corrects it.
@@ -355,11 +302,6 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
             self.learn(state, &packet);
         }
         state.remote = packet.motion;
-    }
-
-    /// No force: where nothing is solved, [`ModelMediated::build`] refuses.
-    fn couple(&self, _: &mut ModelMediatedState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
     }
 
     #[inline]

@@ -96,11 +96,6 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         state.tank.receive(&packet);
     }
 
-    /// No force: where nothing is solved, [`PassivityControl::build`] refuses.
-    fn couple(&self, _: &mut PassivityControlState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     fn couple_as_port(
         &self,
         state: &mut PassivityControlState<S>,

@@ -94,11 +94,6 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         state.tank.receive(&packet);
     }
 
-    /// No force: where nothing is solved, [`SetPosition::build`] refuses.
-    fn couple(&self, _: &mut SetPositionState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     fn couple_as_port(
         &self,
         state: &mut SetPositionState<S>,

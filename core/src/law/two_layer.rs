@@ -110,11 +110,6 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         state.tank.receive(&packet);
     }
 
-    /// No force: where nothing is solved, [`TwoLayer::build`] refuses.
-    fn couple(&self, _: &mut TwoLayerState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     fn couple_as_port(
         &self,
         state: &mut TwoLayerState<S>,

@@ -121,11 +121,6 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         state.tank.receive(&packet);
     }
 
-    /// No force: where nothing is solved, [`WaveCompensator::build`] refuses.
-    fn couple(&self, _: &mut WaveCompensatorState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     fn couple_as_port(
         &self,
         state: &mut WaveCompensatorState<S>,

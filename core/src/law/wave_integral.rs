@@ -209,11 +209,6 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         }
     }
 
-    /// No force: where nothing is solved, [`WaveIntegral::build`] refuses.
-    fn couple(&self, _: &mut WaveIntegralState<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     fn couple_as_port(
         &self,
         state: &mut WaveIntegralState<S>,
