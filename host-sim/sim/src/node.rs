@@ -236,7 +236,7 @@ where
             self.peer.part();
         }
         if let Some(flow) = &flow {
-            self.peer.hear_each(packets_of(flow));
+            self.peer.hear_each(&packets_of(flow));
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }

@@ -82,7 +82,7 @@ dyn_peer! {
         /// One control period: sensors in, forces out.
         fn tick(self: &mut Self, sensors: &Sensors<S, N>) -> Actuators<S, N>;
         /// Takes in a packet of the other peer for each axis: they act at the next tick.
-        fn hear_each(self: &mut Self, packets: [Packet<S>; SHARED]);
+        fn hear_each(self: &mut Self, packets: &[Packet<S>; SHARED]);
         /// One packet period: gives what to send, if anything.
         fn exchange_each(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
         /// What it would send now.

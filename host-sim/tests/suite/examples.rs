@@ -38,6 +38,12 @@ fn built() -> &'static Path {
         // With other flags everything would be built again: a stranger has none, and need not have these.
         let flags = repository.join(".cargo/config.toml");
         cargo.args(["build", "--offline", "--config"]).arg(flags).current_dir(&folder).env("CARGO_TARGET_DIR", target);
+        // Build scripts heed what cargo tells of this package: libraries would be built again, now and when cargo is
+        // called next.
+        let of_package = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+        for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_str().is_some_and(of_package)) {
+            cargo.env_remove(name);
+        }
         let output = cargo.output().expect("cargo runs");
         let _ = std::fs::remove_dir_all(&folder);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -19,7 +19,8 @@ fn run(scene: &haptic_sim::scene::Scene, seconds: u64) -> Bench {
 
 #[test]
 fn two_boards_equal_host_sim() {
-    let seconds = 60;
+    // The same scene for 20 s: papers_comms.
+    let seconds = 5;
     let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").unwrap());
     let wall = std::time::Instant::now();
     let bench = run(&scene, seconds);
