@@ -225,6 +225,29 @@ fn packets_go_as_often_as_the_keys_say() {
     }
 }
 
+/// Both ends may stand because a packet was lost, each with less to tell than is worth a packet: they say again every N ticks what they have said, and
+/// do not wait out the longest silence.
+#[test]
+fn two_ends_that_stand_do_not_wait_for_each_other() {
+    for phase in 0..9 {
+        let mut couple = Couple::<f64>::new(&of_events(9.0, 1.0), 1);
+        for way in &mut couple.ways {
+            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        }
+        let press = |at: f64| [Motion::at(at), Motion::at(-at)];
+        (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
+        (0..phase).for_each(|_| couple.step(press(0.01)));
+        let live = |couple: &Couple<f64>| couple.benches.each_ref().map(|bench| bench.peer.outgoing().live_ticks);
+        couple.ways.iter_mut().for_each(|way| way.burst = 13);
+        let before = live(&couple);
+        (0..100).for_each(|_| couple.step(press(0.01)));
+        let lived = live(&couple).into_iter().zip(before).map(|(after, before)| after - before);
+        let least = lived.min().unwrap_or(0);
+        println!("{phase}: {least}");
+        assert!(least >= 70, "{phase}: {least} of 100 ticks");
+    }
+}
+
 /// A wave that jumps is told in the tick after.
 #[test]
 fn a_jolt_goes_at_once() {

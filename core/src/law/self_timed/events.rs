@@ -2,10 +2,11 @@
 //!
 //! The line takes any schedule of packets: each brings all that was sent before it, and the receiver emits the mean of what is
 //! outstanding, so no schedule makes energy or drift. What silence costs is spare samples, one a tick, and an end without samples
-//! stands. So N = [`TOGETHER`] samples go in one packet; of the [`super::incoming`] margin of 8 spare samples silence uses up as many,
+//! stands. So N = [`TOGETHER`] samples go in one packet; of the [`super::incoming`] margin of 8 spare samples silence uses up N − 1,
 //! and each beyond them makes the line a tick longer. A packet is worth sending when
 //!
-//! - N samples have not been told, and the line is in motion: either wave is more than a tenth of θ; or
+//! - N ticks have passed since the last one, and the line is in motion: either wave is more than a tenth of θ. Ticks that stand count, too,
+//!   with nothing new to tell: both ends may stand because a packet was lost, each with fewer than N samples untold; or
 //! - the wave has changed by more than θ = [`THRESHOLD`] since the mean of those that the last packet brought: a jolt is not smoothed
 //!   over N ticks.
 //!
@@ -57,6 +58,8 @@ pub(super) struct Told<C> {
     mean: C,
     /// The newest sample of all, √W.
     pub(super) newest: C,
+    /// Ticks since then that the line stood.
+    pub(super) stood: u32,
 }
 
 impl<C: Scalar> Events<C> {
@@ -76,13 +79,17 @@ impl<C: Scalar> Events<C> {
         self.together.saturating_sub(spare)
     }
 
+    /// Of so many spare samples, what the wait for a packet leaves.
+    pub(super) fn left_of(&self, spare: u32) -> u32 {
+        spare.saturating_sub(self.together - 1)
+    }
+
     /// Whether a packet that says so many live ticks is worth sending; `taken` is the wave that came in last, √W.
     pub(super) fn is_worth(&self, told: &Told<C>, taken: C, live: u32) -> bool {
-        match live.wrapping_sub(told.live) {
-            0 => false,
-            untold if untold >= self.together => told.newest.abs() > self.rest || taken.abs() > self.rest,
-            _ => (told.newest - told.mean).abs() > self.threshold,
-        }
+        let untold = live.wrapping_sub(told.live);
+        let moves = told.newest.abs() > self.rest || taken.abs() > self.rest;
+        let is_due = moves && untold.saturating_add(told.stood) >= self.together;
+        is_due || untold > 0 && (told.newest - told.mean).abs() > self.threshold
     }
 
     /// A packet with these counters goes out.
@@ -91,6 +98,6 @@ impl<C: Scalar> Events<C> {
         if samples > 0 {
             told.mean = ((integral - told.integral) * self.rate).over(C::from_i32(samples));
         }
-        (told.integral, told.live) = (integral, live);
+        (told.integral, told.live, told.stood) = (integral, live, 0);
     }
 }

@@ -78,6 +78,8 @@ pub(super) struct Incoming<C> {
     follows: bool,
     capital_j: C,
     most_ahead: u32,
+    /// What may always be left: [`KEPT`], less what silence uses up.
+    kept: i32,
     /// [`WINDOW_S`] in ticks.
     window: u32,
     /// [`SLEW`] and [`NEARLY_AT_REST`].
@@ -139,6 +141,7 @@ impl<C: Scalar> Incoming<C> {
             follows: credit == 0,
             capital_j: C::from_f64(settings.own(&CAPITAL)),
             most_ahead: settings.own(&AHEAD) as u32,
+            kept: events.map_or(KEPT, |events| events.left_of(KEPT.cast_unsigned()).cast_signed()),
             window: (WINDOW_S / timing.control_period_s) as u32,
             slew: C::from_f64(SLEW),
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
@@ -252,7 +255,7 @@ impl<C: Scalar> Incoming<C> {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
-            state.surplus = (state.fewest - KEPT).max(0) / 2;
+            state.surplus = (state.fewest - self.kept).max(0) / 2;
             state.reach = LEAST_AT_ONCE;
             (state.fewest, state.watched) = (i32::MAX, 0);
         }

@@ -132,6 +132,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let stretch = S::of_counter(desired - seen.local.position.to_counter());
         let position = S::of_counter(desired);
         let Some(wave_in) = self.incoming.emit(&mut state.outstanding) else {
+            state.told.stood = state.told.stood.saturating_add(1);
             let Ended { velocity, force } = self.end.stand(stretch, solve);
             return Coupled { desired: Motion { position, velocity }, force, ..Coupled::default() };
         };
