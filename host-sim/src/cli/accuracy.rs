@@ -9,7 +9,7 @@ use serde_json::json;
 use super::flags::{Out, Time, choice, number};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
 use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
-use crate::studies::accuracy::{self, picture};
+use crate::studies::accuracy::{self, picture, rigid};
 use crate::studies::precision::{columns, measure};
 use crate::studies::{force, transparency};
 use haptic_sim::{scene::Scene, scenes};
@@ -30,6 +30,8 @@ super::commands! {
     Question {
         /// How far f32 and fixed point stray from f64, scene by scene.
         Precision(Precision),
+        /// What a free rigid body keeps of energy and angular momentum, by number type and step.
+        Rigid(Rigid),
         /// The force that is commanded beside the force that comes: a duty alone, and the current loop, with the hand moving.
         Force(Force),
         /// What a leader and a follower feel of each other: impedance, position and force error over frequency, Z-width.
@@ -114,6 +116,26 @@ impl Precision {
             .concat();
         writeln!(ui, "Largest difference from f64 so far; steps are of the number type at the largest position\n");
         ui.result(&columns(&rows))
+    }
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Rigid {
+    /// How long the body tumbles, s.
+    #[arg(long, default_value = "3600", value_name = "S", value_parser = number(1.0..=36_000.0, "s"))]
+    seconds: f64,
+    /// Steps, ms.
+    #[arg(long, default_value = "0.25,0.5,1,2,4", value_name = "MS,…", value_delimiter = ',', value_parser = number(0.05..=20.0, "ms"))]
+    periods_ms: Vec<f64>,
+}
+
+impl Rigid {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let steps = rigid::TYPES * self.periods_ms.len();
+        let work = |step: &(dyn Fn() + Sync)| Ok::<_, Failure>(rigid::study(self.seconds, &self.periods_ms, step));
+        let (rows, _) = ui.work(steps, "tumbling", work)?;
+        writeln!(ui, "A free rigid body, nobody pushing: relative changes over {} s\n", self.seconds);
+        ui.result(&rigid::columns(&rows))
     }
 }
 

@@ -143,6 +143,12 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
             "a scene, until a time",
             precision::columns(&[]),
         ),
+        Kind::new(
+            "accuracy-rigid",
+            "`accuracy rigid --json`",
+            "a number type at a step",
+            accuracy::rigid::columns(&[]),
+        ),
         Kind::new("force-response", "`accuracy force --json`, response", "a frequency", force::response_columns(&[])),
         Kind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
         Kind::new(

@@ -17,7 +17,8 @@ use host_sim::studies::accuracy::counts::{Processor, parse};
 use host_sim::studies::accuracy::filters::{Exact, Filter};
 use host_sim::studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
 use host_sim::studies::accuracy::{
-    Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair, pareto_front,
+    Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair,
+    pareto_front, rigid,
 };
 use proptest::prelude::{prop, prop_assert, proptest};
 use serde_json::Value;
@@ -354,4 +355,21 @@ fn the_command_says_everything() {
         let size = std::fs::metadata(picture.as_str().expect("a path")).expect("the picture is there").len();
         assert!(size > 5000, "{picture}");
     }
+}
+
+/// Of what nobody pushes nothing may change; a top lags by a quarter at half the step.
+#[test]
+fn a_free_body_keeps_what_it_has_and_lags_by_the_square_of_its_step() {
+    let rows = rigid::study(20.0, &[1.0, 2.0], &|| ());
+    let of = |number: &str, period_ms: f64| {
+        *rows.iter().find(|row| row.number_type == number && row.period_ms == period_ms).expect("a row")
+    };
+    let [fine, coarse] = [1.0, 2.0].map(|period_ms| of("f64", period_ms));
+    for row in [fine, coarse] {
+        assert!(row.energy_drift < 1e-12 && row.momentum_drift < 1e-12, "{row:?}");
+    }
+    assert!(fine.late > 0.0 && (coarse.late / fine.late - 4.0).abs() < 0.02, "{fine:?} {coarse:?}");
+    let single = of("f32", 1.0);
+    assert!((1e-9..1e-5).contains(&single.energy_drift) && single.momentum_drift < 1e-5, "{single:?}");
+    assert!((single.late / fine.late - 1.0).abs() < 0.5, "{single:?}");
 }

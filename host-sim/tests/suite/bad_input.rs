@@ -63,6 +63,7 @@ fn several_axes_where_there_is_one() {
     for command in [&["stability", "tune", "--json"][..], &["sweep", "--json", "--over", "object.mass_kg=1..2:2"]] {
         refused(&with(command), &names);
     }
+    refused(&["play", "--scene", "plane"], &["plane: axis.shared = 2 is not allowed here", "cooperate"]);
     refused(&with(&["cooperate", "--json", "--record", "axes.mcap"]), &["--record", "axis.shared"]);
     refused(&with(&["cooperate", "--set", "contact.one_sided=true"]), &["contact.one_sided = true", "axis.shared"]);
     let weighs = "device.joint_inertia=0.1";

@@ -74,7 +74,7 @@ fn every_column_has_a_meaning_and_every_kind_a_place_on_the_page() {
         assert!(page.contains(&format!("<!-- table of host-sim columns {kind} -->")), "docs/data.md has no {kind}");
     }
     let on_page = page.lines().filter(|line| line.starts_with("<!-- table of host-sim columns ")).count();
-    assert_eq!((on_page, kinds.len()), (kinds.len(), 49));
+    assert_eq!((on_page, kinds.len()), (kinds.len(), 50));
 }
 
 /// One name for one quantity: what a live peer or a board tells, the simulator tells of both peers with their numbers.
@@ -162,12 +162,14 @@ fn rows_in_json_have_what_is_declared() {
     let sweep = run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0 --seconds 0.1 --out DIR");
     let force = run(&folder, "accuracy force");
     let precision = run(&folder, "accuracy precision --seconds 0.1");
+    let rigid = run(&folder, "accuracy rigid --seconds 1");
     let rows = [
         ("sweep-points", &sweep["points"][0]),
         ("force-response", &force["response"][0]),
         ("force-moving", &force["moving"][0]),
         ("force-stiffest", &force["stiffest"][0]),
         ("accuracy-precision", &precision[0]),
+        ("accuracy-rigid", &rigid[0]),
     ];
     for (kind, row) in rows {
         for [name, ..] in declared(kind) {

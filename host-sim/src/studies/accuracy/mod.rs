@@ -10,6 +10,8 @@
 //! | [`mechanisms`] | micromath, libm; f32, f64, I32F32 | loop closure by Newton's method in double-double |
 //! | [`estimators`] | measured, difference, filtered, adaptive | the motion itself |
 //!
+//! Beside these choices of a peer stands [`rigid`]: what a free rigid body keeps.
+//!
 //! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
 //! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
 
@@ -23,6 +25,7 @@ pub mod mechanisms;
 mod numbers;
 pub mod pair;
 pub(crate) mod picture;
+pub mod rigid;
 mod whole_peer;
 
 use haptic_core::settings::Refused;
