@@ -41,20 +41,33 @@ impl Shared {
     }
 }
 
+/// Sees rows, each with its axis, from 0.
+pub type EachRow<'a> = &'a dyn Fn(usize, &[f64]);
+
 /// A number type in which such scenes are run.
 pub trait Run: Scalar<Counter = f64> {
     /// [`run`] in this type. Compiled here, once and optimised.
     #[doc(hidden)]
-    fn run(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Shared, Refused<'static>>;
+    fn run(
+        scene: &Scene,
+        options: Options,
+        go_on: GoOn<'_>,
+        each: Option<EachRow<'_>>,
+    ) -> Result<Shared, Refused<'static>>;
 }
 
 macro_rules! runs {
     ($($Number:ty),+) => {
         $(impl Run for $Number {
-            fn run(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Shared, Refused<'static>> {
+            fn run(
+                scene: &Scene,
+                options: Options,
+                go_on: GoOn<'_>,
+                each: Option<EachRow<'_>>,
+            ) -> Result<Shared, Refused<'static>> {
                 match scene.peer.axis.shared {
-                    3 => run_in::<Self, 3, AnySpatial<Self>>(scene, options, go_on),
-                    _ => run_in::<Self, 2, AnyKinematics<Self>>(scene, options, go_on),
+                    3 => run_in::<Self, 3, AnySpatial<Self>>(scene, options, go_on, each),
+                    _ => run_in::<Self, 2, AnyKinematics<Self>>(scene, options, go_on, each),
                 }
             }
         })+
@@ -67,7 +80,20 @@ runs!(f32, f64, Fixed);
 /// # Errors
 /// What a peer refuses.
 pub fn run<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Shared, Refused<'static>> {
-    S::run(scene, options, go_on)
+    S::run(scene, options, go_on, None)
+}
+
+/// The same; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+///
+/// # Errors
+/// What a peer refuses.
+pub fn run_seen<S: Run>(
+    scene: &Scene,
+    options: Options,
+    go_on: GoOn<'_>,
+    each: EachRow<'_>,
+) -> Result<Shared, Refused<'static>> {
+    S::run(scene, options, go_on, Some(each))
 }
 
 /// One peer with its device.
@@ -146,6 +172,7 @@ fn run_in<S: Run, const N: usize, K: Kinematics<S, N>>(
     scene: &Scene,
     options: Options,
     go_on: GoOn<'_>,
+    each: Option<EachRow<'_>>,
 ) -> Result<Shared, Refused<'static>> {
     let [first, mut second] = [Side::<S, N, K>::new(scene, 0)?, Side::new(scene, 1)?].map(Seat::new);
     second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
@@ -169,7 +196,12 @@ fn run_in<S: Run, const N: usize, K: Kinematics<S, N>>(
         for seat in &mut engine.seats {
             seat.actor.peer.visit(&mut |number: &mut S| hash = mixed(hash, number.bits()));
         }
-        accounts.iter_mut().for_each(Account::period);
+        for (axis, account) in accounts.iter_mut().enumerate() {
+            account.period();
+            if let Some(each) = each {
+                each(axis, &account.row());
+            }
+        }
         if 2 * tick >= ticks {
             let squared = accounts.iter().map(|account| account.true_m() * account.true_m()).sum::<f64>();
             apart_m += squared.sqrt() / (ticks - ticks.div_ceil(2)) as f64;

@@ -20,16 +20,16 @@ use haptic_sim::user::User;
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     #[command(flatten)]
-    time: Time,
+    pub(super) time: Time,
     /// Number type of the peers.
     #[arg(long, value_enum, default_value_t)]
-    scalar: ScalarName,
+    pub(super) scalar: ScalarName,
     #[command(flatten)]
-    record: RecordTo,
+    pub(super) record: RecordTo,
     #[command(flatten)]
-    out: Out,
+    pub(super) out: Out,
 }
 
 impl Cooperate {
@@ -38,12 +38,7 @@ impl Cooperate {
         let period_s = scene.peer.timing.control_period_s;
         self.time.check(&scene)?;
         if scene.is_shared_along_several() {
-            if self.record.is_given() {
-                return Err("--record writes one axis: leave it out where axis.shared is more than 1"
-                    .to_owned()
-                    .into());
-            }
-            return several::run(ui, &self.scene, &scene, &self.time, &self.out, self.scalar);
+            return several::run(ui, self, &scene);
         }
         let options = match ui.writes(&self.out) {
             true => Options::recorded(self.time.seconds, period_s),
@@ -51,7 +46,7 @@ impl Cooperate {
         };
         let steps = (self.time.seconds / period_s / 1e4) as usize;
         let made = ui.made().settings(scene.settings());
-        let recorder = self.record.simulated(&made)?;
+        let recorder = self.record.simulated(&made, 1)?;
         let each = |row: &[f64]| {
             if let Some(recorder) = &recorder {
                 recorder.put_all(0, (1e9 * row[0]).round() as u64, row);

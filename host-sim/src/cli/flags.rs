@@ -20,6 +20,7 @@ use crate::live::watch::Wanted;
 use crate::recording::mcap::Channel;
 use crate::recording::origin::Origin;
 use crate::recording::recorder::Recorder;
+use crate::recording::ticks::name_of;
 use crate::shared::world::{self, World};
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
@@ -228,16 +229,11 @@ pub(super) struct RecordTo {
 }
 
 impl RecordTo {
-    /// Whether a recording is wanted.
-    pub(super) fn is_given(&self) -> bool {
-        self.record.is_some()
-    }
-
-    /// Begins a recording of both peers in simulated time, if one is wanted.
-    pub(super) fn simulated(&self, made: &Made) -> Result<Option<Recorder>, String> {
-        let channel = || Channel::new("/both/ticks", "Tick", Account::columns());
-        let create = |file: &PathBuf| Recorder::create(file, &Origin::simulated(made, "both peers"), vec![channel()]);
-        self.record.as_ref().map(create).transpose()
+    /// Begins a recording of both peers in simulated time, if one is wanted: a channel for each of so many shared axes.
+    pub(super) fn simulated(&self, made: &Made, axes: usize) -> Result<Option<Recorder>, String> {
+        let channel = |axis| Channel::new(format!("/both/{}", name_of(axis)), "Tick", Account::columns());
+        let (origin, channels) = (Origin::simulated(made, "both peers"), (0..axes).map(channel).collect());
+        self.record.as_ref().map(|file| Recorder::create(file, &origin, channels)).transpose()
     }
 }
 

@@ -6,34 +6,41 @@ use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde_json::json;
 
-use super::flags::{Out, ScalarName, Time};
-use super::{Failure, SceneArgs, Ui};
+use super::cooperate::Cooperate;
+use super::flags::ScalarName;
+use super::{Failure, Ui};
 use crate::studies::figures;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome};
 use haptic_sim::scene::Scene;
-use haptic_sim::shared::{self, NAMES, Shared};
+use haptic_sim::shared::{self, EachRow, NAMES, Shared};
 use haptic_sim::user::User;
 
-pub(super) fn run(
-    ui: &Ui,
-    args: &SceneArgs,
-    scene: &Scene,
-    time: &Time,
-    out: &Out,
-    in_type: ScalarName,
-) -> Result<(), Failure> {
+pub(super) fn run(ui: &Ui, asked: &Cooperate, scene: &Scene) -> Result<(), Failure> {
+    let Cooperate { scene: args, time, scalar: in_type, record, out } = asked;
     let period_s = scene.peer.timing.control_period_s;
     let options = match ui.writes(out) {
         true => Options::recorded(time.seconds, period_s),
         false => Options { duration_s: time.seconds, record_every: 0 },
     };
     let steps = (time.seconds / period_s / 1e4) as usize;
+    let made = ui.made().settings(scene.settings());
+    let recorder = record.simulated(&made, scene.peer.axis.shared as usize)?;
+    let each = |axis: usize, row: &[f64]| {
+        if let Some(recorder) = &recorder {
+            // There are three axes at most.
+            recorder.put_all(axis as u16, (1e9 * row[0]).round() as u64, row);
+        }
+    };
+    let each: Option<EachRow<'_>> = recorder.is_some().then_some(&each);
     let ((outcome, scalar), wall_s) = ui.work(steps, "cooperate", |step| match in_type {
-        ScalarName::F32 => go::<f32>(scene, options, step),
-        ScalarName::F64 => go::<f64>(scene, options, step),
-        ScalarName::I32f32 => go::<Fixed>(scene, options, step),
+        ScalarName::F32 => go::<f32>(scene, options, step, each),
+        ScalarName::F64 => go::<f64>(scene, options, step, each),
+        ScalarName::I32f32 => go::<Fixed>(scene, options, step, each),
     })?;
+    if let Some(recorder) = recorder {
+        ui.status(recorder.finish().told());
+    }
     // Of all axes at once.
     let verdict = haptic_analysis::verdict(scene)?;
     let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(scene)?] };
@@ -43,7 +50,6 @@ pub(super) fn run(
     let rows: Vec<_> = NAMES.into_iter().zip(&outcome.axes).collect();
     let axes = columns(&rows, &verdict);
     let hash = format!("{:016x}", outcome.hash);
-    let made = ui.made().settings(scene.settings());
     let made = made.with("number_type", scalar).with("seconds", time.seconds);
     let made = made.with("seed", scene.world.network.seed).with("state_hash", hash.clone());
     let made = made.with("recorded_every_ticks", options.record_every);
@@ -87,12 +93,17 @@ fn go<S: shared::Run>(
     scene: &Scene,
     options: Options,
     step: &(dyn Fn() + Sync),
+    each: Option<EachRow<'_>>,
 ) -> Result<(Shared, &'static str), Refused<'static>> {
     let go_on = |_| {
         step();
         true
     };
-    shared::run::<S>(scene, options, &go_on).map(|outcome| (outcome, S::NAME))
+    let outcome = match each {
+        Some(each) => shared::run_seen::<S>(scene, options, &go_on, each),
+        None => shared::run::<S>(scene, options, &go_on),
+    };
+    outcome.map(|outcome| (outcome, S::NAME))
 }
 
 /// Who stopped, and why.

@@ -80,9 +80,13 @@ pub fn channels(of: &str, axes: usize) -> Vec<Channel> {
         Channel::new(format!("/{of}/exchanges"), "Exchange", EXCHANGE),
         Channel::new(format!("/{of}/seconds"), "Second", SECOND),
     ];
-    let further = NAMES.iter().take(axes).skip(1);
-    channels.extend(further.map(|axis| Channel::new(format!("/{of}/ticks-{axis}"), "Tick", TICK)));
+    channels.extend((1..axes).map(|axis| Channel::new(format!("/{of}/{}", name_of(axis)), "Tick", TICK)));
     channels
+}
+
+/// What ticks of a shared axis are called, from axis 0.
+pub fn name_of(axis: usize) -> String {
+    if axis == 0 { "ticks".to_owned() } else { format!("ticks-{}", NAMES[axis]) }
 }
 
 /// The channel of a shared axis' ticks, from axis 0: [`TICKS`], or one after `last`, the last of the channels that are there anyway.
@@ -102,14 +106,13 @@ pub const SECONDS: u16 = 2;
 /// was sealed, and [`EXCHANGES`]; ticks of each further axis.
 pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
     let sealed = || ("sealed_s".to_owned(), "when the record was sealed, by the board's clock");
-    let ticks = |axis: usize, leaf: String| {
+    let ticks = |axis: usize| {
         let columns = haptic_sim::board::recording::columns(axis, axes).chain([sealed()]);
-        Channel::new(format!("/board_{number}/{leaf}"), "Tick", columns)
+        Channel::new(format!("/board_{number}/{}", name_of(axis)), "Tick", columns)
     };
     let exchanges = Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE);
-    let further = NAMES.iter().enumerate().take(axes).skip(1);
-    let mut channels = vec![ticks(0, "ticks".to_owned()), exchanges];
-    channels.extend(further.map(|(axis, name)| ticks(axis, format!("ticks-{name}"))));
+    let mut channels = vec![ticks(0), exchanges];
+    channels.extend((1..axes).map(ticks));
     channels
 }
 

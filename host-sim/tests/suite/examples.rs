@@ -40,7 +40,8 @@ fn built() -> &'static Path {
         cargo.args(["build", "--offline", "--config"]).arg(flags).current_dir(&folder).env("CARGO_TARGET_DIR", target);
         // Build scripts heed what cargo tells of this package: libraries would be built again, now and when cargo is
         // called next.
-        let of_package = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+        let of_package =
+            |name: &str| name == "OUT_DIR" || name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_str().is_some_and(of_package)) {
             cargo.env_remove(name);
         }

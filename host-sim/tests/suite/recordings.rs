@@ -201,6 +201,29 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     assert!(again.status.code() == Some(2) && error.contains("never written over"), "{error}");
 }
 
+/// What was recorded is the other table, but for the number of each row.
+fn same_rows(recorded: &Path, whole: &Path) {
+    let [recorded, whole] = [recorded, whole].map(|file| std::fs::read_to_string(file).expect("a table"));
+    let without: Vec<&str> = recorded.lines().map(|line| line.split_once(',').map_or("", |(_, rest)| rest)).collect();
+    assert!(without.iter().copied().eq(whole.lines()), "{:?} {:?}", without.first(), whole.lines().next());
+}
+
+/// Of several shared axes each has a channel, whose rows are those of the table that `--out` writes of it.
+#[test]
+fn both_peers_along_three_axes() {
+    let keys = Keys::new("in-space", 0);
+    let recording = keys.0.join("space.mcap");
+    let run = ["cooperate", "--json", "--seconds", "1", "--scene", "space", "--out"];
+    let run = json(host_sim(&run).arg(&keys.0).arg("--record").arg(&recording));
+    json(host_sim(&["convert", "--json"]).arg(&recording).arg(keys.0.join("table.csv")));
+    let files: Vec<&str> = run["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
+    for (recorded, axis) in [("table.csv", "-x.csv"), ("table-ticks-y.csv", "-y.csv"), ("table-ticks-z.csv", "-z.csv")]
+    {
+        let whole = files.iter().find(|file| file.ends_with(axis)).unwrap_or_else(|| panic!("{axis} in {files:?}"));
+        same_rows(&keys.0.join(recorded), Path::new(whole));
+    }
+}
+
 /// A recording of both peers is the table that `--out` writes, and their true discrepancy is the run's.
 #[test]
 fn both_peers_of_a_run_in_memory() {
@@ -215,10 +238,7 @@ fn both_peers_of_a_run_in_memory() {
     json(host_sim(&["convert", "--json"]).arg(&recording).arg(&table));
     let files = run["files"].as_array().expect("files").iter().filter_map(Value::as_str);
     let whole: Vec<PathBuf> = files.filter(|file| file.ends_with(".csv")).map(PathBuf::from).collect();
-    let [recorded, whole] = [&table, &whole[0]].map(|file| std::fs::read_to_string(file).expect("a table"));
-    // But for the number of each row.
-    let without: Vec<&str> = recorded.lines().map(|line| line.split_once(',').map_or("", |(_, rest)| rest)).collect();
-    assert!(without.iter().copied().eq(whole.lines()), "{:?} {:?}", without.first(), whole.lines().next());
+    same_rows(&table, &whole[0]);
     for (arguments, names) in [
         (&["convert", "a.mcap", "b.txt"][..], "b.txt is not allowed: its name must end in .csv or .parquet"),
         (&["convert", "nowhere.mcap", "b.csv"], "cannot read nowhere.mcap"),

@@ -11,7 +11,7 @@ use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 use crate::recording::origin::Origin;
 use crate::recording::recorder::Recorder;
-use crate::recording::ticks::{BoardTicks, board_channels};
+use crate::recording::ticks::{BoardTicks, board_channels, name_of};
 use crate::{live::endpoint::Stop, live::operator::Operator};
 use haptic_sim::board::{
     calibrate::board::{get, say},
@@ -20,7 +20,6 @@ use haptic_sim::board::{
     recording,
 };
 use haptic_sim::report::files::write_csv;
-use haptic_sim::shared::NAMES;
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);
@@ -69,7 +68,7 @@ fn left_armed(answers: &[String]) -> bool {
 /// The file of a shared axis: of the first the one that was named, of the others one beside it, as `convert` names them.
 fn of_axis(file: &Path, axis: usize) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    if axis == 0 { file.to_owned() } else { file.with_file_name(format!("{stem}-ticks-{}.csv", NAMES[axis])) }
+    if axis == 0 { file.to_owned() } else { file.with_file_name(format!("{stem}-{}.csv", name_of(axis))) }
 }
 
 impl Operate {
