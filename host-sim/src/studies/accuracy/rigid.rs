@@ -13,6 +13,7 @@ use haptic_core::object::free_body::{Flying, FreeBody, Wrench};
 use haptic_core::object::rigid::Rotor;
 use haptic_core::object::vector::Moving;
 use haptic_sim::report::Columns;
+use rayon::prelude::*;
 
 /// Of the body that tumbles.
 const MASS_KG: f64 = 0.3;
@@ -114,16 +115,16 @@ fn row<S: Scalar>(seconds: f64, period_ms: f64) -> Row {
 }
 
 /// Every number type at each of these steps, over so long; `step` after each.
-pub fn study(seconds: f64, periods_ms: &[f64], step: &dyn Fn()) -> Vec<Row> {
-    let rows = periods_ms.iter().flat_map(|period_ms| {
-        let types: [fn(f64, f64) -> Row; TYPES] = [row::<f32>, row::<f64>, row::<Fixed>];
-        types.map(|of| {
-            let row = of(seconds, *period_ms);
+pub fn study(seconds: f64, periods_ms: &[f64], step: &(dyn Fn() + Sync)) -> Vec<Row> {
+    let types: [fn(f64, f64) -> Row; TYPES] = [row::<f32>, row::<f64>, row::<Fixed>];
+    let rows: Vec<_> = periods_ms.iter().flat_map(|period_ms| types.map(|of| (of, *period_ms))).collect();
+    rows.into_par_iter()
+        .map(|(of, period_ms)| {
+            let row = of(seconds, period_ms);
             step();
             row
         })
-    });
-    rows.collect()
+        .collect()
 }
 
 /// The table.
