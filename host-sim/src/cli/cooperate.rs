@@ -7,7 +7,7 @@ use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 use serde_json::json;
 
-use super::flags::{Out, RecordTo, ScalarName, Time};
+use super::flags::{ScalarName, Simulation};
 use super::several::stop;
 use super::{Failure, SceneArgs, Ui, several};
 use crate::studies::{doubt, figures};
@@ -20,39 +20,33 @@ use haptic_sim::user::User;
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {
     #[command(flatten)]
-    pub(super) scene: SceneArgs,
+    scene: SceneArgs,
     #[command(flatten)]
-    pub(super) time: Time,
-    /// Number type of the peers.
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) scalar: ScalarName,
-    #[command(flatten)]
-    pub(super) record: RecordTo,
-    #[command(flatten)]
-    pub(super) out: Out,
+    asked: Simulation,
 }
 
 impl Cooperate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load_any(ui)?;
         let period_s = scene.peer.timing.control_period_s;
-        self.time.check(&scene)?;
+        let Simulation { time, scalar, record, out } = &self.asked;
+        time.check(&scene)?;
         if scene.is_shared_along_several() {
-            return several::run(ui, self, &scene);
+            return several::run(ui, &self.scene, &scene, &self.asked);
         }
-        let options = match ui.writes(&self.out) {
-            true => Options::recorded(self.time.seconds, period_s),
-            false => Options { duration_s: self.time.seconds, record_every: 0 },
+        let options = match ui.writes(out) {
+            true => Options::recorded(time.seconds, period_s),
+            false => Options { duration_s: time.seconds, record_every: 0 },
         };
-        let steps = (self.time.seconds / period_s / 1e4) as usize;
+        let steps = (time.seconds / period_s / 1e4) as usize;
         let made = ui.made().settings(scene.settings());
-        let recorder = self.record.simulated(&made, 1)?;
+        let recorder = record.simulated(&made, 1)?;
         let each = |row: &[f64]| {
             if let Some(recorder) = &recorder {
                 recorder.put_all(0, (1e9 * row[0]).round() as u64, row);
             }
         };
-        let ((outcome, scalar), wall_s) = ui.work(steps, "cooperate", |step| match self.scalar {
+        let ((outcome, scalar), wall_s) = ui.work(steps, "cooperate", |step| match scalar {
             ScalarName::F32 => go::<f32>(&scene, options, step, recorder.is_some().then_some(&each)),
             ScalarName::F64 => go::<f64>(&scene, options, step, recorder.is_some().then_some(&each)),
             ScalarName::I32f32 => go::<Fixed>(&scene, options, step, recorder.is_some().then_some(&each)),
@@ -80,12 +74,12 @@ impl Cooperate {
             warnings.push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));
         }
         let facts = columns(&self.scene.name(), &scene, &outcome, &verdict, wall_s)?;
-        let made = made.with("number_type", scalar).with("seconds", self.time.seconds);
+        let made = made.with("number_type", scalar).with("seconds", time.seconds);
         let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(&outcome));
         let made = made.with("recorded_every_ticks", options.record_every);
         let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };
         let name = self.scene.run_name(&scene) + &number;
-        let files = ui.files(&self.out, "cooperate", &name, &made, |files| {
+        let files = ui.files(out, "cooperate", &name, &made, |files| {
             files.csv(&outcome.table)?;
             files.parquet(&outcome.table)?;
             files.figure(None, &figures::run(&name, &outcome))

@@ -237,6 +237,20 @@ impl RecordTo {
     }
 }
 
+/// What is asked of a run in memory.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Simulation {
+    #[command(flatten)]
+    pub(super) time: Time,
+    /// Number type of the peers.
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) scalar: ScalarName,
+    #[command(flatten)]
+    pub(super) record: RecordTo,
+    #[command(flatten)]
+    pub(super) out: Out,
+}
+
 /// How long a live command calls before it gives up.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Patience {

@@ -6,9 +6,8 @@ use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde_json::json;
 
-use super::cooperate::Cooperate;
-use super::flags::ScalarName;
-use super::{Failure, Ui};
+use super::flags::{ScalarName, Simulation};
+use super::{Failure, SceneArgs, Ui};
 use crate::studies::figures;
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome};
@@ -16,8 +15,8 @@ use haptic_sim::scene::Scene;
 use haptic_sim::shared::{self, EachRow, NAMES, Shared};
 use haptic_sim::user::User;
 
-pub(super) fn run(ui: &Ui, asked: &Cooperate, scene: &Scene) -> Result<(), Failure> {
-    let Cooperate { scene: args, time, scalar: in_type, record, out } = asked;
+pub(super) fn run(ui: &Ui, args: &SceneArgs, scene: &Scene, asked: &Simulation) -> Result<(), Failure> {
+    let Simulation { time, scalar: in_type, record, out } = asked;
     let period_s = scene.peer.timing.control_period_s;
     let options = match ui.writes(out) {
         true => Options::recorded(time.seconds, period_s),
