@@ -105,7 +105,7 @@ struct Joint<S: Scalar> {
 ///
 /// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the others are held. What
 /// is said above and built by [`Peer::new`] shares one axis of a device in the plane; any other is built by [`Peer::build`] and speaks
-/// of all its axes at once ([`Peer::hear_each`], [`Peer::exchange_each`]): one law state, one packet and one energy account for each
+/// of all its axes at once ([`Peer::hear`], [`Peer::exchange`]): one law state, one packet and one energy account for each
 /// axis, one ladder of silence for all, since their packets travel together.
 ///
 /// ```
@@ -193,27 +193,6 @@ impl<S: Scalar, L: Law<S>> Peer<S, L> {
     /// The first key whose value is out of range, impossible beside the others, or names a law that `L` is not.
     pub fn new(settings: &Settings, device: [Motion<S>; AXES]) -> Result<Self, Refused<'static>> {
         Self::build(settings, device)
-    }
-}
-
-/// One shared axis.
-impl<S: Scalar, L: Law<S>, const N: usize, K: Kinematics<S, N>> Peer<S, L, 1, N, K> {
-    /// [`Peer::observed_each`].
-    pub fn observed(&self) -> &Observed<S> {
-        let [axis] = &self.shared;
-        &axis.observed
-    }
-
-    /// [`Peer::ledger_each`].
-    pub fn ledger(&self) -> &Ledger<S> {
-        let [axis] = &self.shared;
-        &axis.ledger
-    }
-
-    /// Impacts since arming, where contact is impulsive.
-    pub fn impacts(&self) -> Impacts<S> {
-        let [axis] = &self.shared;
-        axis.strikes.impacts()
     }
 }
 
@@ -378,13 +357,18 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// What the last tick saw and did along every shared axis.
-    pub fn observed_each(&self) -> [&Observed<S>; SHARED] {
+    pub fn observed(&self) -> [&Observed<S>; SHARED] {
         self.shared.each_ref().map(|axis| &axis.observed)
     }
 
     /// Energy that crossed the network port since arming, of every shared axis.
-    pub fn ledger_each(&self) -> [&Ledger<S>; SHARED] {
+    pub fn ledger(&self) -> [&Ledger<S>; SHARED] {
         self.shared.each_ref().map(|axis| &axis.ledger)
+    }
+
+    /// Impacts since arming along every shared axis, where contact is impulsive.
+    pub fn impacts(&self) -> [Impacts<S>; SHARED] {
+        self.shared.each_ref().map(|axis| axis.strikes.impacts())
     }
 
     /// Ticks per packet, M.

@@ -64,10 +64,10 @@ fn settings(changes: &[(&str, Value<'static>)]) -> Settings {
 fn desired<S: Scalar>(settings: &Settings) -> Motion<f64> {
     let mut peer = Peer::<S, Predict<S>>::new(settings, [Motion::REST; AXES]).expect("good settings");
     peer.command(Command::Arm);
-    peer.hear(Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() });
+    peer.hear(&[Packet { motion: Motion { position: S::ZERO, velocity: S::ONE }, ..Packet::default() }]);
     peer.exchange();
     peer.tick(&Sensors::of(Reading::Exact([Motion::REST; AXES])));
-    let seen = peer.observed().desired;
+    let seen = peer.observed()[0].desired;
     Motion { position: seen.position.to_f64(), velocity: seen.velocity.to_f64() }
 }
 

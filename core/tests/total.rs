@@ -194,10 +194,10 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
             for (packet, wave) in packets.iter_mut().zip([g, a, b]) {
                 packet.wave = wave;
             }
-            peer.hear_each(&packets);
+            peer.hear(&packets);
         }
         if peer.packet_due() {
-            let sent = peer.exchange_each();
+            let sent = peer.exchange();
             let finite = sent.is_none_or(|sent| sent.iter().all(|packet| packet.is_finite()));
             prop_assert!(finite, "sent {sent:?}");
         }
@@ -225,7 +225,7 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
         before = forces;
         if peer.mode() == Mode::Armed {
             // What is told of the tick is as finite as what it did.
-            for (seen, ledger) in peer.observed_each().into_iter().zip(peer.ledger_each()) {
+            for (seen, ledger) in peer.observed().into_iter().zip(peer.ledger()) {
                 let motions = [seen.device, seen.object, seen.desired];
                 let numbers = [seen.contact_force, seen.coordination_force, ledger.received_j(), ledger.sent_j()];
                 let finite = motions.iter().all(|motion| motion.is_finite()) && numbers.iter().all(|n| n.is_finite());

@@ -164,7 +164,7 @@ impl Loop {
             if incoming.fetch() { Some(incoming.get()) } else { None }.filter(|received| received.life == life);
         if let Some(received) = received {
             flags |= record::RECEIVED;
-            self.peer.hear_each(&received.packets);
+            self.peer.hear(&received.packets);
         } else if self.side.signals.old.get() {
             self.peer.delayed();
         }
@@ -201,7 +201,7 @@ impl Loop {
         self.side.signals.ticks.set(self.tick);
         if self.record_due() {
             let (tick, mode, digest) = (self.tick, self.peer.mode(), digest(&mut self.peer));
-            let (seen, ledgers) = (self.peer.observed_each(), self.peer.ledger_each());
+            let (seen, ledgers) = (self.peer.observed(), self.peer.ledger());
             let heard = flags & record::RECEIVED != 0;
             let incoming = heard.then(|| &self.side.incoming.get().packets);
             #[allow(clippy::needless_range_loop, reason = "iterators over arrays of one stay in memory")]

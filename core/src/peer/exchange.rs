@@ -9,32 +9,8 @@ use crate::law::{Law, Packet};
 use crate::num::Scalar;
 use crate::safety::{Fault, Mode};
 
-/// One shared axis.
-impl<S: Scalar, L: Law<S>, const N: usize, K: Kinematics<S, N>> Peer<S, L, 1, N, K> {
-    /// [`Peer::hear_each`].
-    pub fn hear(&mut self, packet: Packet<S>) {
-        self.hear_each(&[packet]);
-    }
-
-    /// [`Peer::exchange_each`].
-    pub fn exchange(&mut self) -> Option<Packet<S>> {
-        self.exchange_each().map(|[packet]| packet)
-    }
-
-    /// [`Peer::speak_each`].
-    pub fn speak(&mut self) -> Option<Packet<S>> {
-        self.speak_each().map(|[packet]| packet)
-    }
-
-    /// [`Peer::outgoing_each`].
-    pub fn outgoing(&self) -> Packet<S> {
-        let [packet] = self.outgoing_each();
-        packet
-    }
-}
-
 impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Peer<S, L, SHARED, N, K> {
-    /// Whether [`Peer::exchange_each`] is due before the next [`Peer::tick`].
+    /// Whether [`Peer::exchange`] is due before the next [`Peer::tick`].
     pub fn packet_due(&self) -> bool {
         self.until_packet == 0
     }
@@ -42,12 +18,12 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// One packet period: gives what to send, if anything, and counts the silence if nothing has been heard in it.
     ///
     /// Due before every M-th tick, when [`Peer::packet_due`].
-    pub fn exchange_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+    pub fn exchange(&mut self) -> Option<[Packet<S>; SHARED]> {
         let mut packets = [Packet::default(); SHARED];
         self.exchange_into(&mut packets).then_some(packets)
     }
 
-    /// [`Peer::exchange_each`], written where it is to lie; true if it is to be sent.
+    /// [`Peer::exchange`], written where it is to lie; true if it is to be sent.
     pub fn exchange_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
         let speaks = self.speak_into(packets);
         self.listen();
@@ -55,13 +31,13 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// What goes out in this packet period; nothing where the law keeps silent of every axis ([`crate::law::event`]). The first half of
-    /// [`Peer::exchange_each`]: only a network without delay needs it before the other's packets are heard.
-    pub fn speak_each(&mut self) -> Option<[Packet<S>; SHARED]> {
+    /// [`Peer::exchange`]: only a network without delay needs it before the other's packets are heard.
+    pub fn speak(&mut self) -> Option<[Packet<S>; SHARED]> {
         let mut packets = [Packet::default(); SHARED];
         self.speak_into(&mut packets).then_some(packets)
     }
 
-    /// [`Peer::speak_each`], written where it is to lie.
+    /// [`Peer::speak`], written where it is to lie.
     fn speak_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
         let engaged = self.is_engaged();
         for (packet, axis) in packets.iter_mut().zip(&self.shared) {
@@ -70,8 +46,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.ladder.longest() <= 1 || !self.keeps_silent(packets)
     }
 
-    /// What [`Peer::exchange_each`] would send now, if it is worth sending.
-    pub fn outgoing_each(&self) -> [Packet<S>; SHARED] {
+    /// What [`Peer::exchange`] would send now, if it is worth sending.
+    pub fn outgoing(&self) -> [Packet<S>; SHARED] {
         let engaged = self.is_engaged();
         self.shared.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
     }
@@ -91,7 +67,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         false
     }
 
-    /// The second half of [`Peer::exchange_each`]: counts the silence if nothing has been heard in this packet period.
+    /// The second half of [`Peer::exchange`]: counts the silence if nothing has been heard in this packet period.
     pub fn listen(&mut self) {
         if self.mode == Mode::Armed {
             self.ladder.pass(&mut self.engagement);
@@ -106,9 +82,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Takes in the packets of the other peer, one for each shared axis: they act at the next tick, and stand until others come.
     ///
-    /// Before any tick, whether or not [`Peer::exchange_each`] is due; where both are, first this. Which of several that have come
+    /// Before any tick, whether or not [`Peer::exchange`] is due; where both are, first this. Which of several that have come
     /// are the newest, the caller knows.
-    pub fn hear_each(&mut self, packets: &[Packet<S>; SHARED]) {
+    pub fn hear(&mut self, packets: &[Packet<S>; SHARED]) {
         if !packets.iter().all(|packet| packet.is_finite()) {
             return self.trip(Fault::NonFiniteInput);
         }

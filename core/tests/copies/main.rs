@@ -68,7 +68,7 @@ impl<S: Scalar> Copies<S> {
                     && let Some(packet) = self.under_way[to].pop_front()
                     && lets_through()
                 {
-                    self.peers[to].hear(packet);
+                    self.peers[to].hear(&[packet]);
                 }
                 self.peers[to].exchange();
             }
@@ -77,7 +77,7 @@ impl<S: Scalar> Copies<S> {
             let device = Motion { position: S::from_f64(device.position), velocity: S::from_f64(device.velocity) };
             peer.tick(&Sensors::of(Reading::Exact([device, Motion::REST])));
         }
-        self.peers.each_ref().map(|peer| *peer.observed())
+        self.peers.each_ref().map(|peer| *peer.observed()[0])
     }
 
     fn tick(&mut self, devices: [Motion<f64>; 2]) -> [Observed<S>; 2] {

@@ -24,10 +24,10 @@ fn alone(mass: f64, stiffness: f64, damping: f64) -> Vec<f64> {
     let mut copies = Copies::<f64>::new(&settings, 0);
     (0..4000)
         .map(|_| {
-            copies.peers[0].hear(Packet { motion: Motion::at(1.0), ..Packet::default() });
+            copies.peers[0].hear(&[Packet { motion: Motion::at(1.0), ..Packet::default() }]);
             copies.peers[0].exchange();
             copies.peers[0].tick(&Sensors::of(Reading::Exact([Motion::REST; AXES])));
-            copies.peers[0].observed().desired.position
+            copies.peers[0].observed()[0].desired.position
         })
         .collect()
 }
@@ -83,11 +83,11 @@ fn a_packet_makes_no_step_in_the_force() {
         let settings = settings(law, &[("coordination.stiffness_n_per_m", 1590.0), ("contact.stiffness_n_per_m", 0.0)]);
         let mut copies = Copies::<f64>::new(&settings, 0);
         copies.tick([Motion::REST; 2]);
-        copies.peers[0].hear(Packet { motion: Motion::at(1e-3), ..Packet::default() });
+        copies.peers[0].hear(&[Packet { motion: Motion::at(1e-3), ..Packet::default() }]);
         copies.peers[0].exchange();
         let reading = Reading::Exact([Motion::REST; AXES]);
         copies.peers[0].tick(&Sensors::of(reading));
-        copies.peers[0].observed().coordination_force
+        copies.peers[0].observed()[0].coordination_force
     };
     let (power, proxy) = (step("power"), step("remote-dynamic-proxy"));
     // Less what the copy gives way in the tick.

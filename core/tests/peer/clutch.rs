@@ -40,7 +40,7 @@ fn stay(bench: &mut Bench<f64>, ticks: u32, at: impl Fn(u32) -> f64) {
 #[test]
 fn opened_and_closed_somewhere_else_nothing_jumps_and_the_world_stands() {
     let mut bench = pressed(&held());
-    let object = bench.peer.observed().object.position;
+    let object = bench.peer.observed()[0].object.position;
     assert!((object - 0.002).abs() < 1e-6, "{object}");
     // 2 N over 0.1 s is 0.02 N a tick.
     let (mut force, mut free) = (bench.at(0.004, 0.0).forces[0], 0);
@@ -51,7 +51,7 @@ fn opened_and_closed_somewhere_else_nothing_jumps_and_the_world_stands() {
             assert!((now - force).abs() <= 0.02 + 1e-9, "from {force} N to {now} N");
             force = now;
             free += u32::from(now == 0.0);
-            let seen = bench.peer.observed();
+            let seen = bench.peer.observed()[0];
             assert!((seen.object.position - object).abs() < 1e-9, "{seen:?}");
             assert!((seen.contact_force - 2.0).abs() < 1e-3, "{seen:?}");
         }
@@ -65,7 +65,7 @@ fn opened_and_closed_somewhere_else_nothing_jumps_and_the_world_stands() {
     let force = goes(&mut bench, 300, &|_| 0.004 - 0.0595);
     assert!((force + 2.0).abs() < 1e-3, "{force} N");
     assert!(free > 120, "{free} ticks without force");
-    assert!((bench.peer.observed().device.position - 0.004).abs() < 1e-9);
+    assert!((bench.peer.observed()[0].device.position - 0.004).abs() < 1e-9);
 }
 
 /// What the hand does at the device is what the device does in the world, whatever the clutch does meanwhile.
@@ -86,7 +86,7 @@ fn a_clutch_that_opens_and_closes_under_a_moving_hand_makes_no_energy() {
         }
         let device = 0.003 * (9.0 * time).sin() + 0.002 * (23.0 * time).sin();
         let force = bench.at(device, 0.0).forces[0];
-        let seen = *bench.peer.observed();
+        let seen = *bench.peer.observed()[0];
         if let Some((device_before, force, world, felt)) = before {
             at_the_hand += force * (device - device_before);
             in_the_world -= felt * (seen.device.position - world);
@@ -143,11 +143,11 @@ fn the_encoders_zero_is_the_worlds_again_after_home() {
     stay(&mut bench, 100, |tick| 0.004 + 1e-4 * f64::from(tick));
     bench.command(Command::Release);
     stay(&mut bench, 200, |_| 0.0139);
-    assert!((bench.peer.observed().device.position - 0.004).abs() < 1e-9);
+    assert!((bench.peer.observed()[0].device.position - 0.004).abs() < 1e-9);
     bench.command(Command::Disarm);
     let read = |bench: &mut Bench<f64>| {
         bench.read(Reading::Exact([Motion::at(0.0139), Motion::REST]));
-        bench.peer.observed().device.position
+        bench.peer.observed()[0].device.position
     };
     assert!((read(&mut bench) - 0.004).abs() < 1e-9);
     bench.command(Command::Home);

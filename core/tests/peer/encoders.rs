@@ -64,7 +64,7 @@ fn a_channel_that_is_dead() {
 
 /// Where the axis is, m.
 fn position<S: Scalar>(bench: &Bench<S>) -> f64 {
-    bench.peer.observed().device.position.to_f64()
+    bench.peer.observed()[0].device.position.to_f64()
 }
 
 fn an_index_says_where_the_joint_is<S: Scalar>() {
@@ -80,7 +80,7 @@ fn an_index_says_where_the_joint_is<S: Scalar>() {
         tick(&mut bench, 7000 + along * 300, [2; 2], Some(7000 + along * 200));
         tick(&mut bench, 7000 + along * 300, [0; 2], None);
         assert!((position(&bench) - 0.0505).abs() < 1e-6, "{}: {}", S::NAME, position(&bench));
-        assert_eq!(bench.peer.observed().device.velocity.to_f64(), 0.0, "it did not jump there");
+        assert_eq!(bench.peer.observed()[0].device.velocity.to_f64(), 0.0, "it did not jump there");
         // Again, from either side: fine. Further off than an index is wide: counts are lost.
         for off in [0, INDEX_COUNTS, -INDEX_COUNTS] {
             assert_eq!(tick(&mut bench, 7000 + along * 300, [0; 2], Some(7000 + along * 200 + off)), Mode::Disarmed);
@@ -159,7 +159,7 @@ fn an_operator_says_where_zero_is() {
     assert!((position(&bench) - 0.002).abs() < 1e-7);
     bench.command(Command::Home);
     assert_eq!(tick(&mut bench, 500, [0; 2], None), Mode::Disarmed);
-    assert_eq!((position(&bench), bench.peer.observed().device.velocity), (0.0, 0.0));
+    assert_eq!((position(&bench), bench.peer.observed()[0].device.velocity), (0.0, 0.0));
     bench.command(Command::Arm);
     assert_eq!(tick(&mut bench, 600, [2; 2], None), Mode::Armed);
     bench.command(Command::Home);

@@ -123,7 +123,7 @@ fn a_partner_who_shakes_the_hand() {
             let turn = core::f64::consts::TAU * 5.0 * f64::from(tick) * 1e-3;
             if bench.peer.packet_due() {
                 let motion = Motion::at(0.085 * turn.sin() as f32);
-                bench.peer.hear(Packet { motion, ..Packet::default() });
+                bench.peer.hear(&[Packet { motion, ..Packet::default() }]);
                 bench.peer.exchange();
             }
             // Held still.

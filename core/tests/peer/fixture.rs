@@ -44,7 +44,7 @@ fn a_pushed_object_rests_where_springs_balance() {
                 let share = f64::from(tick.min(4000)) / 4000.0;
                 bench.at(start + share * (device - start), 0.0);
             }
-            let found = bench.peer.observed().object.position;
+            let found = bench.peer.observed()[0].object.position;
             assert!((found - at).abs() < 1e-6, "{kind:?} {device} {one_sided}: {found} m, not {at}");
         }
     }
@@ -76,7 +76,7 @@ fn no_fixture_gives_more_than_it_was_given() {
         for tick in 0..3000 {
             let device = size * (rate * f64::from(tick) * 1e-3).sin();
             bench.at(device, 0.0);
-            let seen = *bench.peer.observed();
+            let seen = *bench.peer.observed()[0];
             let (object, speed) = (seen.object.position, seen.object.velocity);
             if let Some((felt, before)) = last {
                 // Held through the tick, the device as it was sensed: the work on the copy.

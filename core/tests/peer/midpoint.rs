@@ -45,11 +45,11 @@ fn open_energy(settings: &Settings) -> f64 {
     let mut booked = [0.0; 2];
     for tick in 0..2000 {
         let (wave, hand) = inputs(tick);
-        bench.peer.hear(Packet { wave, ..Packet::default() });
+        bench.peer.hear(&[Packet { wave, ..Packet::default() }]);
         bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
-        let seen = *bench.peer.observed();
-        let ledger = bench.peer.ledger();
+        let seen = *bench.peer.observed()[0];
+        let ledger = bench.peer.ledger()[0];
         let sums = [ledger.received_j(), ledger.sent_j()];
         if let Some((Observed { object: copy, desired, contact_force: contact, .. }, [received, sent])) = before {
             let kinetic = |motion: Motion<f64>| 0.5 * object.mass_kg * motion.velocity * motion.velocity;
@@ -99,10 +99,10 @@ fn what_can_only_push_never_pulls() {
     for tick in 0..5000 {
         let (wave, hand) = inputs(tick);
         // The line draws the copy to the hand.
-        bench.peer.hear(Packet { wave: wave - 0.6, ..Packet::default() });
+        bench.peer.hear(&[Packet { wave: wave - 0.6, ..Packet::default() }]);
         bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
-        let seen = bench.peer.observed();
+        let seen = bench.peer.observed()[0];
         assert!(seen.contact_force >= 0.0, "tick {tick}: {} N", seen.contact_force);
         if seen.contact_force > 0.0 {
             pushed += 1;
@@ -130,7 +130,7 @@ fn a_constant_force_moves_a_copy_exactly() {
             bench.at(S::ZERO, S::from_f64(4.0 + mean));
         }
         bench.at(S::ZERO, S::ZERO);
-        bench.peer.observed().object.position.to_f64()
+        bench.peer.observed()[0].object.position.to_f64()
     }
     assert!((fallen::<f64>() - 1.0).abs() < 1e-12, "{}", fallen::<f64>());
     assert!((fallen::<f32>() - 1.0).abs() < 1e-5, "{}", fallen::<f32>());

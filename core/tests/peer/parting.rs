@@ -11,10 +11,10 @@ type Bench = crate::Bench<f64>;
 impl Bench {
     /// A packet period with or without a packet; the coordination force of its first tick.
     fn period(&mut self, incoming: Option<Packet<f64>>) -> f64 {
-        incoming.into_iter().for_each(|packet| self.peer.hear(packet));
+        incoming.into_iter().for_each(|packet| self.peer.hear(&[packet]));
         self.peer.exchange();
         self.at(0.0, 0.0);
-        let force = self.peer.observed().coordination_force;
+        let force = self.peer.observed()[0].coordination_force;
         for _ in 1..self.peer.ticks_per_packet() {
             self.at(0.0, 0.0);
         }
@@ -44,13 +44,13 @@ fn the_force_goes_at_once_and_comes_back_step_by_step() {
     assert!(!bench.peer.is_engaged());
     // It renders alone, and what it sends is at rest.
     assert_eq!(bench.period(None), 0.0);
-    let sent = bench.peer.outgoing();
+    let sent = bench.peer.outgoing()[0];
     assert_eq!((sent.motion.velocity, sent.wave), (0.0, 0.0));
 
     // (safety.disengage_s − safety.fade_s)/T_n
     let steps = 9_u32;
     for step in 1..=steps + 3 {
-        let here = bench.peer.outgoing().motion.position;
+        let here = bench.peer.outgoing()[0].motion.position;
         let force = bench.period(at(here + 0.01));
         let share = f64::from(step.min(steps)) / f64::from(steps);
         // K_T times the distance, as far as the peer is engaged.
@@ -91,11 +91,11 @@ fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
         if parts {
             bench.peer.part();
         }
-        let before = bench.peer.ledger().received_j();
+        let before = bench.peer.ledger()[0].received_j();
         for packet in 1..=50 {
             bench.period(wave(f64::from(packet) * price));
         }
-        bench.peer.ledger().received_j() - before
+        bench.peer.ledger()[0].received_j() - before
     };
     let (held, parted) = (emitted(false), emitted(true));
     assert!(held <= price * (1.0 + 1e-9), "{held} J without parting");
@@ -109,10 +109,10 @@ fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
 fn what_comes_between_two_exchanges_acts_at_the_next_tick() {
     let mut bench = Bench::armed(&power());
     let pulled = |bench: &mut Bench, stretch: f64| {
-        let here = bench.peer.outgoing().motion.position;
-        bench.peer.hear(at(here + stretch).expect("a packet"));
+        let here = bench.peer.outgoing()[0].motion.position;
+        bench.peer.hear(&[at(here + stretch).expect("a packet")]);
         bench.at(0.0, 0.0);
-        bench.peer.observed().coordination_force
+        bench.peer.observed()[0].coordination_force
     };
     bench.period(at(0.0));
     bench.peer.exchange();

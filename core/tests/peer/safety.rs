@@ -73,7 +73,7 @@ fn a_reading_whose_velocity_is_no_number() {
 fn a_packet_that_is_no_number() {
     let mut bench = Bench::armed(&Settings::default());
     let packet = Packet { wave: f32::NAN, ..Packet::default() };
-    bench.peer.hear(packet);
+    bench.peer.hear(&[packet]);
     bench.peer.exchange();
     let last = bench.at(0.001, 0.0);
     bench.assert_stopped(last, Fault::NonFiniteInput);
@@ -127,7 +127,7 @@ fn a_peer_that_falls_silent() {
         bench.peer.exchange();
     }
     assert_eq!(bench.peer.mode(), Mode::Armed);
-    bench.peer.hear(Packet::default());
+    bench.peer.hear(&[Packet::default()]);
     bench.peer.exchange();
     // safety.peer_lost_s is 10 s of packets of 8 ms.
     for _ in 1..1250 {
@@ -145,11 +145,11 @@ fn a_peer_whose_packets_come_too_late() {
     settings.safety.peer_lost_s = 0.16;
     for (taken_again, fault) in [(false, Fault::PeerDelayed), (true, Fault::PeerLost)] {
         let mut bench = Bench::armed(&settings);
-        bench.peer.hear(Packet::default());
+        bench.peer.hear(&[Packet::default()]);
         bench.peer.exchange();
         bench.peer.delayed();
         if taken_again {
-            bench.peer.hear(Packet::default());
+            bench.peer.hear(&[Packet::default()]);
             bench.peer.exchange();
         }
         for _ in 0..19 {
@@ -177,7 +177,7 @@ fn an_object_that_leaves_the_numbers() {
     settings.object.force_delay_ticks = 0.0;
     let mut bench = Bench::armed(&settings);
     let far = Packet { motion: Motion { position: 3e38, velocity: 0.0 }, ..Packet::default() };
-    bench.peer.hear(far);
+    bench.peer.hear(&[far]);
     bench.peer.exchange();
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
@@ -190,11 +190,11 @@ fn a_power_that_leaves_the_numbers() {
     settings.coordination.comm = "power";
     let mut bench = Bench::armed(&settings);
     let fast = Packet { motion: Motion { position: 0.0, velocity: 1e20 }, ..Packet::default() };
-    bench.peer.hear(fast);
+    bench.peer.hear(&[fast]);
     bench.peer.exchange();
     let last = bench.at(0.0, 0.0);
     bench.assert_stopped(last, Fault::Diverged);
-    assert_eq!(bench.peer.ledger().received_j(), 0.0);
+    assert_eq!(bench.peer.ledger()[0].received_j(), 0.0);
 }
 
 /// Faults have numbers that logs and telemetry rely on.
@@ -243,7 +243,7 @@ fn an_encoder_that_is_stuck() {
         for tick in 0..400_u16 {
             if bench.peer.packet_due() {
                 let pulled = Packet { motion: Motion::at(0.0004 * f32::from(tick)), ..Packet::default() };
-                bench.peer.hear(pulled);
+                bench.peer.hear(&[pulled]);
                 bench.peer.exchange();
             }
             let actuators = bench.read(Reading::Counts([Counts(counts(tick)), Counts(0)]));
@@ -281,7 +281,7 @@ fn an_encoder_that_is_stuck_under_a_gentle_force() {
     let mut changed = None;
     while bench.peer.mode() == Mode::Armed && ticks < 200 {
         if bench.peer.packet_due() {
-            bench.peer.hear(Packet { motion: Motion::at(0.5), ..Packet::default() });
+            bench.peer.hear(&[Packet { motion: Motion::at(0.5), ..Packet::default() }]);
             bench.peer.exchange();
         }
         ticks += 1;
@@ -376,5 +376,5 @@ fn the_first_reading_of_an_encoder_is_no_motion() {
     let mut bench = Bench::at_rest(&settings, Motion::at(-0.005));
     bench.command(Command::Arm);
     bench.read(Reading::Counts([Counts(1234), Counts(0)]));
-    assert_eq!(bench.peer.observed().device, Motion::at(-0.005));
+    assert_eq!(bench.peer.observed()[0].device, Motion::at(-0.005));
 }

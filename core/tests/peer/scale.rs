@@ -120,7 +120,7 @@ fn power_in_the_world_is_that_at_the_hand_times_both_scales() {
     for tick in 0..400_u16 {
         let counts = tick * 5;
         let actuators = bench.read(Reading::Counts([Counts(counts), Counts(0)]));
-        let Motion { velocity, .. } = bench.peer.observed().device;
+        let Motion { velocity, .. } = bench.peer.observed()[0].device;
         let (in_the_world, at_the_hand) = (
             actuators.forces[0] * velocity,
             motor.joint_force(actuators.duties[0]) * 5.0 / settings.encoder.counts_per_m * 1e3,

@@ -115,7 +115,7 @@ impl<S: Scalar> Couple<S> {
             self.sent += u32::from(sent[at].is_some());
             let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
             let bench = &mut self.benches[at];
-            incoming.into_iter().for_each(|packet| bench.peer.hear(packet));
+            incoming.into_iter().for_each(|packet| bench.peer.hear(&[packet]));
             bench.peer.listen();
             bench.at(S::from_f64(hands[at].position), S::from_f64(hands[at].velocity));
             assert_eq!(bench.peer.mode(), Mode::Armed);
@@ -126,14 +126,14 @@ impl<S: Scalar> Couple<S> {
     /// Energy that came out of each end and what the other put in, J.
     fn energies(&self) -> [(f64, f64); 2] {
         [0, 1].map(|at| {
-            let out = self.benches[at].peer.ledger().received_j();
-            (out.to_f64(), self.benches[1 - at].peer.ledger().sent_j().to_f64())
+            let out = self.benches[at].peer.ledger()[0].received_j();
+            (out.to_f64(), self.benches[1 - at].peer.ledger()[0].sent_j().to_f64())
         })
     }
 
     /// x_d of the one less x_d of the other, m.
     fn apart(&self) -> f64 {
-        let [one, other] = [0, 1].map(|at| self.benches[at].peer.observed().desired.position.to_f64());
+        let [one, other] = [0, 1].map(|at| self.benches[at].peer.observed()[0].desired.position.to_f64());
         one - other
     }
 }
@@ -237,7 +237,7 @@ fn two_ends_that_stand_do_not_wait_for_each_other() {
         let press = |at: f64| [Motion::at(at), Motion::at(-at)];
         (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
         (0..phase).for_each(|_| couple.step(press(0.01)));
-        let live = |couple: &Couple<f64>| couple.benches.each_ref().map(|bench| bench.peer.outgoing().live_ticks);
+        let live = |couple: &Couple<f64>| couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
         couple.ways.iter_mut().for_each(|way| way.burst = 13);
         let before = live(&couple);
         (0..100).for_each(|_| couple.step(press(0.01)));
@@ -290,14 +290,14 @@ fn silence_is_a_wall() {
         let [hand, _] = hands(tick);
         bench.peer.exchange();
         bench.at(hand.position, hand.velocity);
-        let seen = bench.peer.observed();
+        let seen = bench.peer.observed()[0];
         assert_eq!((seen.desired.position, seen.desired.velocity), (0.0, 0.0), "tick {tick}");
         // F_T = K_T·s + κ·(0 − v), v by how far the copy moved: seen at the next tick.
         assert!(seen.coordination_force * seen.object.position <= 0.0 || seen.object.position.abs() < 1e-3);
     }
-    assert_eq!((bench.peer.ledger().received_j(), bench.peer.ledger().sent_j()), (0.0, 0.0));
-    assert_eq!(bench.peer.outgoing().live_ticks, 0);
-    assert!(bench.peer.observed().object.position.abs() > 1e-4, "the hand must have moved it");
+    assert_eq!((bench.peer.ledger()[0].received_j(), bench.peer.ledger()[0].sent_j()), (0.0, 0.0));
+    assert_eq!(bench.peer.outgoing()[0].live_ticks, 0);
+    assert!(bench.peer.observed()[0].object.position.abs() > 1e-4, "the hand must have moved it");
 }
 
 /// A line of d₀ samples each way that the network does not starve has a constant delay of d₀: a pulse of the one arrives at
@@ -310,13 +310,13 @@ fn the_delay_is_the_credit_whatever_the_networks_is() {
             *way = Way { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
         }
         (0..100).for_each(|_| couple.step([Motion::REST; 2]));
-        let live = couple.benches.each_ref().map(|bench| bench.peer.outgoing().live_ticks);
+        let live = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
         // Nothing is emitted before the first packet has come.
         assert_eq!(live, [100 - delay; 2], "delay {delay}");
         let hand = Motion { position: 0.001, velocity: 0.0 };
         let felt = (0_u32..).find(|_| {
             couple.step([hand, Motion::REST]);
-            couple.benches[1].peer.observed().desired.velocity != 0.0
+            couple.benches[1].peer.observed()[0].desired.velocity != 0.0
         });
         // Sent with the packet after its tick, and heard after the delay.
         assert_eq!(felt, Some(delay + 1), "delay {delay}");
@@ -333,7 +333,7 @@ fn a_peer_that_begins_anew_takes_the_other_with_it() {
     (0..2000).for_each(|tick| couple.step(hands(tick)));
     let before = couple.energies();
     couple.benches[0].peer.part();
-    let forces = |couple: &Couple<f64>| [0, 1].map(|at| couple.benches[at].peer.observed().coordination_force);
+    let forces = |couple: &Couple<f64>| [0, 1].map(|at| couple.benches[at].peer.observed()[0].coordination_force);
     let at_parting = forces(&couple);
     (2000..6000).for_each(|tick| couple.step(hands(tick)));
     for (at, ((out, sent), (_, sent_before))) in couple.energies().into_iter().zip(before).enumerate() {

@@ -45,19 +45,19 @@ fn together<S: Scalar, const SHARED: usize, K: Kinematics<S, SHARED>>(settings: 
     for tick in 0..900 {
         if peers[0].packet_due() {
             exchanges += 1;
-            let [to_two, to_one] = peers.each_ref().map(|peer| peer.outgoing_each());
+            let [to_two, to_one] = peers.each_ref().map(|peer| peer.outgoing());
             if !lost(exchanges) {
-                peers[0].hear_each(&to_one);
-                peers[1].hear_each(&to_two);
+                peers[0].hear(&to_one);
+                peers[1].hear(&to_two);
             }
             for peer in &mut peers {
-                peer.exchange_each();
+                peer.exchange();
             }
         }
         for (at, peer) in peers.iter_mut().enumerate() {
             let actuators = peer.tick(&Sensors::of(Reading::Exact(core::array::from_fn(|axis| hand(tick, axis, at)))));
             assert_eq!(peer.mode(), Mode::Armed, "{tick}");
-            for (axis, (seen, ledger)) in peer.observed_each().into_iter().zip(peer.ledger_each()).enumerate() {
+            for (axis, (seen, ledger)) in peer.observed().into_iter().zip(peer.ledger()).enumerate() {
                 let told = [seen.object.position, seen.coordination_force, ledger.sent_j(), actuators.forces[axis]];
                 let [a, b, c, d] = told.map(S::bits);
                 record.push([a, b, c, d, (axis * 2 + at) as u64]);
@@ -77,10 +77,10 @@ fn alone<S: Scalar>(settings: &Settings, axis: usize) -> Vec<[u64; 5]> {
     for tick in 0..900 {
         if peers[0].packet_due() {
             exchanges += 1;
-            let [to_two, to_one] = peers.each_ref().map(|peer| peer.outgoing());
+            let [to_two, to_one] = peers.each_ref().map(|peer| peer.outgoing()[0]);
             if !lost(exchanges) {
-                peers[0].hear(to_one);
-                peers[1].hear(to_two);
+                peers[0].hear(&[to_one]);
+                peers[1].hear(&[to_two]);
             }
             for peer in &mut peers {
                 peer.exchange();
@@ -88,7 +88,7 @@ fn alone<S: Scalar>(settings: &Settings, axis: usize) -> Vec<[u64; 5]> {
         }
         for (at, peer) in peers.iter_mut().enumerate() {
             let actuators = peer.tick(&Sensors::of(Reading::Exact([hand(tick, axis, at), Motion::REST])));
-            let (seen, ledger) = (peer.observed(), peer.ledger());
+            let (seen, ledger) = (peer.observed()[0], peer.ledger()[0]);
             let told = [seen.object.position, seen.coordination_force, ledger.sent_j(), actuators.forces[0]];
             let [a, b, c, d] = told.map(S::bits);
             record.push([a, b, c, d, (axis * 2 + at) as u64]);
@@ -150,7 +150,7 @@ fn a_five_bar_renders_the_contact_along_both_axes_through_its_encoders() {
         let counts = [tick / 4, -(tick / 6)];
         let actuators = peer.tick(&Sensors::of(Reading::Counts(counts.map(|count| Counts(count as u16)))));
         assert_eq!(peer.mode(), Mode::Armed, "{tick}");
-        let seen = peer.observed_each();
+        let seen = peer.observed();
         let pose = kinematics.forward(counts.map(|count| Motion::at(f64::from(count) / counts_per_rad)));
         for axis in 0..2 {
             assert!((seen[axis].device.position - pose.axes[axis].position).abs() < 1e-12, "{tick} {axis}");
@@ -189,7 +189,7 @@ fn a_packet_that_is_no_number_along_any_axis_turns_all_motors_off() {
         peer.command(Command::Arm);
         let mut packets = [Packet::default(); 3];
         packets[bad].wave = f32::NAN;
-        peer.hear_each(&packets);
+        peer.hear(&packets);
         assert_eq!(peer.mode(), Mode::Faulted(Fault::NonFiniteInput));
         let actuators = peer.tick(&Sensors::of(Reading::Exact([Motion::REST; 3])));
         assert!(!actuators.enable && actuators.forces == [0.0; 3], "{bad}");
@@ -265,7 +265,7 @@ fn ride<const N: usize, K: Kinematics<f64, N>>(
         .map(|tick| {
             peer.tick(&Sensors::of(Reading::Exact(hand(1e-3 * f64::from(tick)))));
             assert_eq!(peer.mode(), Mode::Armed, "{tick}");
-            let seen = peer.observed_each();
+            let seen = peer.observed();
             (seen.map(|axis| axis.object.position), seen.map(|axis| axis.contact_force))
         })
         .collect()
@@ -293,7 +293,7 @@ fn a_wall_along_an_axis_is_that_of_one_axis_and_leaves_the_others_alone() {
         peer.command(Command::Arm);
         for (tick, (object, felt)) in all.iter().enumerate() {
             peer.tick(&Sensors::of(Reading::Exact([strokes(1e-3 * tick as f64)[axis], Motion::REST])));
-            let seen = peer.observed();
+            let seen = peer.observed()[0];
             let apart = (seen.object.position - object[axis]).abs();
             assert!(apart < 1e-12 && (seen.contact_force - felt[axis]).abs() < 1e-8, "{axis} {tick}: {apart:e}");
         }

@@ -59,12 +59,12 @@ fn armed(settings: &Settings) -> Peer<f64, Shy> {
 
 /// A packet period with or without a packet: whether it speaks, and the coordination force of its first tick.
 fn period(peer: &mut Peer<f64, Shy>, incoming: Option<f64>) -> (bool, f64) {
-    incoming.into_iter().for_each(|at| peer.hear(Packet { motion: Motion::at(at), ..Packet::default() }));
+    incoming.into_iter().for_each(|at| peer.hear(&[Packet { motion: Motion::at(at), ..Packet::default() }]));
     let spoke = peer.exchange().is_some();
     let mut force = None;
     for _ in 0..peer.ticks_per_packet() {
         peer.tick(&Sensors::of(Reading::Exact([Motion::REST; AXES])));
-        force.get_or_insert(peer.observed().coordination_force);
+        force.get_or_insert(peer.observed()[0].coordination_force);
     }
     (spoke, force.unwrap_or_default())
 }
@@ -88,7 +88,7 @@ fn what_is_worth_a_packet_goes_at_once() {
     let mut peer = armed(&scene);
     let (mut quiet, mut spoken, mut due) = (12, 0, 0);
     for at in 0..800 {
-        let (worth, over) = (peer.outgoing().motion.position > 0.0, quiet + 1 == 13);
+        let (worth, over) = (peer.outgoing()[0].motion.position > 0.0, quiet + 1 == 13);
         // The other's copy pulls this one over the origin, and back.
         let (said, _) = period(&mut peer, Some(if at / 100 % 2 == 0 { -0.01 } else { 0.01 }));
         assert_eq!(said, worth || over, "period {at}");
@@ -138,7 +138,7 @@ fn a_dead_peer_is_noticed_in_the_same_time() {
         let mut parted = None;
         // The other one dies after its packet of period 208, the 17th of those that speak every 13th.
         for at in 0.. {
-            let here = peer.outgoing().motion.position;
+            let here = peer.outgoing()[0].motion.position;
             let comes = at <= 208 && at % every == 0;
             let (_, force) = period(&mut peer, comes.then_some(here + 0.01));
             let dead = usize::saturating_sub(at, 208);
@@ -170,7 +170,7 @@ fn the_way_back_takes_as_long_as_with_every_packet() {
         peer.part();
         let mut whole = None;
         for at in 0..120_usize {
-            let here = peer.outgoing().motion.position;
+            let here = peer.outgoing()[0].motion.position;
             let (_, force) = period(&mut peer, at.is_multiple_of(every).then_some(here + 0.01));
             // K_T times the distance, once the peer is engaged in full.
             whole = whole.or(((force - 3.1).abs() < 1e-9).then_some(at));

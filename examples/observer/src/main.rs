@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut felt: [Vec<(f64, f64)>; 2] = Default::default();
     while pair.time_s() < 5.0 {
         pair.step_watched(&mut |seen| {
-            let now = seen.peer.observed();
+            let now = seen.peer.observed()[0];
             let depth_mm = 1e3 * (now.device.position - now.object.position).abs();
             felt[seen.number - 1].push((depth_mm, now.contact_force.abs()));
         });

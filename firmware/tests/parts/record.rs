@@ -25,7 +25,7 @@ fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
     let of = Tick { axis: 2, duties: [Duty(-3), Duty(4)], ..tick(&mut peer, 7, ENABLED | SENT) };
     let mut record = Record::default();
-    record.fill(&of, None, peer.observed(), peer.ledger());
+    record.fill(&of, None, peer.observed()[0], peer.ledger()[0]);
     let back = Record::from_bytes(&record.bytes());
     assert_eq!(back, record);
     assert_eq!((back.tick(), back.axis(), back.mode(), back.flags()), (7, 2, Mode::Disarmed, ENABLED | SENT));
@@ -58,7 +58,7 @@ fn a_packet_that_came_in_comes_out_whole() {
     let told = |flags, incoming: Option<Packet<f32>>| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), peer.observed(), peer.ledger());
+        record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), peer.observed()[0], peer.ledger()[0]);
         Record::from_bytes(&record.bytes()).incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
@@ -72,7 +72,7 @@ fn what_the_stage_measured_comes_out_whole() {
     for stage in [Some(stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, peer.observed(), peer.ledger());
+        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, peer.observed()[0], peer.ledger()[0]);
         assert_eq!(Record::from_bytes(&record.bytes()).stage(), stage);
     }
 }

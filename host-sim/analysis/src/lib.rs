@@ -7,6 +7,7 @@
 //! | [`is_linear`] | does a matrix say all of its law? |
 //! | [`limit`] | at which values of one key does that change? |
 //! | [`map`] | and of two keys? |
+//! | [`conclude`] | what is to be said of a run, together with all this? |
 //! | [`advice`] | what to change in a scene that is unstable |
 //! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
 //! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
@@ -24,6 +25,7 @@
 mod advice;
 mod agreement;
 mod answers;
+mod conclusion;
 mod delays;
 mod direction;
 mod error;
@@ -48,6 +50,7 @@ mod verdict;
 pub use advice::{Change, MARGIN, advice, change};
 pub use agreement::{Agreement, agreement};
 pub use answers::answers;
+pub use conclusion::{Conclusion, conclude};
 pub use direction::Direction;
 pub use error::AnalysisError;
 pub use lifted::constructed::hold::exponential;

@@ -262,7 +262,7 @@ pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) ->
     for tick in 0..ticks {
         pair.step();
         if tick >= ticks / 2 {
-            let speeds = pair.sides().map(|side| side.peer.observed().object.velocity.to_f64());
+            let speeds = pair.sides().map(|side| side.peer.observed()[0].object.velocity.to_f64());
             late_j = late_j.max(speeds.into_iter().map(kinetic_j).sum());
         }
     }

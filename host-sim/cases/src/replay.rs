@@ -99,7 +99,7 @@ pub fn run(
             let [a, b, c, d, ..] = take(4)?;
             let live_ticks = u32::from_le_bytes([a, b, c, d]);
             let motion = Motion { position, velocity };
-            peer.hear(Packet { motion, wave, energy_j, wave_integral, live_ticks });
+            peer.hear(&[Packet { motion, wave, energy_j, wave_integral, live_ticks }]);
         }
         if flags & EXCHANGE != 0 {
             peer.exchange();

@@ -125,7 +125,7 @@ impl<S: Scalar, L: Law<S>> Recording<S, L> {
             let (due, arrived) = (peers[0].packet_due(), on_the_way);
             for (index, peer) in peers.iter_mut().enumerate() {
                 if due {
-                    on_the_way[1 - index] = Some(peer.outgoing());
+                    on_the_way[1 - index] = Some(peer.outgoing()[0]);
                 }
                 let input = Input { sensors: sensors(settings, tick, index), packet: arrived[index].filter(|_| due) };
                 step(peer, &input);
@@ -156,7 +156,7 @@ impl<S: Scalar, L: Law<S>> Recording<S, L> {
 #[inline(always)]
 pub fn step<S: Scalar, L: Law<S>>(peer: &mut Peer<S, L>, input: &Input<S>) -> Actuators<S> {
     if let Some(packet) = input.packet {
-        peer.hear(packet);
+        peer.hear(&[packet]);
     }
     if peer.packet_due() {
         black_box(peer.exchange());

@@ -226,7 +226,7 @@ fn step<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numbe
     let motion = || Motion { position: Number::any(), velocity: Number::any() };
     if let Some(live_ticks) = outside.heard {
         let finite = || Motion { position: Number::any_finite(), velocity: Number::any_finite() };
-        peer.hear_each(&[(); SHARED].map(|()| Packet {
+        peer.hear(&[(); SHARED].map(|()| Packet {
             motion: finite(),
             wave: Number::any_finite(),
             energy_j: Unknown::any_finite(),
@@ -234,7 +234,7 @@ fn step<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numbe
             live_ticks,
         }));
     }
-    let sent = if peer.packet_due() { peer.exchange_each() } else { None };
+    let sent = if peer.packet_due() { peer.exchange() } else { None };
     let reading = if outside.counts {
         Reading::Counts([Counts::default(); N])
     } else {

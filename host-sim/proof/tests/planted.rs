@@ -38,7 +38,7 @@ fn a_force_past_its_limit() {
 #[test]
 fn a_force_that_is_no_number() {
     let broken = found(|peer, sensors| {
-        let wanted = peer.observed().contact_force;
+        let wanted = peer.observed()[0].contact_force;
         first(peer, sensors, |force| force + Number::ZERO * wanted)
     });
     assert!(matches!(broken, Broken::Force(range) if range.nan), "{broken:?}");
@@ -49,7 +49,7 @@ fn a_force_without_its_slew_limit() {
     let broken = found(|peer, sensors| {
         let mut actuators = peer.tick(sensors);
         if actuators.enable {
-            actuators.forces[0] = (-peer.observed().contact_force).limit(Number::from_f64(40.0));
+            actuators.forces[0] = (-peer.observed()[0].contact_force).limit(Number::from_f64(40.0));
         }
         actuators
     });

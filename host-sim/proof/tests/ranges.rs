@@ -128,7 +128,7 @@ fn courses(settings: &Settings) {
         {
             let motion = Motion { position: *x, velocity: *v };
             let (wave, energy_j, wave_integral) = (*wave, *energy_j, *wave_integral);
-            peer.hear(Packet { motion, wave, energy_j, wave_integral, live_ticks });
+            peer.hear(&[Packet { motion, wave, energy_j, wave_integral, live_ticks }]);
             if peer.packet_due() {
                 peer.exchange();
             }

@@ -66,7 +66,7 @@ fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
     pair.step();
     let mut row = [0.0; WIDTH];
     for (side, row) in pair.sides().iter().zip(row.chunks_exact_mut(SEEN.len())) {
-        let seen = side.peer.observed();
+        let seen = side.peer.observed()[0];
         let numbers = [
             seen.device.position,
             seen.object.position,

@@ -1,8 +1,8 @@
 //! A run: what `host-sim cooperate` does.
 
+use haptic_analysis::conclude;
 use haptic_core::num::Fixed;
 use haptic_sim::run::{Options, Outcome, run_while};
-use host_sim::studies::doubt;
 use host_sim::studies::sweep::MERITS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -77,7 +77,7 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
             refused(format!("every = {every} is not allowed: it must be a whole number of ticks from 0"))
         })?;
     }
-    let (outcome, spectral_radius) = here(py, |go_on| {
+    let conclusion = here(py, |go_on| {
         let go_on = |_| go_on();
         let outcome = match scalar {
             "f32" => run_while::<f32>(&scene, options, &go_on),
@@ -85,8 +85,7 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
             "i32f32" => run_while::<Fixed>(&scene, options, &go_on),
             other => return Err(unknown_scalar(other)),
         };
-        let verdict = haptic_analysis::verdict(&scene).map_err(refused)?;
-        Ok((outcome.map_err(refused)?.doubted(doubt(&scene, &verdict)), verdict.spectral_radius))
+        conclude(&scene, outcome.map_err(refused)?).map_err(refused)
     })?;
     let merits = PyDict::new(py);
     for merit in MERITS {

@@ -35,7 +35,7 @@ impl Scene {
 
     /// The same of one to three: what a verdict begins with.
     pub(crate) fn checked_any(&self) -> PyResult<&haptic_sim::Scene> {
-        self.scene.check_any("scene").map_err(refused)?;
+        self.scene.check("scene").map_err(refused)?;
         Ok(&self.scene)
     }
 
@@ -121,7 +121,7 @@ impl Scene {
         let scene = with_laws(|laws| {
             let mut scene = haptic_sim::Scene::new(laws);
             scene.apply(text, "text", None)?;
-            scene.check_any("text").map(|()| scene)
+            scene.check("text").map(|()| scene)
         })?;
         Ok(Self { scene })
     }

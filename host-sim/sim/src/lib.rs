@@ -20,9 +20,9 @@ pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod scenes;
-pub mod shared;
 pub mod student;
 pub mod user;
 
+pub use haptic_core::device::AXES;
 pub use peers::{DynPeer, Family, Laws, Number};
 pub use scene::Scene;

@@ -13,9 +13,8 @@
 //! the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
 
 use std::collections::VecDeque;
-use std::fmt::Debug;
 
-use haptic_core::device::{AXES, kinematics::Kinematics};
+use haptic_core::device::AXES;
 use haptic_core::law::ledger::Ledger;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Observed};
@@ -25,7 +24,8 @@ use haptic_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
 use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::{peers::SharedPeer, plant::Plant, scene::Scene, shared};
+use crate::peers::{Builds, DynPeer};
+use crate::{plant::Plant, scene::Scene};
 
 /// A link that hands each datagram to whoever sends it.
 pub trait Says {
@@ -54,7 +54,7 @@ impl Says for Link {
 #[derive(Debug)]
 pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
     /// The peer; only the node gives it a tick.
-    pub peer: Box<dyn SharedPeer<f32, SHARED, N>>,
+    pub peer: Box<dyn DynPeer<f32, SHARED, N>>,
     plant: Plant<N>,
     /// Its motors are off until somebody says otherwise.
     halted: bool,
@@ -146,10 +146,23 @@ impl<const SHARED: usize> Line<SHARED> {
     }
 }
 
+/// One shared axis of a simulated device in the plane.
 impl Node {
     /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
     pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
-        Self::with_device(scene, number, key, entropy, Plant::new(scene, usize::from(number == 2)))
+        Self::build(scene, number, key, entropy)
+    }
+}
+
+impl<const SHARED: usize, const N: usize> Node<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
+    /// Peer `number` (1 or 2) of a scene that shares the object along `SHARED` axes, disarmed and calling. `entropy` must never be the
+    /// same at two starts.
+    pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+        Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
     }
 
     /// The same with a device that is there already: what a reset leaves of a peer.
@@ -158,43 +171,9 @@ impl Node {
         number: u8,
         key: Key,
         entropy: [u8; Key::LEN],
-        plant: Plant,
-    ) -> Result<Self, String> {
-        let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
-        Self::of(scene, number, key, entropy, peer, plant)
-    }
-}
-
-impl<const N: usize> Node<N, N>
-where
-    Flows<N>: Into<Message>,
-{
-    /// [`Node::new`] of an object that is shared along all axes of a device of mechanism `K`, with a law of core.
-    pub fn several<K: Kinematics<f32, N> + Debug + Send + Sync + 'static>(
-        scene: &Scene,
-        number: u8,
-        key: Key,
-        entropy: [u8; Key::LEN],
-    ) -> Result<Self, String> {
-        let at = usize::from(number == 2);
-        let plant = Plant::build(scene, at);
-        let peer = shared::peer::<f32, N, K>(scene, at, &plant).map_err(|refused| refused.to_string())?;
-        Self::of(scene, number, key, entropy, Box::new(peer), plant)
-    }
-}
-
-impl<const SHARED: usize, const N: usize> Node<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
-    fn of(
-        scene: &Scene,
-        number: u8,
-        key: Key,
-        entropy: [u8; Key::LEN],
-        peer: Box<dyn SharedPeer<f32, SHARED, N>>,
         plant: Plant<N>,
     ) -> Result<Self, String> {
+        let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {
@@ -210,7 +189,12 @@ where
             until_telemetry: 0,
         })
     }
+}
 
+impl<const SHARED: usize, const N: usize> Node<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
     /// The same, which tells the other one so often how it is doing, s.
     #[must_use]
     pub fn telling_every(self, telemetry_s: f64) -> Self {
@@ -236,12 +220,12 @@ where
             self.peer.part();
         }
         if let Some(flow) = &flow {
-            self.peer.hear_each(&packets_of(flow));
+            self.peer.hear(&packets_of(flow));
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }
         if self.peer.packet_due()
-            && let Some(packets) = self.peer.exchange_each()
+            && let Some(packets) = self.peer.exchange()
         {
             let flow = flow_of(packets, self.peer.mode() == Mode::Armed, self.ticks);
             self.line.link.say(now_us, flow, &mut send);
@@ -295,7 +279,7 @@ where
 
     /// What the last tick saw and did, along the first shared axis.
     pub fn observed(&self) -> &Observed<f32> {
-        self.peer.observed_each()[0]
+        self.peer.observed()[0]
     }
 
     /// Where its device is along the free axis, and how fast it moves.
@@ -310,7 +294,7 @@ where
 
     /// How this one is doing, for the other end's people and logs: along the first shared axis, with the energies of all.
     fn telemetry(&self, now_us: u64) -> Telemetry {
-        let (seen, ledgers) = (self.observed(), self.peer.ledger_each());
+        let (seen, ledgers) = (self.observed(), self.peer.ledger());
         let sum = |each: fn(&Ledger<f32>) -> f32| ledgers.iter().map(|ledger| f64::from(each(ledger))).sum();
         let (mode, fault) = match self.peer.mode() {
             Mode::Armed => (1, 0),

@@ -6,47 +6,61 @@
 
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
-use haptic_core::{law::Packet, num::Scalar, settings::Refused};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::{law::Packet, settings::Refused};
 
 use crate::engine::{Actor, Engine, Out, Seat, Turn};
 use crate::network::link::{Inbox, Numbered, Route};
-use crate::peers::{DynPeer, Number};
+use crate::peers::{Builds, DynPeer, Number};
 use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
-/// What a peer reads and moves: a plant, or several side by side.
-pub trait Device<S: Scalar> {
+/// What a peer reads and moves: a plant, several side by side, or a device of somebody else's.
+///
+/// Lengths, speeds and forces are of the shared world ([`haptic_core::device::scale`]): m, m/s, N.
+pub trait Device<S: Scalar, const N: usize = AXES> {
     /// What the peer's sensors say now.
-    fn sensors(&self) -> Sensors<S>;
+    fn sensors(&self) -> Sensors<S, N>;
     /// One control period from `time_s` on, under what the peer commands.
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S>);
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>);
     /// Whether the clutch is held open at `time_s`.
     fn clutches(&self, _time_s: f64) -> bool {
         false
     }
+    /// Where each axis is before the first tick, at rest: where the sensors say, or, of encoders that count from there, at zero.
+    fn start(&self) -> [Motion<S>; N] {
+        match self.sensors().reading {
+            Reading::Exact(axes) => axes.map(|axis| Motion::at(axis.position)),
+            Reading::Counts(_) => [Motion::REST; N],
+        }
+    }
 }
 
-impl<S: Scalar> Device<S> for Plant {
+impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
     #[inline]
-    fn sensors(&self) -> Sensors<S> {
+    fn sensors(&self) -> Sensors<S, N> {
         self.sensors()
     }
     #[inline]
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S>) {
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         self.step(time_s, actuators);
     }
     #[inline]
     fn clutches(&self, time_s: f64) -> bool {
         self.clutches(time_s)
     }
+    fn start(&self) -> [Motion<S>; N] {
+        self.in_the_world()
+    }
 }
 
-/// One peer with its device, for an engine.
-pub struct Side<S: Scalar, D = Plant> {
+/// One peer with its device, for an engine: it shares the object along `SHARED` axes of a device of `N`.
+pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = AXES> {
     /// The peer.
-    pub peer: Box<dyn DynPeer<S>>,
+    pub peer: Box<dyn DynPeer<S, SHARED, N>>,
     /// Its device and user.
     pub plant: D,
-    inbox: Inbox<Packet<S>>,
+    inbox: Inbox<[Packet<S>; SHARED]>,
     /// The seat that its packets are for.
     to: usize,
     /// Packet periods so far: the number of the next packet.
@@ -58,31 +72,28 @@ pub struct Side<S: Scalar, D = Plant> {
     period_s: f64,
     period_ns: u64,
     packet_ns: u64,
-    heard: Option<Packet<S>>,
+    heard: Option<[Packet<S>; SHARED]>,
     exchanged: bool,
     /// The clutch is open.
     clutched: bool,
-    sensors: Sensors<S>,
-    actuators: Actuators<S>,
+    sensors: Sensors<S, N>,
+    actuators: Actuators<S, N>,
 }
 
-impl<S: Number> Side<S> {
-    /// Peer `index` (0 or 1) of a scene, armed and at rest, which writes to seat `to`.
-    pub fn new(scene: &Scene, index: usize, to: usize) -> Result<Self, Refused<'static>> {
-        Self::starting_at(scene, index, to, 0.0)
-    }
-
-    /// The same with its device `at_m` further along the free axis than the scene puts it.
-    fn starting_at(scene: &Scene, index: usize, to: usize, at_m: f64) -> Result<Self, Refused<'static>> {
-        let plant = Plant::new(scene, index).moved(at_m);
-        let peer = scene.peer_from(index, plant.motions())?;
-        Ok(Self::of(scene, peer, plant, to))
+impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D, SHARED, N> {
+    /// Peer `index` (0 or 1) of a scene at this device, armed and at rest, which writes to seat `to`.
+    ///
+    /// # Errors
+    /// What the peer refuses; `axis.shared` that is not `SHARED`.
+    pub fn new(scene: &Scene, index: usize, to: usize, device: D) -> Result<Self, Refused<'static>> {
+        let peer = scene.laws.peer(&scene.peers()[index], device.start())?;
+        Ok(Self::of(scene, peer, device, to))
     }
 }
 
-impl<S: Scalar, D: Device<S>> Side<S, D> {
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D, SHARED, N> {
     /// This peer, which is armed, at this device.
-    pub(crate) fn of(scene: &Scene, mut peer: Box<dyn DynPeer<S>>, plant: D, to: usize) -> Self {
+    pub(crate) fn of(scene: &Scene, mut peer: Box<dyn DynPeer<S, SHARED, N>>, plant: D, to: usize) -> Self {
         peer.command(Command::Arm);
         Self {
             sensors: plant.sensors(),
@@ -110,8 +121,8 @@ impl<S: Scalar, D: Device<S>> Side<S, D> {
 }
 
 /// Both packets are made before either is taken in: a network without delay delivers within the tick.
-impl<S: Scalar, D: Device<S>> Actor<usize> for Side<S, D> {
-    type Packet = Numbered<Packet<S>>;
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usize> for Side<S, D, SHARED, N> {
+    type Packet = Numbered<[Packet<S>; SHARED]>;
 
     #[inline]
     fn hear(&mut self, now_ns: u64, _: usize, packet: &mut Self::Packet, _: &mut Out<'_, usize, Self::Packet>) {
@@ -134,9 +145,9 @@ impl<S: Scalar, D: Device<S>> Actor<usize> for Side<S, D> {
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
         // In most ticks nothing: a packet of sixteen lanes is not copied then.
         self.heard = None;
-        if let Some(packet) = self.inbox.take(now_ns) {
-            self.peer.hear(packet);
-            self.heard = Some(packet);
+        if let Some(packets) = self.inbox.take(now_ns) {
+            self.peer.hear(&packets);
+            self.heard = Some(packets);
         }
         self.exchanged = self.peer.packet_due();
         if self.exchanged {
@@ -157,43 +168,70 @@ impl<S: Scalar, D: Device<S>> Actor<usize> for Side<S, D> {
 
 /// What a tick of a peer read and did.
 #[derive(Debug)]
-pub struct Seen<'a, S: Scalar> {
+pub struct Seen<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
     /// Which peer, 1 or 2.
     pub number: usize,
-    /// What it heard before the tick.
-    pub heard: Option<Packet<S>>,
+    /// What it heard before the tick, a packet for each shared axis.
+    pub heard: Option<[Packet<S>; SHARED]>,
     /// An exchange was due before the tick.
     pub exchanged: bool,
     /// What the tick read.
-    pub sensors: &'a Sensors<S>,
+    pub sensors: &'a Sensors<S, N>,
     /// What it commanded.
-    pub actuators: &'a Actuators<S>,
+    pub actuators: &'a Actuators<S, N>,
     /// The peer as the tick left it.
-    pub peer: &'a mut dyn DynPeer<S>,
+    pub peer: &'a mut dyn DynPeer<S, SHARED, N>,
 }
 
-/// Two peers on one network, computing in `S`.
-pub struct Pair<S: Scalar, D: Device<S> = Plant> {
-    engine: Engine<Side<S, D>>,
+/// Two peers on one network, computing in `S`, that share the object along `SHARED` axes of devices of `N`.
+pub struct Pair<S: Scalar, D: Device<S, N> = Plant, const SHARED: usize = 1, const N: usize = AXES> {
+    engine: Engine<Side<S, D, SHARED, N>>,
     period_s: f64,
 }
 
+/// One shared axis of simulated devices in the plane.
 impl<S: Number> Pair<S> {
-    /// Both peers armed and at rest.
+    /// Both peers armed and at rest, at the scene's simulated devices.
+    ///
+    /// # Errors
+    /// What a peer refuses; an object that is shared along several axes, which [`Pair::build`] takes.
     pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
-        Self::starting_at(scene, 0.0)
-    }
-
-    /// The same with both devices, and the object between them, `at_m` further along the free axis than the scene puts them.
-    pub fn starting_at(scene: &Scene, at_m: f64) -> Result<Self, Refused<'static>> {
-        let side = |index, to| Side::starting_at(scene, index, to, at_m);
-        Ok(Self::of(scene, [side(0, 1)?, side(1, 0)?]))
+        Self::build(scene)
     }
 }
 
-impl<S: Scalar, D: Device<S>> Pair<S, D> {
+impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Pair<S, Plant<N>, SHARED, N> {
+    /// Both peers armed and at rest, at the scene's simulated devices.
+    ///
+    /// # Errors
+    /// What a peer refuses; `axis.shared` that is not `SHARED`.
+    pub fn build(scene: &Scene) -> Result<Self, Refused<'static>> {
+        Self::starting_at(scene, [0.0; N])
+    }
+
+    /// The same with both devices, and the object between them, so much further along each axis than the scene puts them, m.
+    ///
+    /// # Errors
+    /// As [`Pair::build`].
+    pub fn starting_at(scene: &Scene, by_m: [f64; N]) -> Result<Self, Refused<'static>> {
+        Self::with_devices(scene, [0, 1].map(|index| Plant::build(scene, index).moved(by_m)))
+    }
+}
+
+impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D, SHARED, N> {
+    /// Both peers of a scene armed and at rest, at these devices, peer 1's first.
+    ///
+    /// # Errors
+    /// What a peer refuses; `axis.shared` that is not `SHARED`.
+    pub fn with_devices(scene: &Scene, devices: [D; 2]) -> Result<Self, Refused<'static>> {
+        let [first, second] = devices;
+        Ok(Self::of(scene, [Side::new(scene, 0, 1, first)?, Side::new(scene, 1, 0, second)?]))
+    }
+}
+
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D, SHARED, N> {
     /// These two, on the network of the scene.
-    pub(crate) fn of(scene: &Scene, sides: [Side<S, D>; 2]) -> Self {
+    pub(crate) fn of(scene: &Scene, sides: [Side<S, D, SHARED, N>; 2]) -> Self {
         let [first, mut second] = sides.map(Seat::new);
         second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
         let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
@@ -204,12 +242,12 @@ impl<S: Scalar, D: Device<S>> Pair<S, D> {
 
     /// Peer 1 (left) and peer 2 (right).
     #[inline]
-    pub fn sides(&self) -> [&Side<S, D>; 2] {
+    pub fn sides(&self) -> [&Side<S, D, SHARED, N>; 2] {
         [0, 1].map(|at| &self.engine.seats[at].actor)
     }
 
     /// The same, to be changed.
-    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D>> {
+    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D, SHARED, N>> {
         self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
     }
 
@@ -243,7 +281,7 @@ impl<S: Scalar, D: Device<S>> Pair<S, D> {
 
     /// The same, telling `each` what every tick of either peer read and did.
     #[inline]
-    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S>)) {
+    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S, SHARED, N>)) {
         self.engine.step(&mut |turn| {
             let Side { heard, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
             if turn.turn == Turn::Acted {

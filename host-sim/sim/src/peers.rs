@@ -1,12 +1,13 @@
 //! Peers behind one door, whatever their law and number type: what everything that runs a scene on a PC holds.
 //!
-//! Behind [`DynPeer`], or [`SharedPeer`] of several axes, runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`]
-//! says which laws there are: a program with a law of its own adds it once, as a [`Family`], and every scene that is loaded
-//! with these laws takes its name, its keys, and builds its peers.
+//! Behind [`DynPeer`] runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`] says which
+//! laws there are: a program with a law of its own adds it once, as a [`Family`], and every scene that is loaded with these laws takes
+//! its name, its keys, and builds its peers. How many axes share the object is a type; [`of_axes!`](crate::of_axes) goes from a
+//! scene's number to it.
 
 use std::fmt::Debug;
 
-use haptic_core::device::kinematics::Kinematics;
+use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
@@ -29,38 +30,25 @@ pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
     hash ^ hash >> 32
 }
 
-/// Declares the two traits below once: methods that [`Peer`] has under the same names, of any number of shared axes and of one, and those
-/// that are [`DynPeer`]'s own.
+/// Declares [`DynPeer`] once: methods that [`Peer`] has under the same names, and those that are the trait's own.
 macro_rules! dyn_peer {
-    (
-        any { $( $(#[$any_doc:meta])* fn $any:ident($any_self:ident: $any_receiver:ty $(, $any_argument:ident: $any_type:ty)?) $(-> $any_out:ty)?; )+ }
-        one { $( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+ }
-    ) => {
-        /// One haptic peer that shares the object along `SHARED` axes of a device of `N`, whatever its law: the methods of
-        /// `haptic_core::peer` that a wire needs.
-        pub trait SharedPeer<S: Scalar, const SHARED: usize, const N: usize>: Debug + Send + Sync {
-            $( $(#[$any_doc])* fn $any($any_self: $any_receiver $(, $any_argument: $any_type)?) $(-> $any_out)?; )+
-        }
-
-        impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K> SharedPeer<S, SHARED, N> for Peer<S, L, SHARED, N, K>
-        where
-            K: Kinematics<S, N> + Debug + Send + Sync,
-        {
-            $( fn $any($any_self: $any_receiver $(, $any_argument: $any_type)?) $(-> $any_out)? { Peer::$any($any_self $(, $any_argument)?) } )+
-        }
-
-        /// One haptic peer that shares one axis, configuration and state: the methods of `haptic_core::peer`, by number type only.
-        pub trait DynPeer<S: Scalar>: SharedPeer<S, 1, AXES> {
+    ($( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+) => {
+        /// One haptic peer, configuration and state, that shares the object along `SHARED` axes of a device of `N`, whatever its law and
+        /// mechanism: the methods of `haptic_core::peer`.
+        pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Debug + Send + Sync {
             $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
             /// Calls `each` for every number of the dynamic state, always in the same order.
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
             /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.
             fn hash(&self, seed: u64) -> u64;
             /// The same peer once more.
-            fn boxed(&self) -> Box<dyn DynPeer<S>>;
+            fn boxed(&self) -> Box<dyn DynPeer<S, SHARED, N>>;
         }
 
-        impl<S: Scalar, L: Law<S>> DynPeer<S> for Peer<S, L> {
+        impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K> DynPeer<S, SHARED, N> for Peer<S, L, SHARED, N, K>
+        where
+            K: Kinematics<S, N>,
+        {
             $( fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)? { Peer::$name($self $(, $argument)?) } )+
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S)) {
                 self.visit(&mut |number| each(number));
@@ -70,7 +58,7 @@ macro_rules! dyn_peer {
                 { *self }.visit(&mut |number: &mut S| hash = mixed(hash, number.bits()));
                 hash
             }
-            fn boxed(&self) -> Box<dyn DynPeer<S>> {
+            fn boxed(&self) -> Box<dyn DynPeer<S, SHARED, N>> {
                 Box::new(*self)
             }
         }
@@ -78,63 +66,49 @@ macro_rules! dyn_peer {
 }
 
 dyn_peer! {
-    any {
-        /// One control period: sensors in, forces out.
-        fn tick(self: &mut Self, sensors: &Sensors<S, N>) -> Actuators<S, N>;
-        /// Takes in a packet of the other peer for each axis: they act at the next tick.
-        fn hear_each(self: &mut Self, packets: &[Packet<S>; SHARED]);
-        /// One packet period: gives what to send, if anything.
-        fn exchange_each(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
-        /// What it would send now.
-        fn outgoing_each(self: &Self) -> [Packet<S>; SHARED];
-        /// Whether an exchange is due before the next tick.
-        fn packet_due(self: &Self) -> bool;
-        /// Carries out an operator's command.
-        fn command(self: &mut Self, command: Command);
-        /// What the other peer sends is too old to be taken.
-        fn delayed(self: &mut Self);
-        /// Lets go of the other peer until a packet comes.
-        fn part(self: &mut Self);
-        /// The mode, with the fault that latched.
-        fn mode(self: &Self) -> Mode;
-        /// Whether the coordination acts.
-        fn is_engaged(self: &Self) -> bool;
-        /// What the last tick saw and did along each axis.
-        fn observed_each(self: &Self) -> [&Observed<S>; SHARED];
-        /// Energy that crossed the network port of each axis since arming.
-        fn ledger_each(self: &Self) -> [&Ledger<S>; SHARED];
-    }
-    one {
-        /// Takes in a packet of the other peer: it acts at the next tick.
-        fn hear(self: &mut Self, packet: Packet<S>);
-        /// One packet period: gives what to send, if anything.
-        fn exchange(self: &mut Self) -> Option<Packet<S>>;
-        /// The first half of it: what to send.
-        fn speak(self: &mut Self) -> Option<Packet<S>>;
-        /// The second half of it: counts silence.
-        fn listen(self: &mut Self);
-        /// What it would send now.
-        fn outgoing(self: &Self) -> Packet<S>;
-        /// Begins a probe, if disarmed.
-        fn probe(self: &mut Self, probe: Probe<S>);
-        /// What came of the last probe.
-        fn probed(self: &Self) -> Outcome;
-        /// What the last tick saw and did.
-        fn observed(self: &Self) -> &Observed<S>;
-        /// Energy that crossed the network port since arming.
-        fn ledger(self: &Self) -> &Ledger<S>;
-        /// Impacts since arming, where contact is impulsive.
-        fn impacts(self: &Self) -> Impacts<S>;
-    }
+    /// One control period: sensors in, forces out.
+    fn tick(self: &mut Self, sensors: &Sensors<S, N>) -> Actuators<S, N>;
+    /// Takes in a packet of the other peer for each shared axis: they act at the next tick.
+    fn hear(self: &mut Self, packets: &[Packet<S>; SHARED]);
+    /// One packet period: gives what to send, if anything.
+    fn exchange(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
+    /// The first half of it: what to send.
+    fn speak(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
+    /// The second half of it: counts silence.
+    fn listen(self: &mut Self);
+    /// What it would send now.
+    fn outgoing(self: &Self) -> [Packet<S>; SHARED];
+    /// Whether an exchange is due before the next tick.
+    fn packet_due(self: &Self) -> bool;
+    /// Carries out an operator's command.
+    fn command(self: &mut Self, command: Command);
+    /// What the other peer sends is too old to be taken.
+    fn delayed(self: &mut Self);
+    /// Lets go of the other peer until a packet comes.
+    fn part(self: &mut Self);
+    /// Begins a probe, if disarmed.
+    fn probe(self: &mut Self, probe: Probe<S>);
+    /// What came of the last probe.
+    fn probed(self: &Self) -> Outcome;
+    /// The mode, with the fault that latched.
+    fn mode(self: &Self) -> Mode;
+    /// Whether the coordination acts.
+    fn is_engaged(self: &Self) -> bool;
+    /// What the last tick saw and did along each shared axis.
+    fn observed(self: &Self) -> [&Observed<S>; SHARED];
+    /// Energy that crossed the network port of each shared axis since arming.
+    fn ledger(self: &Self) -> [&Ledger<S>; SHARED];
+    /// Impacts along each shared axis since arming, where contact is impulsive.
+    fn impacts(self: &Self) -> [Impacts<S>; SHARED];
 }
 
-impl<S: Scalar> Clone for Box<dyn DynPeer<S>> {
+impl<S: Scalar, const SHARED: usize, const N: usize> Clone for Box<dyn DynPeer<S, SHARED, N>> {
     fn clone(&self) -> Self {
         (**self).boxed()
     }
 }
 
-impl<S: Scalar> StateVector<S> for dyn DynPeer<S> + '_ {
+impl<S: Scalar, const SHARED: usize, const N: usize> StateVector<S> for dyn DynPeer<S, SHARED, N> + '_ {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.visit_state(each);
     }
@@ -153,59 +127,102 @@ impl Family for BuiltIn {
 }
 
 /// Builds a peer with the laws of one family, from settings and where its device is.
-type Make<S> = fn(&Settings, [Motion<S>; AXES]) -> Result<Box<dyn DynPeer<S>>, Refused<'static>>;
+type Make<S, const SHARED: usize, const N: usize> =
+    fn(&Settings, [Motion<S>; N]) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>>;
 
-fn make<S: Scalar, L: Law<S>>(
+fn make<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S, N>>(
     settings: &Settings,
-    device: [Motion<S>; AXES],
-) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-    Ok(Box::new(Peer::<S, L>::new(settings, device)?))
+    device: [Motion<S>; N],
+) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
+    Ok(Box::new(Peer::<S, L, SHARED, N, K>::build(settings, device)?))
+}
+
+/// How a family makes peers that compute in one number type, by the axes along which they share the object.
+#[derive(Clone, Copy, Debug)]
+struct Makes<S: Scalar> {
+    one: Make<S, 1, AXES>,
+    two: Make<S, 2, 2>,
+    three: Make<S, 3, 3>,
+}
+
+impl<S: Scalar> Makes<S> {
+    const fn of<L: Law<S>>() -> Self {
+        Self {
+            one: make::<S, L, 1, AXES, AnyKinematics<S>>,
+            two: make::<S, L, 2, 2, AnyKinematics<S>>,
+            three: make::<S, L, 3, 3, AnySpatial<S>>,
+        }
+    }
 }
 
 /// What peers a family makes, by number type.
 #[derive(Clone, Copy, Debug)]
 pub struct Maker {
     kinds: &'static [Kind],
-    f32: Make<f32>,
-    f64: Make<f64>,
-    fixed: Make<Fixed>,
-    double_double: Make<DoubleDouble>,
-    f32s: Make<F32s>,
-    f64s: Make<F64s>,
+    f32: Makes<f32>,
+    f64: Makes<f64>,
+    fixed: Makes<Fixed>,
+    double_double: Makes<DoubleDouble>,
+    f32s: Makes<F32s>,
+    f64s: Makes<F64s>,
 }
 
 impl Maker {
     const fn of<F: Family>() -> Self {
         Self {
             kinds: <F::Of<f64> as Law<f64>>::KINDS,
-            f32: make::<f32, F::Of<f32>>,
-            f64: make::<f64, F::Of<f64>>,
-            fixed: make::<Fixed, F::Of<Fixed>>,
-            double_double: make::<DoubleDouble, F::Of<DoubleDouble>>,
-            f32s: make::<F32s, F::Of<F32s>>,
-            f64s: make::<F64s, F::Of<F64s>>,
+            f32: Makes::of::<F::Of<f32>>(),
+            f64: Makes::of::<F::Of<f64>>(),
+            fixed: Makes::of::<F::Of<Fixed>>(),
+            double_double: Makes::of::<F::Of<DoubleDouble>>(),
+            f32s: Makes::of::<F::Of<F32s>>(),
+            f64s: Makes::of::<F::Of<F64s>>(),
         }
     }
 }
 
-/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], [`DoubleDouble`], or lanes of the
-/// first two ([`crate::lanes`]).
-pub trait Number: Scalar {
-    /// How a family makes peers that compute in this type.
+/// A number type in which peers that share `SHARED` axes of a device of `N` can be asked for.
+pub trait Builds<const SHARED: usize, const N: usize>: Scalar {
+    /// How a family makes them.
     #[doc(hidden)]
-    fn make(maker: &Maker) -> Make<Self>;
+    fn make(maker: &Maker) -> Make<Self, SHARED, N>;
 }
+
+/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], [`DoubleDouble`], or lanes of the
+/// first two ([`crate::lanes`]). A peer shares one axis of a device in the plane, both of them, or all three of a device in space.
+pub trait Number: Builds<1, AXES> + Builds<2, 2> + Builds<3, 3> {}
 
 macro_rules! numbers {
     ($($Number:ty: $field:ident),+) => {
-        $(impl Number for $Number {
-            fn make(maker: &Maker) -> Make<Self> {
-                maker.$field
+        $(
+            numbers!($Number: $field, 1, AXES, one);
+            numbers!($Number: $field, 2, 2, two);
+            numbers!($Number: $field, 3, 3, three);
+            impl Number for $Number {}
+        )+
+    };
+    ($Number:ty: $field:ident, $SHARED:literal, $N:expr, $axes:ident) => {
+        impl Builds<$SHARED, $N> for $Number {
+            fn make(maker: &Maker) -> Make<Self, $SHARED, $N> {
+                maker.$field.$axes
             }
-        })+
+        }
     };
 }
 numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double, F32s: f32s, F64s: f64s);
+
+/// Calls a function that is generic over the axes along which the object is shared, and those of the devices, for as many as a scene
+/// says: `of_axes!(scene, run::<f64>(scene, seconds))` is `run::<f64, 1, AXES>`, `run::<f64, 2, 2>` or `run::<f64, 3, 3>`.
+#[macro_export]
+macro_rules! of_axes {
+    ($scene:expr, $($function:ident)::+ ::<$($of:ty),*> ($($argument:expr),* $(,)?)) => {
+        match $scene.peer.axis.shared {
+            2 => $($function)::+ ::<$($of,)* 2, 2>($($argument),*),
+            3.. => $($function)::+ ::<$($of,)* 3, 3>($($argument),*),
+            _ => $($function)::+ ::<$($of,)* 1, { $crate::AXES }>($($argument),*),
+        }
+    };
+}
 
 /// Those of core. A static: peers of every law and number type are compiled here, and not in every program that names it.
 static BUILT_IN: [Maker; 1] = [Maker::of::<BuiltIn>()];
@@ -275,11 +292,11 @@ impl Laws {
     ///
     /// # Errors
     /// The first key whose value is out of range, or impossible beside the others.
-    pub fn peer<S: Number>(
+    pub fn peer<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         &self,
         settings: &Settings,
-        device: [Motion<S>; AXES],
-    ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        device: [Motion<S>; N],
+    ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
         let named = |maker: &&Maker| maker.kinds.iter().any(|kind| kind.name == settings.coordination.comm);
         S::make(self.makers.iter().find(named).unwrap_or(&self.makers[0]))(settings, device)
     }

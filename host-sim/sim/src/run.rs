@@ -10,6 +10,7 @@
 //! Peaks and ratios stand for the whole run.
 
 mod account;
+mod accounts;
 mod outcome;
 mod reason;
 
@@ -18,13 +19,16 @@ use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
-pub use self::outcome::{Options, Outcome};
+pub use self::accounts::Accounts;
+pub use self::outcome::{AXIS_NAMES, Along, Figures, Options, Outcome};
 pub use self::reason::{APART_MM, Reason, Verdict};
 pub use crate::measure::port::PortEnergy;
 
 use crate::double_double::DoubleDouble;
 use crate::pair::{HASH_SEED, Pair};
-use crate::peers::Number;
+use crate::of_axes;
+use crate::peers::{Builds, Number};
+use crate::plant::Plant;
 use crate::scene::Scene;
 
 /// Tells how far a long run is, in ticks.
@@ -33,8 +37,8 @@ pub type Progress<'a> = &'a dyn Fn(u64);
 /// The same, and answers whether it is to go on.
 pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 
-/// Sees rows.
-pub type EachRow<'a> = &'a dyn Fn(&[f64]);
+/// Sees rows, each with its axis, from 0.
+pub type EachRow<'a> = &'a dyn Fn(usize, &[f64]);
 
 /// A number type in which scenes are run.
 pub trait Run: Number + Scalar<Counter = f64> {
@@ -57,7 +61,7 @@ macro_rules! runs {
                 go_on: GoOn<'_>,
                 each: Option<EachRow<'_>>,
             ) -> Result<Outcome, Refused<'static>> {
-                run_in::<Self>(scene, options, go_on, each)
+                of_axes!(scene, run_in::<Self>(scene, options, go_on, each))
             }
         })+
     };
@@ -75,7 +79,7 @@ pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Re
     S::run(scene, options, go_on, None)
 }
 
-/// The same; `each` sees every tick as a row of [`Account::columns`], whatever is kept in the table.
+/// The same; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
 pub fn run_seen<S: Run>(
     scene: &Scene,
     options: Options,
@@ -93,22 +97,22 @@ fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     }
 }
 
-fn run_in<S: Run>(
+fn run_in<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scene: &Scene,
     options: Options,
     go_on: GoOn<'_>,
     each: Option<EachRow<'_>>,
 ) -> Result<Outcome, Refused<'static>> {
-    let mut pair = Pair::<S>::new(scene)?;
+    let mut pair = Pair::<S, Plant<N>, SHARED, N>::build(scene)?;
     let ticks = options.ticks(scene);
-    let mut account = Account::new(scene, ticks, options);
+    let mut accounts = Accounts::<SHARED>::new(scene, ticks, options);
     let mut hash = HASH_SEED;
     for tick in 0..ticks {
-        pair.step_watched(&mut |seen| account.ticked(seen.number - 1, Ticked::of(seen.peer)));
+        pair.step_watched(&mut |seen| accounts.ticked(seen.number - 1, Ticked::of(seen.peer)));
         hash = pair.hash(hash);
-        account.period();
+        accounts.period();
         if let Some(each) = each {
-            each(&account.row());
+            accounts.rows().enumerate().for_each(|(axis, row)| each(axis, &row));
         }
         if tick % 10_000 == 0 && !go_on(tick) {
             break;
@@ -116,11 +120,12 @@ fn run_in<S: Run>(
     }
     let impacts = (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
         pair.sides().map(|side| {
-            let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts();
+            // Along the first axis: such contact is refused along several.
+            let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts()[0];
             let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
             Impacts { count, wanted_n_s, delivered_n_s, lost_j }
         })
     });
     let packets_per_s = pair.packets_per_s();
-    Ok(Outcome { hash, impacts, packets_per_s, ..account.outcome() })
+    Ok(Outcome { hash, impacts, packets_per_s, ..accounts.outcome() })
 }

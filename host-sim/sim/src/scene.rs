@@ -17,7 +17,7 @@ use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
 
 use crate::network::trace::NetworkTrace;
-use crate::peers::{DynPeer, Laws, Number};
+use crate::peers::{Builds, DynPeer, Laws};
 use crate::user::{Trace, User, UserSettings};
 
 mod linear;
@@ -342,7 +342,7 @@ impl Scene {
         let mut scene = Self::new(laws);
         scene.apply(text, place, folder)?;
         overrides.iter().try_for_each(|text| scene.apply_override(text))?;
-        scene.check_any(place)?;
+        scene.check(place)?;
         Ok(scene)
     }
 
@@ -536,59 +536,39 @@ impl Scene {
         }
     }
 
-    /// Checks every range and combination, for scenes put together in code, and that the object is shared along one axis.
-    pub fn check(&self, place: &str) -> Result<(), SceneError> {
-        if self.is_shared_along_several() {
-            let said = format!(
-                "axis.shared = {} is not allowed here: `cooperate`, `peer` and `stability` share several axes, everything else shares one",
-                self.peer.axis.shared
-            );
-            return Err(SceneError::at(place, said));
-        }
-        self.check_any(place)
-    }
-
     /// Whether the object is shared along several axes.
     pub fn is_shared_along_several(&self) -> bool {
         self.peer.axis.shared > 1
     }
 
-    /// Whether a peer that is told this can be built and run, the object being shared along several axes.
-    fn check_shared(&self, peer: &Settings) -> Result<(), Refused<'static>> {
-        let axis = &peer.axis;
+    /// Whether a peer that is told this can be built and run at a simulated device.
+    fn check_peer(&self, peer: &Settings) -> Result<(), Refused<'static>> {
         peer.check_ranges()?;
-        let refused =
-            |key: &'static str, value, what| Err(Refused { key, value, allowed: Allowed::Only(what), unit: "" });
-        if axis.shared < axis.count {
-            let count = Value::Number(f64::from(axis.count));
-            return refused(
-                "axis.count",
-                count,
-                "axis.shared where that is more than 1: a simulated device shares all of its axes",
-            );
+        let axis = &peer.axis;
+        if axis.shared > 1 && axis.shared < axis.count {
+            return Err(Refused {
+                key: "axis.count",
+                value: Value::Number(f64::from(axis.count)),
+                allowed: Allowed::Only("axis.shared where that is more than 1: a simulated device shares all of its axes"),
+                unit: "",
+            });
         }
-        let law = peer.coordination.comm;
-        if self.laws.outside().any(|name| name == law) {
-            return refused("coordination.comm", Value::Text(law), "a law of core where axis.shared is more than 1");
+        match axis.shared {
+            2 => self.laws.peer::<f64, 2, 2>(peer, [Motion::REST; 2]).map(drop),
+            3.. => self.laws.peer::<f64, 3, 3>(peer, [Motion::REST; 3]).map(drop),
+            _ => self.laws.peer::<f64, 1, AXES>(peer, [Motion::REST; AXES]).map(drop),
         }
-        if self.users.iter().any(|user| user.settings.user.clutch_for_s > 0.0) {
-            let said = "0 where axis.shared is more than 1: a clutch is along one axis";
-            let held = self.users.iter().map(|user| user.settings.user.clutch_for_s).fold(0.0, f64::max);
-            return refused("user.clutch_for_s", Value::Number(held), said);
-        }
-        peer.check()
     }
 
-    /// The same of an object that may be shared along several axes ([`crate::shared`]).
-    pub fn check_any(&self, place: &str) -> Result<(), SceneError> {
+    /// Checks every range and combination, for scenes put together in code.
+    ///
+    /// # Errors
+    /// The first that is not allowed, which stood at `place`.
+    pub fn check(&self, place: &str) -> Result<(), SceneError> {
         let refused = |refused: Refused<'_>| SceneError::at(place, refused);
         let own = self.peers().into_iter().filter(|_| self.own.iter().any(|own| !own.is_empty()));
         for settings in core::iter::once(self.peer).chain(own) {
-            if self.is_shared_along_several() {
-                self.check_shared(&settings).map_err(refused)?;
-            } else {
-                self.laws.peer::<f64>(&settings, [Motion::REST; AXES]).map_err(refused)?;
-            }
+            self.check_peer(&settings).map_err(refused)?;
         }
         self.world.check_ranges().map_err(refused)?;
         for user in &self.users {
@@ -694,16 +674,19 @@ impl Scene {
     }
 
     /// Peer 1 or 2 (`at` 0 or 1) with its device where the scene puts it, disarmed, computing in `S`.
-    pub fn peer<S: Number>(&self, at: usize) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+    pub fn peer<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+        &self,
+        at: usize,
+    ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
         self.peer_from(at, self.start(at))
     }
 
     /// The same with its device somewhere else, at rest.
-    pub fn peer_from<S: Number>(
+    pub fn peer_from<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         &self,
         at: usize,
-        device: [Motion<f64>; AXES],
-    ) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
+        device: [Motion<f64>; N],
+    ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
         let settings = &self.peers()[at];
         let in_the_world = |axis: Motion<f64>| Motion::at(S::from_f64(settings.scale.position * axis.position));
         self.laws.peer(settings, device.map(in_the_world))

@@ -1,21 +1,18 @@
 //! `host-sim cooperate`: two peers hold one object.
 
 use clap::Args;
-use haptic_analysis::{Verdict, judge};
-use haptic_core::names::Choice;
+use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::{Fixed, Scalar};
+use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use serde_json::json;
 
 use super::flags::{ScalarName, Simulation};
-use super::several::stop;
-use super::{Failure, SceneArgs, Ui, several};
-use crate::studies::{doubt, figures};
-use haptic_sim::measure::apparent_mass;
+use super::{Failure, SceneArgs, Ui};
+use crate::studies::figures;
 use haptic_sim::report::Columns;
-use haptic_sim::run::{EachRow, Options, Outcome, Run, run, run_seen};
+use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
 
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {
@@ -27,68 +24,68 @@ pub(super) struct Cooperate {
 
 impl Cooperate {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_any(ui)?;
+        let scene = self.scene.load(ui)?;
         let period_s = scene.peer.timing.control_period_s;
         let Simulation { time, scalar, record, out } = &self.asked;
         time.check(&scene)?;
-        if scene.is_shared_along_several() {
-            return several::run(ui, &self.scene, &scene, &self.asked);
-        }
         let options = match ui.writes(out) {
             true => Options::recorded(time.seconds, period_s),
             false => Options { duration_s: time.seconds, record_every: 0 },
         };
         let steps = (time.seconds / period_s / 1e4) as usize;
         let made = ui.made().settings(scene.settings());
-        let recorder = record.simulated(&made, 1)?;
-        let each = |row: &[f64]| {
+        let recorder = record.simulated(&made, scene.peer.axis.shared as usize)?;
+        let each = |axis: usize, row: &[f64]| {
             if let Some(recorder) = &recorder {
-                recorder.put_all(0, (1e9 * row[0]).round() as u64, row);
+                // There are three axes at most.
+                recorder.put_all(axis as u16, (1e9 * row[0]).round() as u64, row);
             }
         };
+        let each: Option<EachRow<'_>> = recorder.is_some().then_some(&each);
         let ((outcome, scalar), wall_s) = ui.work(steps, "cooperate", |step| match scalar {
-            ScalarName::F32 => go::<f32>(&scene, options, step, recorder.is_some().then_some(&each)),
-            ScalarName::F64 => go::<f64>(&scene, options, step, recorder.is_some().then_some(&each)),
-            ScalarName::I32f32 => go::<Fixed>(&scene, options, step, recorder.is_some().then_some(&each)),
+            ScalarName::F32 => go::<f32>(&scene, options, step, each),
+            ScalarName::F64 => go::<f64>(&scene, options, step, each),
+            ScalarName::I32f32 => go::<Fixed>(&scene, options, step, each),
         })?;
         if let Some(recorder) = recorder {
             ui.status(recorder.finish().told());
         }
 
-        let verdict = haptic_analysis::verdict(&scene)?;
-        let outcome = outcome.doubted(doubt(&scene, &verdict));
-        let mut warnings = if verdict.stable { Vec::new() } else { vec![haptic_analysis::advice(&scene)?] };
-        let judged = judge(&scene)?;
-        if verdict.stable && !judged.worst.stable {
-            let (hands, radius) = (judged.worst_mode().name(), judged.worst.spectral_radius);
-            warnings.push(format!(
-                "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
-                 what to change"
-            ));
-        }
-        if !scene.users.iter().any(User::acts) {
-            warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
-        }
+        let conclusion = conclude(&scene, outcome)?;
+        let mut warnings = conclusion.warnings(&scene)?;
         if options.record_every > 1 {
             let every = options.record_every;
             warnings.push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));
         }
-        let facts = columns(&self.scene.name(), &scene, &outcome, &verdict, wall_s)?;
+        let facts = whole(&self.scene.name(), &scene, &conclusion, wall_s)?;
+        let outcome = &conclusion.outcome;
         let made = made.with("number_type", scalar).with("seconds", time.seconds);
-        let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(&outcome));
+        let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(outcome));
         let made = made.with("recorded_every_ticks", options.record_every);
         let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };
         let name = self.scene.run_name(&scene) + &number;
-        let files = ui.files(out, "cooperate", &name, &made, |files| {
-            files.csv(&outcome.table)?;
-            files.parquet(&outcome.table)?;
-            files.figure(None, &figures::run(&name, &outcome))
-        })?;
+        let several = outcome.axes.len() > 1;
+        let mut files = Vec::new();
+        for (axis, along) in outcome.axes.iter().enumerate() {
+            let name = if several { format!("{name}-{}", AXIS_NAMES[axis]) } else { name.clone() };
+            files.extend(ui.files(out, "cooperate", &name, &made, |files| {
+                files.csv(&along.table)?;
+                files.parquet(&along.table)?;
+                files.figure(None, &figures::run(&name, outcome, axis))
+            })?);
+        }
         warnings.iter().for_each(|warning| ui.warn(warning));
         let mut document = facts.row(0);
         (document["warnings"], document["files"]) = (json!(warnings), json!(files));
+        let axes = each_axis(outcome);
+        if several {
+            document["axes"] = (0..axes.len()).map(|row| axes.row(row)).collect();
+        }
         ui.document_of(&made, &document)?;
         writeln!(ui, "{}", facts.down(&[&self.scene.name()]));
+        if several {
+            writeln!(ui, "along each axis:\n\n{axes}");
+        }
         ui.wrote(&files);
         Ok(())
     }
@@ -113,14 +110,19 @@ fn hash(outcome: &Outcome) -> String {
     format!("{:016x}", outcome.hash)
 }
 
-/// What a run gave, with what the analyser says of the scene.
-fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall_s: f64) -> Result<Columns, Failure> {
-    let mass = if outcome.is_stable() && verdict.stable {
-        Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite())
-    } else {
-        None
+/// Who stopped, and why.
+fn stop((peer, fault): (usize, Fault)) -> String {
+    format!("peer {peer} stopped with fault {}: {}", fault.number(), fault.explain())
+}
+
+/// What a run gave of all axes together, with what the analyser says of the scene.
+fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Result<Columns, Failure> {
+    let Conclusion { outcome, verdict } = conclusion;
+    let mass = conclusion.apparent_mass_kg(scene)?;
+    let per_n = |o: &Outcome| {
+        let whole = &o.whole;
+        (whole.contact_force_n > 0.0).then(|| whole.true_discrepancy_mm / whole.contact_force_n)
     };
-    let per_n = |o: &Outcome| (o.contact_force_n > 0.0).then(|| o.true_discrepancy_mm / o.contact_force_n);
     let mut columns = Columns::of(&[()])
         .value("scene", |()| name)
         .data_only()
@@ -131,24 +133,24 @@ fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall
         .value("fault", |()| outcome.fault.map(stop))
         .data_only()
         .number("spectral_radius", 6, |()| verdict.spectral_radius)
-        .number("true_discrepancy_mm", 4, |()| outcome.whole(|o| o.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |()| outcome.whole(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
         .number("true_discrepancy_mm_per_n", 4, |()| outcome.merit(per_n).flatten())
         .head("true discrepancy per newton of contact")
-        .number("decoded_discrepancy_mm", 4, |()| outcome.merit(|o| o.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, |()| outcome.merit(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("coordination_force_n.mean", 4, |()| outcome.merit(|o| o.coordination_force_n.mean))
+        .number("coordination_force_n.mean", 4, |()| outcome.merit(|o| o.whole.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .number("coordination_force_n.sd", 4, |()| outcome.merit(|o| o.coordination_force_n.sd))
+        .number("coordination_force_n.sd", 4, |()| outcome.merit(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.peak_coordination_force_n))
+        .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.whole.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)
         .head("apparent mass of the shared object")
         .number("energy_out_over_in", 4, |()| outcome.whole(Outcome::energy_out_over_in))
         .head("energy out/in, channel")
         .number("peer_energy_out_over_in", 4, |()| outcome.whole(Outcome::peer_energy_out_over_in).flatten())
         .head("energy out/in, peer");
-    for (at, energy) in outcome.energy.iter().enumerate() {
+    for (at, energy) in outcome.whole.energy.iter().enumerate() {
         let peer = at + 1;
         columns = columns
             .number(format!("energy.{at}.received_j"), 4, |()| energy.received_j)
@@ -177,4 +179,24 @@ fn columns(name: &str, scene: &Scene, outcome: &Outcome, verdict: &Verdict, wall
     let columns = columns.value("ticks", |()| outcome.ticks).number("wall_s", 3, |()| wall_s).head("wall time");
     let columns = columns.value("seed", |()| scene.world.network.seed).data_only();
     Ok(columns.value("state_hash", |()| hash(outcome)).done())
+}
+
+/// What a run gave along each axis, a row for each.
+fn each_axis(outcome: &Outcome) -> Columns {
+    let rows: Vec<_> = AXIS_NAMES.into_iter().zip(&outcome.axes).map(|(name, along)| (name, along.figures)).collect();
+    let whole = outcome.verdict() != run::Verdict::Unstable;
+    let stable = outcome.is_stable();
+    Columns::of(&rows)
+        .value("axis", |(axis, _)| *axis)
+        .number("true_discrepancy_mm", 4, |(_, of)| whole.then_some(of.true_discrepancy_mm))
+        .head("true")
+        .number("decoded_discrepancy_mm", 4, |(_, of)| stable.then_some(of.decoded_discrepancy_mm))
+        .head("decoded")
+        .number("coordination_force_n.mean", 4, |(_, of)| stable.then_some(of.coordination_force_n.mean))
+        .head("F_T, peer 2: mean")
+        .number("coordination_force_n.sd", 4, |(_, of)| stable.then_some(of.coordination_force_n.sd))
+        .head("standard deviation")
+        .number("peak_coordination_force_n", 4, |(_, of)| whole.then_some(of.peak_coordination_force_n))
+        .head("peak F_T")
+        .done()
 }

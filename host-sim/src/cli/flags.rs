@@ -49,11 +49,6 @@ impl SceneArgs {
         self.load_with(ui, &[], None)
     }
 
-    /// As [`Self::load`], of an object that may be shared along several axes.
-    pub(super) fn load_any(&self, ui: &Ui) -> Result<Scene, Failure> {
-        self.find(ui, &[], None)
-    }
-
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
     pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
         let scene = self.find(ui, base, last)?;

@@ -30,7 +30,7 @@ pub(super) struct Peer {
 
 impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_any(ui)?;
+        let scene = self.scene.load(ui)?;
         let key = self.end.key.read()?;
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];

@@ -24,7 +24,6 @@ mod prove;
 mod published;
 mod recordings;
 mod reproduce;
-mod several;
 mod shared;
 mod stability;
 mod sweep;

@@ -3,7 +3,6 @@
 
 use std::{net::SocketAddr, time::Duration};
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial};
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Notice};
@@ -11,7 +10,9 @@ use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::measure::port::{ObjectPort, PortEnergy, counted};
 use haptic_sim::measure::{LastHalf, Statistics};
-use haptic_sim::{key_file::entropy, node::Node, scene::Scene, shared::NAMES};
+use haptic_sim::peers::Builds;
+use haptic_sim::run::AXIS_NAMES;
+use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
@@ -190,7 +191,7 @@ where
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
             let mut apart_m: f64 = 0.0;
-            let axes = node.peer.observed_each().into_iter().map(counted);
+            let axes = node.peer.observed().into_iter().map(counted);
             for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
                 let discrepancy_m = (seen.object.position - seen.desired.position).abs();
                 let contact_n = seen.contact_force;
@@ -255,23 +256,20 @@ pub(crate) fn run(
 ) -> Result<Report, String> {
     let entropy = entropy()?;
     let among = (scene, number, ends, span);
-    match scene.peer.axis.shared {
-        3 => live(Node::<3, 3>::several::<AnySpatial<f32>>(scene, number, key, entropy)?, among, wanted, stop),
-        2 => live(Node::<2, 2>::several::<AnyKinematics<f32>>(scene, number, key, entropy)?, among, wanted, stop),
-        _ => live(Node::new(scene, number, key, entropy)?, among, wanted, stop),
-    }
+    of_axes!(scene, live::<>(entropy, (key, among), wanted, stop))
 }
 
 fn live<const SHARED: usize, const N: usize>(
-    node: Node<SHARED, N>,
-    (scene, number, [listen, connect], Span { duration_s, patience_s }): (&Scene, u8, [SocketAddr; 2], Span),
+    entropy: [u8; Key::LEN],
+    (key, (scene, number, [listen, connect], Span { duration_s, patience_s })): (Key, (&Scene, u8, [SocketAddr; 2], Span)),
     wanted: &Wanted,
     stop: &Stop,
 ) -> Result<Report, String>
 where
     Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
 {
-    let node = node.telling_every(TELLING_S);
+    let node = Node::<SHARED, N>::build(scene, number, key, entropy)?.telling_every(TELLING_S);
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
@@ -300,8 +298,8 @@ where
         let forces = Forces { coordination_force_n, contact_force_n };
         Along { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
     };
-    let axes: Vec<Along> = NAMES.into_iter().zip(&halves).map(along).collect();
-    let energies = ports.iter().zip(node.peer.ledger_each());
+    let axes: Vec<Along> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
+    let energies = ports.iter().zip(node.peer.ledger());
     let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
     let (line, link) = (&node.line, &node.line.link);
     let counts = link.counts();

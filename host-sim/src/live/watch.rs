@@ -349,11 +349,11 @@ impl Watch {
         Flows<SHARED>: Into<Message>,
     {
         // All axes count the same.
-        let live_ticks = node.peer.outgoing_each()[0].live_ticks;
+        let live_ticks = node.peer.outgoing()[0].live_ticks;
         let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.live_ticks, self.silent) = (live_ticks, self.silent.saturating_add(1));
         let mode = node.peer.mode();
-        for (axis, (seen, ledger)) in node.peer.observed_each().into_iter().zip(node.peer.ledger_each()).enumerate() {
+        for (axis, (seen, ledger)) in node.peer.observed().into_iter().zip(node.peer.ledger()).enumerate() {
             let energies = [ledger.received_j(), ledger.sent_j()];
             let row = ticks::tick(now_ns, self.all_ticks, mode, seen, energies, live);
             self.record(ticks::of_axis(axis, ticks::SECONDS), now_ns, &row);

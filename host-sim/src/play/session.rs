@@ -14,7 +14,7 @@ use haptic_core::safety::Command as Order;
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::{pair::Pair, peers::SharedPeer, scene::Scene};
+use haptic_sim::{DynPeer, pair::Pair, scene::Scene};
 
 use super::environment::{ARMED, Column, Command, Environment, MOST, Sample, Standing, number_of};
 use super::hand::Hand;
@@ -89,13 +89,13 @@ impl Side {
     }
 
     /// After a tick of this peer, which has heard so many packets.
-    pub(super) fn see(&mut self, peer: &dyn SharedPeer<f32, 1, AXES>, heard: u64) -> Seen {
-        let [ledger] = peer.ledger_each();
+    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
+        let [ledger] = peer.ledger();
         let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-        self.port.see(&as_f64(peer.observed_each()[0]));
+        self.port.see(&as_f64(peer.observed()[0]));
         let energy = self.port.with_network(received, sent);
         let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
-        let live_ticks = peer.outgoing_each()[0].live_ticks;
+        let live_ticks = peer.outgoing()[0].live_ticks;
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
         let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.heard, self.live_ticks) = (heard, live_ticks);
@@ -159,7 +159,9 @@ impl Session {
         let [one, two] = [0, 1].map(|index| self.device(index).position);
         let middle = (0.5 * (one + two)).clamp(-REACH_M, REACH_M);
         // What has left the range of numbers starts from the middle of the table.
-        self.pair = Pair::starting_at(&self.scene, if middle.is_finite() { middle } else { 0.0 })?;
+        let mut by_m = [0.0; AXES];
+        by_m[0] = if middle.is_finite() { middle } else { 0.0 };
+        self.pair = Pair::starting_at(&self.scene, by_m)?;
         self.sides = sides(&self.scene);
         self.hands = Default::default();
         self.partners.iter_mut().for_each(Partner::rest);
@@ -206,7 +208,7 @@ impl Session {
     fn sample(&mut self) -> Sample {
         let [one, two] = [0, 1].map(|at| {
             let side = self.pair.sides()[at];
-            (*side.peer.observed(), self.sides[at].see(&*side.peer, side.delivered()), side.delay_ns as f64 * 1e-9)
+            (*side.peer.observed()[0], self.sides[at].see(&*side.peer, side.delivered()), side.delay_ns as f64 * 1e-9)
         });
         let ((a, seen_a, delay_a), (b, seen_b, delay_b)) = (one, two);
         let wanted = |at: usize| self.hands[at].holds().map_or(f32::NAN, |at| at as f32);

@@ -6,7 +6,7 @@ use haptic_core::safety::Mode;
 
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
-use haptic_sim::shared::NAMES;
+use haptic_sim::run::AXIS_NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
 use super::mcap::Channel;
@@ -86,7 +86,7 @@ pub fn channels(of: &str, axes: usize) -> Vec<Channel> {
 
 /// What ticks of a shared axis are called, from axis 0.
 pub fn name_of(axis: usize) -> String {
-    if axis == 0 { "ticks".to_owned() } else { format!("ticks-{}", NAMES[axis]) }
+    if axis == 0 { "ticks".to_owned() } else { format!("ticks-{}", AXIS_NAMES[axis]) }
 }
 
 /// The channel of a shared axis' ticks, from axis 0: [`TICKS`], or one after `last`, the last of the channels that are there anyway.

@@ -4,9 +4,9 @@ use super::paper::Experiment;
 use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
 use haptic_sim::run::Outcome;
 
-/// One column of a table over time, scaled; of a run that stopped, until it did: what comes after it is nobody's.
-fn over_time(outcome: &Outcome, column: &str, scale: f64) -> Vec<(f64, f64)> {
-    let mut points = outcome.table.points("time_s", column, scale);
+/// One column of an axis' table over time, scaled; of a run that stopped, until it did: what comes after it is nobody's.
+fn over_time(outcome: &Outcome, axis: usize, column: &str, scale: f64) -> Vec<(f64, f64)> {
+    let mut points = outcome.axes[axis].table.points("time_s", column, scale);
     points.retain(|(time_s, _)| outcome.fault_time_s.is_none_or(|stop_s| *time_s <= stop_s));
     points
 }
@@ -21,6 +21,8 @@ struct Look {
     /// The first column: its legend serves the row.
     first: bool,
     discrepancy: Discrepancy,
+    /// Which shared axis, from 0.
+    axis: usize,
 }
 
 /// What a panel of discrepancies shows.
@@ -67,24 +69,24 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
         points.into_iter().map(|(time_s, value)| (time_s, value - zero)).collect()
     };
     let at_start = |points: &[(f64, f64)]| points.iter().find(|(time_s, _)| *time_s >= window.0).map_or(0.0, |at| at.1);
-    let local = over_time(outcome, &format!("object_{peer}_m"), 1e3);
+    let local = over_time(outcome, look.axis, &format!("object_{peer}_m"), 1e3);
     let zero = at_start(&local);
-    let place = |name: String| from_there(over_time(outcome, &name, 1e3), zero);
+    let place = |name: String| from_there(over_time(outcome, look.axis, &name, 1e3), zero);
     let [hand, decoded, remote] =
         [format!("device_{peer}_m"), format!("decoded_{peer}_m"), format!("object_{other}_m")].map(place);
-    let force = |name: &str| over_time(outcome, &format!("{name}_{peer}_n"), 1.0);
-    let energy = |name: &str| over_time(outcome, &format!("energy_{name}_{peer}_j"), 1e3);
+    let force = |name: &str| over_time(outcome, look.axis, &format!("{name}_{peer}_n"), 1.0);
+    let energy = |name: &str| over_time(outcome, look.axis, &format!("energy_{name}_{peer}_j"), 1e3);
     let net: Vec<_> = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
     let net = from_there(net.clone(), at_start(&net));
     let mut discrepancies = Vec::new();
     if look.discrepancy != Discrepancy::Decoded {
         let name = if look.discrepancy == Discrepancy::True { "true".to_owned() } else { label("true") };
-        discrepancies.push(Series::line(name, 2, over_time(outcome, "true_discrepancy_m", 1e3)));
+        discrepancies.push(Series::line(name, 2, over_time(outcome, look.axis, "true_discrepancy_m", 1e3)));
     }
     if look.discrepancy != Discrepancy::True {
         let only = look.discrepancy == Discrepancy::Decoded;
         let name = if only { "decoded, peer 2".to_owned() } else { label("decoded, peer 2") };
-        discrepancies.push(Series::dashed(name, 1, Dash::Dashed, over_time(outcome, "decoded_discrepancy_2_m", 1e3)));
+        discrepancies.push(Series::dashed(name, 1, Dash::Dashed, over_time(outcome, look.axis, "decoded_discrepancy_2_m", 1e3)));
     }
     [
         panel(
@@ -117,7 +119,7 @@ type OfPeer<'a> = (String, &'a Outcome, usize);
 fn side_by_side(title: &str, caption: &str, columns: &[OfPeer<'_>], window: (f64, f64)) -> Figure {
     // A legend stands in the first column that shares the scales.
     let first = columns.iter().position(|(_, outcome, _)| outcome.fault_time_s.is_none()).unwrap_or(0);
-    let look = |at| Look { window, from_there: true, first: at == first, discrepancy: Discrepancy::Both };
+    let look = |at| Look { window, from_there: true, first: at == first, discrepancy: Discrepancy::Both, axis: 0 };
     let sheet = |(at, (title, outcome, peer)): (usize, &OfPeer<'_>)| column(title, outcome, *peer, look(at));
     sheet_of(title, caption, columns.iter().enumerate().map(sheet).collect())
 }
@@ -135,10 +137,10 @@ fn sheet_of(title: &str, caption: &str, sheets: Vec<[Panel; 4]>) -> Figure {
 }
 
 /// The sheet of one run. The copies' true discrepancy is one, and stands once.
-pub fn run(name: &str, outcome: &Outcome) -> Figure {
-    let end = outcome.table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
+pub fn run(name: &str, outcome: &Outcome, axis: usize) -> Figure {
+    let end = outcome.axes[axis].table.column("time_s").and_then(|time| time.last().copied()).unwrap_or(1.0);
     let peer = |(peer, discrepancy)| {
-        let look = Look { window: (0.0, end), from_there: false, first: peer == 1, discrepancy };
+        let look = Look { window: (0.0, end), from_there: false, first: peer == 1, discrepancy, axis };
         column(&format!("{name}, peer {peer}"), outcome, peer, look)
     };
     let sheets = [(1, Discrepancy::True), (2, Discrepancy::Decoded)].map(peer);
@@ -191,7 +193,7 @@ fn forces(runs: &[&Experiment]) -> Figure {
     let series = runs
         .iter()
         .enumerate()
-        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, "coordination_2_n", 1.0)))
+        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, 0, "coordination_2_n", 1.0)))
         .collect();
     Figure {
         title: "Figure 8: coordination force on the local copy at peer 2, 16 ms round trip".to_owned(),
@@ -227,9 +229,9 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
             series: vec![
                 bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
                 bars("decoded |x_o - x_d|", 1, &|one| {
-                    one.outcome.merit(|o| o.decoded_discrepancy_mm).unwrap_or(f64::NAN)
+                    one.outcome.merit(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
                 }),
-                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.whole(|o| o.true_discrepancy_mm).unwrap_or(f64::NAN)),
+                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.whole(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
             ],
             ..Panel::default()
         }],

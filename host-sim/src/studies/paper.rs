@@ -6,13 +6,12 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Effort, Range, Verdict};
-use haptic_sim::measure::apparent_mass;
+use haptic_analysis::{Conclusion, Effort, Range, Verdict, conclude};
 use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scenes;
 
-use super::{Failure, doubt};
+use super::Failure;
 
 /// Simulated time of every experiment, s.
 pub(crate) const DURATION_S: f64 = 20.0;
@@ -83,8 +82,9 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
     let scene = scenes::load(haptic_sim::Laws::built_in(), name)?;
     let timing = &scene.peer.timing;
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
-    let verdict = haptic_analysis::verdict(&scene)?;
-    let outcome = outcome.doubted(doubt(&scene, &verdict));
+    let conclusion = conclude(&scene, outcome)?;
+    let apparent_object_mass_kg = conclusion.apparent_mass_kg(&scene)?;
+    let Conclusion { outcome, verdict } = conclusion;
     let comm = scene.peer.coordination.comm;
     let printed = PRINTED.iter().find(|printed| printed.comm == comm && section == "5.2");
     Ok(Experiment {
@@ -94,7 +94,7 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
         round_trip_ms: 2e3 * timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets),
         coordination_stiffness_n_per_m: scene.peer.coordination.stiffness_n_per_m,
         paper_discrepancy_mm: printed.map(|printed| printed.discrepancy_mm),
-        apparent_object_mass_kg: if outcome.is_stable() { Some(apparent_mass::measure(&scene)?) } else { None },
+        apparent_object_mass_kg,
         verdict,
         outcome,
     })
@@ -139,22 +139,22 @@ pub(crate) fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .value("spectral_radius", |one| one.verdict.spectral_radius)
         .means("largest |eigenvalue| over a packet period")
         .data_only()
-        .number("decoded_discrepancy_mm", 4, merit(|o| o.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, merit(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded")
         .means("|x_o - x_d| at peer 2, what the paper plots")
         .value("paper_discrepancy_mm", |one| one.paper_discrepancy_mm)
         .means("what the paper prints for the decoded discrepancy (Fig. 9)")
         .head("paper")
-        .number("true_discrepancy_mm", 4, |one| one.outcome.whole(|o| o.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |one| one.outcome.whole(|o| o.whole.true_discrepancy_mm))
         .head("true")
         .means("|x_o1 - x_o2| at one instant")
-        .number("true_discrepancy_mm_per_n", 3, merit(|o| o.true_discrepancy_mm / o.contact_force_n))
+        .number("true_discrepancy_mm_per_n", 3, merit(|o| o.whole.true_discrepancy_mm / o.whole.contact_force_n))
         .means("true discrepancy over the mean contact force")
         .head("true")
-        .number("coordination_force_n.mean", 3, merit(|o| o.coordination_force_n.mean))
+        .number("coordination_force_n.mean", 3, merit(|o| o.whole.coordination_force_n.mean))
         .means("mean of F_T at peer 2 over the last half")
         .head("F_T")
-        .number("coordination_force_n.sd", 3, merit(|o| o.coordination_force_n.sd))
+        .number("coordination_force_n.sd", 3, merit(|o| o.whole.coordination_force_n.sd))
         .means("standard deviation of F_T at peer 2 over the last half")
         .head("sd")
         .number("apparent_object_mass_kg", 3, |one| one.apparent_object_mass_kg)

@@ -107,7 +107,7 @@ pub(crate) fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<
         single.step();
         fixed.step();
         for side in double.sides() {
-            seen.largest_m = seen.largest_m.max(side.peer.observed().object.position.abs());
+            seen.largest_m = seen.largest_m.max(side.peer.observed()[0].object.position.abs());
         }
         let distance_m = seen.shadow.see(&double, &shadow);
         seen.f32.see(&double, &single);
@@ -187,9 +187,9 @@ impl Seen {
 impl Differences {
     /// Takes in how far the copies are apart now; how far that is, m.
     fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) -> f64 {
-        let (exact, rounded) = (reference.sides().map(|side| side.peer.observed()), other.sides());
+        let (exact, rounded) = (reference.sides().map(|side| side.peer.observed()[0]), other.sides());
         let [first, second] = [0, 1].map(|at| {
-            let (exact, rounded) = (exact[at], rounded[at].peer.observed());
+            let (exact, rounded) = (exact[at], rounded[at].peer.observed()[0]);
             let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
             self.force_n = self.force_n.max(force);
             rounded.object.position.to_f64() - exact.object.position

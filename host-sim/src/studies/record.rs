@@ -64,7 +64,7 @@ fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
             bytes.extend(counts.iter().flat_map(|counts| counts.0.to_le_bytes()));
         }
     }
-    if let Some(packet) = seen.heard {
+    if let Some([packet]) = seen.heard {
         bytes
             .extend([packet.motion.position, packet.motion.velocity, packet.wave].iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([packet.energy_j, packet.wave_integral].iter().flat_map(|x| x.to_le_bytes()));

@@ -72,7 +72,7 @@ fn one_failure_is_not_averaged_away() {
     cell.outcomes[3].reason = Some(Reason::ForceGrew);
     assert_eq!(cell.verdict(), "NO 1/20");
     assert_eq!(cell.reason(), Some(Reason::ForceGrew.to_string()));
-    assert_eq!((cell.true_discrepancy_mm(), cell.worst(|o| o.peak_coordination_force_n)), (None, None));
+    assert_eq!((cell.true_discrepancy_mm(), cell.worst(|o| o.whole.peak_coordination_force_n)), (None, None));
     assert!(columns(&[cell]).row(0)["true_discrepancy_mm"].is_null());
 }
 

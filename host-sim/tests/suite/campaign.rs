@@ -15,7 +15,7 @@ fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
         let made = largest(Outcome::energy_out_over_in);
         assert!(made <= 1.0 + 1e-9, "the line of {name} makes energy: {made}");
         // The silence ladder and the slew of the forces: no blow, whatever the network does.
-        let jump_n = largest(|outcome| outcome.largest_jump_n);
+        let jump_n = largest(|outcome| outcome.whole.largest_jump_n);
         assert!(jump_n < 10.0, "{name} jerks by {jump_n} N");
     }
     // The campaign would prove nothing if it broke nothing.

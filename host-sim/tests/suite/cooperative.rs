@@ -204,7 +204,7 @@ fn two_peers_around_a_node_are_the_plain_pair() {
             pair.step();
             around.step();
             for (side, copy) in pair.sides().into_iter().zip(around.copies()) {
-                let apart = side.peer.observed().object.position - copy.position;
+                let apart = side.peer.observed()[0].object.position - copy.position;
                 assert!(apart.abs() < 1e-10, "{comm} at tick {tick}: {apart} m");
             }
         }

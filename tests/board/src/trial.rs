@@ -9,7 +9,7 @@ use std::time::Instant;
 use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
 use haptic_core::law::Sends;
 use haptic_sim::network::rule::{Direction, of_scene};
-use haptic_sim::run::{Account, Options, Outcome, Ticked};
+use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
@@ -156,12 +156,12 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
 /// What host-sim forms of a run of its own (host-sim/sim/src/run), of what the boards recorded.
 fn outcome(both: [&[Record]; 2], scene: &Scene, like: &Outcome) -> Outcome {
     let ticks = both.map(<[Record]>::len).into_iter().min().unwrap_or(0);
-    let mut account = Account::new(scene, ticks as u64, Options::recorded(like.ticks as f64 * 1e-3, 1e-3));
+    let mut account = Accounts::<1>::new(scene, ticks as u64, Options::recorded(like.ticks as f64 * 1e-3, 1e-3));
     for tick in 0..ticks {
         for (at, records) in both.iter().enumerate() {
             let record = &records[tick];
             let engaged = record.flags() & ENGAGED != 0;
-            account.ticked(at, Ticked::new(&record.observed(), record.energy_j(), record.mode(), engaged));
+            account.ticked(at, [Ticked::new(&record.observed(), record.energy_j(), record.mode(), engaged)]);
         }
         account.period();
     }

@@ -57,7 +57,7 @@ pub fn closed_loop(scene: &Scene, boards: [&[Record]; 2]) -> Equal {
             pair.step();
             pair.sides_mut().zip(boards).zip(counts).all(|((side, records), reading)| {
                 let board = &records[tick as usize];
-                let seen = *side.peer.observed();
+                let seen = *side.peer.observed()[0];
                 reading == Reading::Counts(board.counts())
                     && digest(&mut *side.peer) == board.digest()
                     && bits(seen) == bits(board.observed())
@@ -104,7 +104,7 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
                 }
                 if let Some(packet) = board.incoming() {
                     same &= sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet);
-                    side.peer.hear(packet);
+                    side.peer.hear(&[packet]);
                 }
                 if side.peer.packet_due() {
                     sent[at].extend(side.peer.exchange());
@@ -188,11 +188,11 @@ pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Rec
                 }
                 if let Some(packets) = board.incoming() {
                     same &= sides[1 - at].sent.iter().rev().take(LATEST).any(|sent| *sent == packets);
-                    sides[at].peer.hear_each(&packets);
+                    sides[at].peer.hear(&packets);
                 }
                 let Shared { peer, plant, sent } = &mut sides[at];
                 if peer.packet_due() {
-                    sent.extend(peer.exchange_each());
+                    sent.extend(peer.exchange());
                 }
                 let sensors = plant.sensors::<f32>();
                 let actuators = peer.tick(&sensors);
@@ -202,7 +202,7 @@ pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Rec
                 same &= sensors.reading == Reading::Counts(board.counts())
                     && digest(peer) == first.digest()
                     && actuators.duties == board.duties()
-                    && peer.observed_each().into_iter().zip(board.0).all(|(seen, record)| *seen == record.observed());
+                    && peer.observed().into_iter().zip(board.0).all(|(seen, record)| *seen == record.observed());
             }
             same
         },
@@ -239,7 +239,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
                 peer.part();
             }
             if let Some(packet) = incoming {
-                peer.hear(packet);
+                peer.hear(&[packet]);
             }
             if board.flags() & record::SENT != 0 {
                 peer.exchange();
@@ -251,7 +251,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let (mut record, digest) = (Record::default(), digest(&mut peer));
             let (tick, mode, flags, duties) = (board.tick(), peer.mode(), board.flags(), actuators.duties);
             let of = record::Tick { tick, axis: 0, counts, duties, stage, mode, flags, digest };
-            record.fill(&of, incoming.as_ref(), peer.observed(), peer.ledger());
+            record.fill(&of, incoming.as_ref(), peer.observed()[0], peer.ledger()[0]);
             record == *board
         },
         records.len() as u64,

@@ -17,18 +17,16 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 
-use haptic_core::device::AXES;
-use haptic_core::device::kinematics::{AnySpatial, Kinematics};
-use haptic_core::law::{AnyLaw, Packet, Sends};
+use haptic_core::law::{Packet, Sends};
 use haptic_core::names::FixtureName;
-use haptic_core::num::{Motion, StateVector};
-use haptic_core::peer::{Actuators, Peer, Sensors};
+use haptic_core::num::{Motion, StateVector as _};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, Settings};
 
 use super::delay::delays_ticks;
 use crate::matrix::{Matrix, column_mut, reset};
-use haptic_sim::peers::DynPeer;
+use haptic_sim::of_axes;
+use haptic_sim::peers::{Builds, DynPeer};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
@@ -168,74 +166,6 @@ fn translate(seat: &mut dyn Seated, along: &[Vec<f64>]) -> Vec<Translation> {
     translations
 }
 
-/// A peer that shares the object along `SHARED` axes of its device.
-trait Driven<const SHARED: usize, const N: usize>: Clone {
-    fn build(linear: &Scene, settings: &Settings, device: [Motion<f64>; N]) -> Result<Self, Refused<'static>>;
-    fn arm(&mut self);
-    fn hear(&mut self, packets: [Packet<f64>; SHARED]);
-    fn exchange(&mut self);
-    fn outgoing(&self) -> [Packet<f64>; SHARED];
-    fn tick(&mut self, sensors: &Sensors<f64, N>) -> Actuators<f64, N>;
-    fn mode(&self) -> Mode;
-    fn each(&mut self, each: &mut dyn FnMut(&mut f64));
-}
-
-/// Along one axis, with any law.
-impl Driven<1, AXES> for Box<dyn DynPeer<f64>> {
-    fn build(linear: &Scene, settings: &Settings, device: [Motion<f64>; AXES]) -> Result<Self, Refused<'static>> {
-        linear.laws.peer(settings, device)
-    }
-    fn arm(&mut self) {
-        self.command(Command::Arm);
-    }
-    fn hear(&mut self, [packet]: [Packet<f64>; 1]) {
-        (**self).hear(packet);
-    }
-    fn exchange(&mut self) {
-        (**self).exchange();
-    }
-    fn outgoing(&self) -> [Packet<f64>; 1] {
-        [(**self).outgoing()]
-    }
-    fn tick(&mut self, sensors: &Sensors<f64>) -> Actuators<f64> {
-        (**self).tick(sensors)
-    }
-    fn mode(&self) -> Mode {
-        (**self).mode()
-    }
-    fn each(&mut self, each: &mut dyn FnMut(&mut f64)) {
-        self.visit_state(each);
-    }
-}
-
-/// Along all of them, with a law of core.
-impl<const N: usize, K: Kinematics<f64, N>> Driven<N, N> for Peer<f64, AnyLaw<f64>, N, N, K> {
-    fn build(_: &Scene, settings: &Settings, device: [Motion<f64>; N]) -> Result<Self, Refused<'static>> {
-        Self::build(settings, device)
-    }
-    fn arm(&mut self) {
-        self.command(Command::Arm);
-    }
-    fn hear(&mut self, packets: [Packet<f64>; N]) {
-        self.hear_each(&packets);
-    }
-    fn exchange(&mut self) {
-        self.exchange_each();
-    }
-    fn outgoing(&self) -> [Packet<f64>; N] {
-        self.outgoing_each()
-    }
-    fn tick(&mut self, sensors: &Sensors<f64, N>) -> Actuators<f64, N> {
-        self.tick(sensors)
-    }
-    fn mode(&self) -> Mode {
-        self.mode()
-    }
-    fn each(&mut self, each: &mut dyn FnMut(&mut f64)) {
-        self.visit(&mut |number: &mut f64| each(number));
-    }
-}
-
 /// A [`Seat`], of any number of axes.
 trait Seated {
     /// Numbers of the local state, and of the packets.
@@ -254,11 +184,18 @@ trait Seated {
 
 /// Of a peer of the linear scene, as many axes as it shares.
 fn seat(linear: &Scene, index: usize, at_tick: usize) -> Result<Box<dyn Seated>, Refused<'static>> {
-    Ok(match linear.peer.axis.shared {
-        1 => Box::new(Seat::<Box<dyn DynPeer<f64>>, 1, AXES>::new(linear, index, at_tick)?),
-        2 => Box::new(Seat::<Peer<f64, AnyLaw<f64>, 2>, 2, 2>::new(linear, index, at_tick)?),
-        _ => Box::new(Seat::<Peer<f64, AnyLaw<f64>, 3, 3, AnySpatial<f64>>, 3, 3>::new(linear, index, at_tick)?),
-    })
+    of_axes!(linear, seat_of::<>(linear, index, at_tick))
+}
+
+fn seat_of<const SHARED: usize, const N: usize>(
+    linear: &Scene,
+    index: usize,
+    at_tick: usize,
+) -> Result<Box<dyn Seated>, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+{
+    Ok(Box::new(Seat::<SHARED, N>::new(linear, index, at_tick)?))
 }
 
 /// Most packet periods, beyond four round trips, that a line needs to learn a delay.
@@ -267,8 +204,8 @@ const LEARNING: usize = 64;
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
 /// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
 /// goes on standing now and then.
-fn settle<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
-    peer: &mut P,
+fn settle<const SHARED: usize, const N: usize>(
+    peer: &mut Box<dyn DynPeer<f64, SHARED, N>>,
     linear: &Scene,
     plant: &Plant<N>,
     at_tick: usize,
@@ -298,7 +235,7 @@ fn settle<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
             flying.pop_front();
         }
         for tick in 0..packet {
-            before_tick(&mut at_rest, tick, due.filter(|_| tick == at_tick));
+            before_tick(&mut *at_rest, tick, due.filter(|_| tick == at_tick));
             at_rest.tick(&sensors);
         }
         let ticks = at_rest.outgoing()[0].live_ticks.wrapping_sub(before);
@@ -308,13 +245,13 @@ fn settle<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
 }
 
 /// What happens before a tick of a packet period.
-fn before_tick<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
-    peer: &mut P,
+fn before_tick<const SHARED: usize, const N: usize>(
+    peer: &mut dyn DynPeer<f64, SHARED, N>,
     tick: usize,
     heard: Option<[Packet<f64>; SHARED]>,
 ) {
     if let Some(packets) = heard {
-        peer.hear(packets);
+        peer.hear(&packets);
     }
     if tick == 0 {
         peer.exchange();
@@ -322,10 +259,10 @@ fn before_tick<P: Driven<SHARED, N>, const SHARED: usize, const N: usize>(
 }
 
 /// A peer in front of its device, and the state and packet it is to start from, in units.
-struct Seat<P, const SHARED: usize, const N: usize> {
-    armed: P,
+struct Seat<const SHARED: usize, const N: usize> {
+    armed: Box<dyn DynPeer<f64, SHARED, N>>,
     /// The same one metre away along each shared axis.
-    there: [P; SHARED],
+    there: [Box<dyn DynPeer<f64, SHARED, N>>; SHARED],
     ticks_per_packet: usize,
     /// The tick before which the packet is heard.
     at_tick: usize,
@@ -343,23 +280,26 @@ fn visit_all(packets: &mut [Packet<f64>], mut each: impl FnMut(&mut f64)) {
     }
 }
 
-impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seat<P, SHARED, N> {
+impl<const SHARED: usize, const N: usize> Seat<SHARED, N>
+where
+    f64: Builds<SHARED, N>,
+{
     fn new(linear: &Scene, index: usize, at_tick: usize) -> Result<Self, Refused<'static>> {
         let settings = &linear.peers()[index];
         let at = |settings: &Settings, axes| {
-            let mut peer = P::build(linear, settings, axes)?;
-            peer.arm();
+            let mut peer = linear.laws.peer::<f64, SHARED, N>(settings, axes)?;
+            peer.command(Command::Arm);
             Ok(peer)
         };
         let mut armed = at(settings, [Motion::REST; N])?;
-        let mut there: [P; SHARED] = from_fn(|_| armed.clone());
+        let mut there: [_; SHARED] = from_fn(|_| armed.clone());
         for (axis, there) in there.iter_mut().enumerate() {
             let mut device = [Motion::REST; N];
             device[axis] = Motion::at(1.0);
             *there = at(settings, device)?;
         }
         let mut states = DEVICE_STATES * SHARED;
-        armed.each(&mut |_| states += 1);
+        armed.visit_state(&mut |_| states += 1);
         let mut numbers = 0;
         visit_all(&mut [Packet::default(); SHARED], |_| numbers += 1);
         let plant = Plant::build(linear, index);
@@ -380,15 +320,18 @@ impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seat<P, SHARED, 
     }
 
     /// The peer's share of the state, in the unit that is driven.
-    fn loaded(&self) -> P {
+    fn loaded(&self) -> Box<dyn DynPeer<f64, SHARED, N>> {
         let mut state = self.armed.clone();
         let mut numbers = self.local[DEVICE_STATES * SHARED..].iter();
-        state.each(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+        state.visit_state(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
         state
     }
 }
 
-impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seated for Seat<P, SHARED, N> {
+impl<const SHARED: usize, const N: usize> Seated for Seat<SHARED, N>
+where
+    f64: Builds<SHARED, N>,
+{
     fn sizes(&self) -> [usize; 2] {
         [self.local.len(), self.packet.len()]
     }
@@ -425,7 +368,7 @@ impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seated for Seat<
         visit_all(&mut packets, |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
 
         for tick in 0..self.ticks_per_packet {
-            before_tick(&mut peer, tick, (tick == self.at_tick).then_some(packets));
+            before_tick(&mut *peer, tick, (tick == self.at_tick).then_some(packets));
             let sensors = self.plant.sensors();
             let actuators = peer.tick(&sensors);
             self.plant.step(0.0, &actuators);
@@ -442,14 +385,14 @@ impl<P: Driven<SHARED, N>, const SHARED: usize, const N: usize> Seated for Seat<
         for (motion, motor) in self.plant.each_axis().take(SHARED) {
             [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
         }
-        peer.each(&mut |number| store(*number));
+        peer.visit_state(&mut |number| store(*number));
     }
 
     fn translation(&mut self, axis: usize, local: &mut [f64]) -> usize {
         local[DEVICE_STATES * axis] = 1.0;
         let first = DEVICE_STATES * SHARED;
         let mut numbers = local[first..].iter_mut();
-        self.there[axis].each(&mut |number| {
+        self.there[axis].visit_state(&mut |number| {
             if let Some(out) = numbers.next() {
                 *out = *number;
             }

@@ -22,7 +22,7 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
     for _ in 0..ticks {
         pair.step();
         for side in pair.sides() {
-            let seen = side.peer.observed();
+            let seen = side.peer.observed()[0];
             for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                 largest = largest.max(size.abs());
             }

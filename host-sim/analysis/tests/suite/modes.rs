@@ -217,7 +217,7 @@ fn growth(scene: &Scene) -> f64 {
         let mut sum = 0.0;
         for _ in 0..periods * ticks {
             pair.step();
-            sum += pair.sides().map(|side| side.peer.observed().coordination_force.powi(2)).iter().sum::<f64>();
+            sum += pair.sides().map(|side| side.peer.observed()[0].coordination_force.powi(2)).iter().sum::<f64>();
         }
         assert_eq!(pair.fault(), None);
         sum

@@ -2,21 +2,21 @@
 
 use haptic_analysis::{Direction, Hands, judge};
 use haptic_sim::Laws;
-use haptic_sim::run::Options;
+use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
-use haptic_sim::{scenes, shared};
+use haptic_sim::scenes;
 
 fn scene(keys: &[&str]) -> Scene {
     let mut scene = Scene::new(Laws::built_in());
     keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
-    scene.check_any("test").unwrap_or_else(|error| panic!("{error}"));
+    scene.check("test").unwrap_or_else(|error| panic!("{error}"));
     scene
 }
 
 /// Moves of the objects along `unit` over each packet, of both peers together and against each other.
 fn moves(scene: &Scene, seconds: f64, unit: [f64; 3]) -> [Vec<f64>; 2] {
-    let run = shared::run::<f64>(scene, Options { duration_s: seconds, record_every: 1 }, &|_| true).expect("a scene");
-    assert!(run.axes.iter().all(|axis| axis.fault.is_none()));
+    let run = run::<f64>(scene, Options { duration_s: seconds, record_every: 1 }, &|_| ()).expect("a scene");
+    assert!(run.fault.is_none());
     let path = |name: &str| -> Vec<f64> {
         let columns: Vec<_> = run.axes.iter().map(|axis| axis.table.column(name).expect("recorded").to_vec()).collect();
         (0..columns[0].len())

@@ -34,7 +34,7 @@ fn settles(scene: &Scene, stiffness: f64) -> bool {
         (0..ticks).fold(0.0, |sum, _| {
             pair.step();
             let side = pair.sides()[0];
-            sum + (side.plant.motions()[0].velocity - side.peer.observed().object.velocity).powi(2)
+            sum + (side.plant.motions()[0].velocity - side.peer.observed()[0].object.velocity).powi(2)
         })
     };
     energy(400);

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use haptic_core::device::{AXES, Reading};
+use haptic_core::device::Reading;
 use haptic_core::num::{Motion, Scalar as _};
 use haptic_core::peer::{Actuators, Sensors};
 
@@ -12,20 +12,20 @@ use crate::plant::{Linear, Plant};
 
 /// Plants of which each lane has one.
 #[derive(Debug)]
-pub(super) struct Plants {
-    plants: Vec<Plant>,
+pub(super) struct Plants<const N: usize> {
+    plants: Vec<Plant<N>>,
     /// Every user does the same.
     alike: bool,
     linear: Linear<F64s>,
     axes_in_use: usize,
-    motions: [Motion<F64s>; AXES],
-    motor_before: [F64s; AXES],
+    motions: [Motion<F64s>; N],
+    motor_before: [F64s; N],
 }
 
-impl Plants {
+impl<const N: usize> Plants<N> {
     /// Of these plants, one a lane, which all are bare; `alike` where every user does the same.
-    pub(super) fn new(plants: Vec<Plant>, alike: bool) -> Self {
-        let of = |number: &dyn Fn(&Plant) -> f64| F64s::of(|lane| number(&plants[lane]));
+    pub(super) fn new(plants: Vec<Plant<N>>, alike: bool) -> Self {
+        let of = |number: &dyn Fn(&Plant<N>) -> f64| F64s::of(|lane| number(&plants[lane]));
         let gain = |row: usize| of(&|plant| plant.linear().gain_before[row]);
         let now = |row: usize| of(&|plant| plant.linear().gain_now[row]);
         let linear = Linear {
@@ -38,23 +38,23 @@ impl Plants {
             velocity: of(&|plant| plant.motions()[axis].velocity),
         });
         let axes_in_use = plants[0].axes_in_use();
-        Self { plants, alike, linear, axes_in_use, motions, motor_before: [F64s::ZERO; AXES] }
+        Self { plants, alike, linear, axes_in_use, motions, motor_before: [F64s::ZERO; N] }
     }
 
     /// Forces on the axes beside the motors', N.
     #[inline]
-    fn pushes(&self, time_s: f64) -> [F64s; AXES] {
+    fn pushes(&self, time_s: f64) -> [F64s; N] {
         if self.alike {
             return self.plants[0].pushes(time_s).map(F64s::splat);
         }
-        let each: [[f64; AXES]; LANES] = from_fn(|lane| self.plants[lane].pushes(time_s));
+        let each: [[f64; N]; LANES] = from_fn(|lane| self.plants[lane].pushes(time_s));
         from_fn(|axis| F64s::of(|lane| each[lane][axis]))
     }
 }
 
-impl<S: Lanes> Device<S> for Plants {
+impl<S: Lanes, const N: usize> Device<S, N> for Plants<N> {
     #[inline]
-    fn sensors(&self) -> Sensors<S> {
+    fn sensors(&self) -> Sensors<S, N> {
         Sensors::of(Reading::Exact(self.motions.map(|motion| Motion {
             position: S::of_counter(motion.position),
             velocity: S::of_counter(motion.velocity),
@@ -62,7 +62,7 @@ impl<S: Lanes> Device<S> for Plants {
     }
 
     #[inline]
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S>) {
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         let pushes = self.pushes(time_s);
         let moved = self.motions.iter_mut().zip(&mut self.motor_before).take(self.axes_in_use);
         for ((motion, before), (push, force)) in moved.zip(pushes.iter().zip(&actuators.forces)) {

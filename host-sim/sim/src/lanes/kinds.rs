@@ -5,12 +5,17 @@ use std::sync::Arc;
 use haptic_core::contact::RenderingName;
 
 use super::number::LANES;
-use crate::{plant::Plant, scene::Scene};
+use crate::{of_axes, plant::Plant, scene::Scene};
 
 /// Whether scenes like this one are stepped in lanes at all.
 fn suits(scene: &Scene) -> bool {
     let impulsive = scene.peer.contact.rendering == RenderingName::Impulsive;
-    !impulsive && (0..2).all(|index| Plant::new(scene, index).is_bare())
+    !impulsive && of_axes!(scene, is_bare::<>(scene))
+}
+
+/// Whether both devices are read and driven exactly, and nothing else.
+fn is_bare<const SHARED: usize, const N: usize>(scene: &Scene) -> bool {
+    (0..2).all(|index| Plant::<N>::build(scene, index).is_bare())
 }
 
 /// Whether the packets of both come together, and their peers may be alike.
@@ -21,7 +26,7 @@ fn of_one_kind(one: &Scene, other: &Scene) -> bool {
         _ => false,
     };
     let [here, there] =
-        [one, other].map(|scene| (&scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis.count));
+        [one, other].map(|scene| (&scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis));
     same_trace && here == there && one.world.network == other.world.network
 }
 

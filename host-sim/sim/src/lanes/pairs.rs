@@ -12,18 +12,19 @@ use haptic_core::settings::Refused;
 use super::device::Plants;
 use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
 use crate::pair::{HASH_SEED, Pair, Side};
-use crate::peers::{DynPeer, Number, mixed};
+use crate::AXES;
+use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 
 /// Pairs of peers, one a lane, on one network.
-pub struct Pairs<S: Lanes> {
-    pair: Pair<S, Plants>,
+pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
+    pair: Pair<S, Plants<N>, SHARED, N>,
     hashes: [u64; LANES],
     /// The states that are hashed next.
     words: Vec<S>,
 }
 
-impl<S: Lanes + Number> Pairs<S> {
+impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
     /// These scenes, which are of one kind, at most [`LANES`]; all peers armed and at rest. Which lanes have left, or do from
     /// now on, [`super::number::lanes_left`] says: one group of lanes a thread at a time. Lanes without a scene do what the last one does.
     ///
@@ -37,8 +38,8 @@ impl<S: Lanes + Number> Pairs<S> {
         let scenes: [&Scene; LANES] = from_fn(|lane| scenes[lane.min(scenes.len() - 1)]);
         let side = |index, to| {
             // Moved by nothing, as those of a pair alone are: −0 m becomes 0 m.
-            let plants: Vec<Plant> = scenes.iter().map(|scene| Plant::new(scene, index).moved(0.0)).collect();
-            let peer = peer::<S>(&scenes, &plants, index)?;
+            let plants: Vec<Plant<N>> = scenes.iter().map(|scene| Plant::build(scene, index).moved([0.0; N])).collect();
+            let peer = peer(&scenes, &plants, index)?;
             let first = &scenes[0];
             let alike = scenes.iter().all(|scene| {
                 let [one, other] = [*scene, *first].map(|scene| &scene.users[index]);
@@ -54,7 +55,7 @@ impl<S: Lanes + Number> Pairs<S> {
     }
 }
 
-impl<S: Lanes> Pairs<S> {
+impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
     /// [`Pair::packets_per_s`]; those that are there agree on it.
     pub(super) fn packets_per_s(&self) -> f64 {
         self.pair.packets_per_s()
@@ -62,7 +63,7 @@ impl<S: Lanes> Pairs<S> {
 
     /// A control period of all lanes; `each` sees every peer after its tick.
     #[inline]
-    pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S>)) {
+    pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S, SHARED, N>)) {
         self.pair.step_watched(&mut |seen| each(seen.number - 1, seen.peer));
     }
 
@@ -89,12 +90,12 @@ impl<S: Lanes> Pairs<S> {
 }
 
 /// A peer of all lanes; whose scene's alone would be another one leaves.
-fn peer<S: Lanes + Number>(
+fn peer<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scenes: &[&Scene; LANES],
-    plants: &[Plant],
+    plants: &[Plant<N>],
     index: usize,
-) -> Result<Box<dyn DynPeer<S>>, Refused<'static>> {
-    let build = |lane: usize| scenes[lane].peer_from::<S>(index, plants[lane].motions());
+) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
+    let build = |lane: usize| scenes[lane].peer_from::<S, SHARED, N>(index, plants[lane].motions());
     let (mut numbers, mut texts): (Vec<Vec<f64>>, Vec<u64>) = Default::default();
     for lane in 0..LANES {
         if lane > 0 && std::ptr::eq(scenes[lane], scenes[lane - 1]) {
@@ -116,7 +117,7 @@ fn peer<S: Lanes + Number>(
 }
 
 /// A hash of everything that a peer is, told by its text, as this lane has it.
-fn text_hash<S: Lanes>(peer: &dyn DynPeer<S>, lane: usize) -> u64 {
+fn text_hash<S: Lanes, const SHARED: usize, const N: usize>(peer: &dyn DynPeer<S, SHARED, N>, lane: usize) -> u64 {
     struct Hash(u64);
     impl fmt::Write for Hash {
         fn write_str(&mut self, text: &str) -> fmt::Result {

@@ -5,8 +5,9 @@ use haptic_core::settings::Refused;
 use super::kinds::kinds;
 use super::number::{F32s, F64s, Lanes, lanes_left};
 use super::pairs::Pairs;
-use crate::peers::Number;
-use crate::run::{Account, Options, Outcome, Run, Ticked};
+use crate::of_axes;
+use crate::peers::{Builds, Number};
+use crate::run::{Accounts, Options, Outcome, Run, Ticked};
 use crate::scene::Scene;
 
 /// Fewest scenes that are worth lanes.
@@ -39,7 +40,8 @@ pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>
             continue;
         }
         let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
-        for (at, outcome) in group.into_iter().zip(run_group::<S::Lanes>(&members, options)?) {
+        let together = of_axes!(members[0], run_group::<S::Lanes>(&members, options))?;
+        for (at, outcome) in group.into_iter().zip(together) {
             match outcome {
                 Some(outcome) => outcomes[at] = Some(outcome),
                 None => alone.push(at),
@@ -53,13 +55,17 @@ pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>
 }
 
 /// One group side by side; nothing of those that left.
-fn run_group<S: Lanes + Number>(scenes: &[&Scene], options: Options) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
+fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+    scenes: &[&Scene],
+    options: Options,
+) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
     let ticks = options.ticks(scenes[0]);
-    let mut pairs = Pairs::<S>::new(scenes)?;
+    let mut pairs = Pairs::<S, SHARED, N>::new(scenes)?;
     let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
     let (mass_kg, stiffness) =
         (of(|scene| scene.peer.object.mass_kg), of(|scene| scene.peer.coordination.stiffness_n_per_m));
-    let mut account = Account::of(scenes[0].peer.timing.control_period_s, mass_kg, stiffness, ticks, options);
+    let period_s = scenes[0].peer.timing.control_period_s;
+    let mut account = Accounts::<SHARED, F64s>::of(period_s, mass_kg, stiffness, ticks, options);
     let some = (1_u32 << scenes.len()) - 1;
     for _ in 0..ticks {
         pairs.step(&mut |at, peer| account.ticked(at, Ticked::of(peer)));

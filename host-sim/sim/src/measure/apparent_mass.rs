@@ -9,12 +9,23 @@
 use haptic_core::settings::Refused;
 
 use crate::user::{Trace, User};
-use crate::{pair::Pair, scene::Scene};
+use crate::{of_axes, pair::Pair, peers::Builds, plant::Plant, scene::Scene};
 
 const RAMP_N_PER_S: f64 = 1e-3;
 
 /// Apparent mass of the whole shared object, kg. Meaningful for a stable scene in contact; NaN where nothing moves.
+/// Of an object that is shared along several axes, along the first.
+///
+/// # Errors
+/// What a peer refuses.
 pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
+    of_axes!(scene, measured::<>(scene))
+}
+
+fn measured<const SHARED: usize, const N: usize>(scene: &Scene) -> Result<f64, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+{
     let mut linear = scene.linear();
     let device = &scene.world.device;
     // Slowest time constant of the free pair: the terminal velocity of everything that moves.
@@ -26,7 +37,7 @@ pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
     // Whole packets: the staircase of the line averages out.
     let window = u64::from(scene.peer.timing.ticks_per_packet) * 125;
     ramp(&mut linear, (ticks + 2 * window) as f64 * period_s);
-    let mut pair = Pair::<f64>::new(&linear)?;
+    let mut pair = Pair::<f64, Plant<N>, SHARED, N>::build(&linear)?;
     for _ in 0..ticks {
         pair.step();
     }
@@ -35,7 +46,7 @@ pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
         let (mut force, mut speed) = (0.0, 0.0);
         for _ in 0..window {
             pair.step();
-            for seen in pair.sides().into_iter().map(|side| side.peer.observed()) {
+            for seen in pair.sides().into_iter().map(|side| side.peer.observed()[0]) {
                 force += seen.contact_force / window as f64;
                 speed += seen.object.velocity / 2.0 / window as f64;
             }

@@ -202,7 +202,7 @@ pub fn answer(
         if index != near && far == Far::LetGo {
             (settings.contact.stiffness_n_per_m, settings.contact.damping_n_s_per_m) = (0.0, 0.0);
         }
-        let peer = linear.laws.peer(&settings, [Motion::REST; AXES])?;
+        let peer = linear.laws.peer::<f64, 1, AXES>(&settings, [Motion::REST; AXES])?;
         let alone = (index != near && far == Far::Alone).then(|| Plant::new(&linear, index));
         Ok(Side::of(&linear, peer, hand(if index == near { speed_m_per_s } else { 0.0 }, alone), 1 - index))
     };

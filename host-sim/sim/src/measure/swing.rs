@@ -70,7 +70,7 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     for _ in 0..periods * per_period {
         let angle = OMEGA * pair.time_s();
         pair.step();
-        for seen in pair.sides().into_iter().map(|side| side.peer.observed()) {
+        for seen in pair.sides().into_iter().map(|side| side.peer.observed()[0]) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
             let (out, into) = match sends {
                 Sends::Motion => (seen.object.position, seen.desired.position),

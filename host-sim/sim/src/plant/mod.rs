@@ -191,10 +191,17 @@ impl<const N: usize> Plant<N> {
         self.motions
     }
 
-    /// The same device, so much further along the free axis.
+    /// Where each axis is in the shared world, at rest.
+    pub fn in_the_world<S: Scalar>(&self) -> [Motion<S>; N] {
+        self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
+    }
+
+    /// The same device, so much further along each axis, m.
     #[must_use]
-    pub fn moved(mut self, by_m: f64) -> Self {
-        self.motions[0].position += by_m;
+    pub fn moved(mut self, by_m: [f64; N]) -> Self {
+        for (motion, by_m) in self.motions.iter_mut().zip(by_m) {
+            motion.position += by_m;
+        }
         if let (Some(joints), Some(windings)) = (&self.joints, &mut self.windings) {
             windings.seen = joints.seen(self.motions);
         }

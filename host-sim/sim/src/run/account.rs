@@ -1,17 +1,18 @@
-//! Account of a run: what its [`Outcome`] is formed of, tick by tick, the same for simulated peers and for boards.
+//! Account of a run along one axis: what its [`Along`] is formed of, tick by tick, the same for simulated peers and for boards.
+
+use std::array::from_fn;
 
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
 
-use super::outcome::{Options, Outcome};
-use super::reason::{APART_MM, Reason};
+use super::outcome::{Along, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::{ObjectPort, counted};
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::quantities::{self, Named};
 use crate::report::{Columns, numbered};
-use crate::{peers::DynPeer, scene::Scene};
+use crate::peers::DynPeer;
 
 /// What is recorded of each peer.
 const OF_PEER: [Named; 10] = [
@@ -59,15 +60,20 @@ impl<F: Figure> Ticked<F> {
         }
     }
 
-    /// Of a simulated peer.
+    /// Of a simulated peer, along each shared axis.
     #[inline]
-    pub fn of<S: Scalar<Counter = F>>(peer: &dyn DynPeer<S>) -> Self {
-        let ledger = peer.ledger();
-        Self::new(peer.observed(), [ledger.received_j(), ledger.sent_j()], peer.mode(), peer.is_engaged())
+    pub fn of<S: Scalar<Counter = F>, const SHARED: usize, const N: usize>(
+        peer: &dyn DynPeer<S, SHARED, N>,
+    ) -> [Self; SHARED] {
+        let (seen, ledgers, mode, engaged) = (peer.observed(), peer.ledger(), peer.mode(), peer.is_engaged());
+        from_fn(|axis| {
+            let energy = [ledgers[axis].received_j(), ledgers[axis].sent_j()];
+            Self::new(seen[axis], energy, mode, engaged)
+        })
     }
 }
 
-/// What is seen of a run.
+/// What is seen of a run along one shared axis.
 #[derive(Clone, Debug)]
 pub struct Account<F = f64> {
     period_s: f64,
@@ -134,6 +140,24 @@ impl<F: Figure> Account<F> {
         self.tick += 1;
     }
 
+    /// What the last tick of peer `at` (0 or 1) saw and did.
+    #[inline]
+    pub(crate) fn observed(&self, at: usize) -> &Observed<F> {
+        &self.latest[at].observed
+    }
+
+    /// |x_o1 − x_o2| after the control period that is over, m.
+    #[inline]
+    pub(crate) fn true_m(&self) -> F {
+        self.true_m
+    }
+
+    /// A peer has stopped, so that nothing is averaged any more.
+    #[inline]
+    pub(crate) fn is_over(&self) -> bool {
+        self.stopped.is_some()
+    }
+
     /// What `of` makes of each number.
     pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Account<G> {
         let motion = |seen: Motion<F>| Motion { position: of(seen.position), velocity: of(seen.velocity) };
@@ -168,12 +192,6 @@ impl<F: Figure> Account<F> {
 }
 
 impl Account {
-    /// Of a run of so many ticks.
-    pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
-        let (period_s, object) = (scene.peer.timing.control_period_s, &scene.peer.object);
-        Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
-    }
-
     /// The columns of a row, by name and meaning; each peer's with its number before the unit.
     pub fn columns() -> impl Iterator<Item = (String, String)> {
         let owned = |(name, meaning): Named| (name.to_owned(), meaning.to_owned());
@@ -190,9 +208,24 @@ impl Account {
         }
     }
 
-    /// |x_o1 − x_o2| after the control period that is over, m.
-    pub(crate) fn true_m(&self) -> f64 {
-        self.true_m
+    /// Who stopped first, why, and when (s).
+    pub(crate) fn stopped(&self) -> Option<(usize, Fault, f64)> {
+        self.stopped
+    }
+
+    /// The changes of a coordination force grew until the end.
+    pub(crate) fn force_grew(&self) -> bool {
+        self.forces.grew()
+    }
+
+    /// The kinetic energy of the copies grew until the end.
+    pub(crate) fn energy_grew(&self) -> bool {
+        self.energy.grew()
+    }
+
+    /// The first peer that does not coordinate after the control period that is over, 1 or 2.
+    pub(crate) fn let_go(&self) -> Option<usize> {
+        (1..).zip(&self.latest).find_map(|(peer, ticked)| (!ticked.engaged).then_some(peer))
     }
 
     /// The control period that is over, as a row of [`Self::columns`].
@@ -218,31 +251,14 @@ impl Account {
         core::iter::once(time_s).chain(peers).chain([self.true_m, decoded_m]).collect()
     }
 
-    /// What it gave: no impacts and no hash, which are not seen here.
-    pub fn outcome(self) -> Outcome {
+    /// What it gave along this axis.
+    pub(crate) fn along(self) -> Along {
         let [true_m, decoded_m, force, force_squared, contact] = self.halves.means();
-        let apart_mm = 1e3 * true_m.max(self.true_m);
-        let let_go = self.latest.iter().position(|ticked| !ticked.engaged);
-        let reason = if let Some((peer, fault, time_s)) = self.stopped {
-            Some(Reason::Stopped { peer, fault, time_s })
-        } else if self.forces.grew() {
-            Some(Reason::ForceGrew)
-        } else if self.energy.grew() {
-            Some(Reason::EnergyGrew)
-        } else if apart_mm > APART_MM {
-            Some(Reason::Apart { true_discrepancy_mm: apart_mm })
-        } else {
-            let_go.map(|at| Reason::LetGo { peer: at + 1 })
-        };
-        let [first, second] = [0, 1].map(|at| {
+        let energy = [0, 1].map(|at| {
             let ticked = self.latest[at];
             self.ports[at].with_network(ticked.received_j, ticked.sent_j)
         });
-        Outcome {
-            bounded: !matches!(reason, Some(Reason::Stopped { .. } | Reason::ForceGrew | Reason::EnergyGrew)),
-            reason,
-            fault: self.stopped.map(|(peer, fault, _)| (peer, fault)),
-            fault_time_s: self.stopped.map(|(.., time_s)| time_s),
+        let figures = Figures {
             true_discrepancy_mm: 1e3 * true_m,
             largest_true_discrepancy_mm: 1e3 * self.largest_true_m,
             decoded_discrepancy_mm: 1e3 * decoded_m,
@@ -250,12 +266,15 @@ impl Account {
             contact_force_n: contact,
             peak_coordination_force_n: self.forces.peak(),
             largest_jump_n: self.forces.largest_change(),
-            energy: [first, second],
-            impacts: None,
-            ticks: self.tick,
-            packets_per_s: f64::NAN,
-            hash: 0,
-            table: self.table,
+            energy,
+        };
+        Along { figures, table: self.table }
+    }
+
+    /// Records the control period that is over, if it is one of those that are.
+    pub(crate) fn record(&mut self) {
+        if self.record_every > 0 && (self.tick - 1).is_multiple_of(self.record_every) {
+            self.table.push_row(&self.row());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use haptic_core::contact::Impacts;
 use haptic_core::safety::Fault;
-use haptic_protocol::wire::{Flow, SEAL_LEN};
+use haptic_protocol::wire::{Flow, Flows, SEAL_LEN};
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
@@ -34,6 +34,39 @@ impl Options {
     }
 }
 
+/// What the shared axes are called, the first one first.
+pub const AXIS_NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// Figures of merit along one axis, or of all axes together: then lengths are those of vectors, and energies are sums.
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// Mean of |x_o1 − x_o2| over the last half, mm.
+    pub true_discrepancy_mm: f64,
+    /// The largest |x_o1 − x_o2| of the whole run, mm.
+    pub largest_true_discrepancy_mm: f64,
+    /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
+    pub decoded_discrepancy_mm: f64,
+    /// F_T at peer 2 over the last half, N: of all axes together the length of its mean, and what scatters about that.
+    pub coordination_force_n: Statistics,
+    /// Mean of |F_LC| over both peers and the last half, N.
+    pub contact_force_n: f64,
+    /// Largest |F_T| of either peer, N.
+    pub peak_coordination_force_n: f64,
+    /// Largest change of either F_T from one tick to the next, N.
+    pub largest_jump_n: f64,
+    /// Energy through the ports of both peers.
+    pub energy: [PortEnergy; 2],
+}
+
+/// What a run gave along one shared axis.
+#[derive(Clone, Debug)]
+pub struct Along {
+    /// Figures of merit.
+    pub figures: Figures,
+    /// What was recorded; empty if nothing was.
+    pub table: Columns,
+}
+
 /// What a run gave.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -45,22 +78,10 @@ pub struct Outcome {
     pub fault: Option<(usize, Fault)>,
     /// When, s.
     pub fault_time_s: Option<f64>,
-    /// Mean of |x_o1 − x_o2| over the last half, mm.
-    pub true_discrepancy_mm: f64,
-    /// The largest |x_o1 − x_o2| of the whole run, mm.
-    pub largest_true_discrepancy_mm: f64,
-    /// Mean of |x_o − x_d| at peer 2 over the last half, mm.
-    pub decoded_discrepancy_mm: f64,
-    /// F_T at peer 2 over the last half, N.
-    pub coordination_force_n: Statistics,
-    /// Mean of |F_LC| over both peers and the last half, N.
-    pub contact_force_n: f64,
-    /// Largest |F_T| of either peer, N.
-    pub peak_coordination_force_n: f64,
-    /// Largest change of either F_T from one tick to the next, N.
-    pub largest_jump_n: f64,
-    /// Energy through the ports of both peers.
-    pub energy: [PortEnergy; 2],
+    /// Of all shared axes together; of one, that one's.
+    pub whole: Figures,
+    /// Each shared axis, in the order of [`AXIS_NAMES`].
+    pub axes: Vec<Along>,
     /// Impacts at both peers, where contact is impulsive.
     pub impacts: Option<[Impacts<f64>; 2]>,
     /// Ticks done.
@@ -69,14 +90,21 @@ pub struct Outcome {
     pub packets_per_s: f64,
     /// Hash of both peers' states over every tick.
     pub hash: u64,
-    /// What was recorded; empty if nothing was.
-    pub table: Columns,
 }
 
 impl Outcome {
     /// The same on the wire, with the headers of UDP and IP version 4, bytes/s; what a link says by itself beside the flow is not in it.
     pub fn bytes_per_s(&self) -> f64 {
-        self.packets_per_s * (SEAL_LEN + Flow::LEN + UDP_IP_LEN) as f64
+        self.packets_per_s * (SEAL_LEN + self.flow_len() + UDP_IP_LEN) as f64
+    }
+
+    /// Bytes of a message of flow, which has a packet for each shared axis.
+    fn flow_len(&self) -> usize {
+        match self.axes.len() {
+            2 => Flows::<2>::LEN,
+            3 => Flows::<3>::LEN,
+            _ => Flow::LEN,
+        }
     }
 
     /// What is to be said of it.
@@ -121,7 +149,7 @@ impl Outcome {
 
     /// The same, of what a peer took beyond this energy, J, that its law held when it began.
     pub fn energy_out_over_in_beyond(&self, start_j: f64) -> f64 {
-        let [first, second] = self.energy;
+        let [first, second] = self.whole.energy;
         let beyond = |received_j: f64| (received_j - start_j).max(0.0);
         ratio(beyond(second.received_j), first.sent_j).max(ratio(beyond(first.received_j), second.sent_j))
     }
@@ -129,7 +157,7 @@ impl Outcome {
     /// **Peer**: energy that left the ports of a peer's coordination or waits in its spring over what entered them, of the worse peer;
     /// above 1 it makes energy ([`crate::measure::port`]). None where contact is impulsive.
     pub fn peer_energy_out_over_in(&self) -> Option<f64> {
-        let [first, second] = self.energy.map(|energy| energy.out_over_in());
+        let [first, second] = self.whole.energy.map(|energy| energy.out_over_in());
         self.impacts.is_none().then(|| first.max(second))
     }
 }

@@ -58,7 +58,7 @@ fn two_who_lean_on_the_object_do_not_sink() {
             pair.step();
         }
         for (side, sign) in pair.sides().into_iter().zip([1.0, -1.0]) {
-            let seen = side.peer.observed();
+            let seen = side.peer.observed()[0];
             let depth_m = sign * (seen.device.position - seen.object.position);
             assert!((depth_m / 1e-3 - 1.0_f64).abs() < 0.01, "{restitution}: {depth_m}");
         }

@@ -54,7 +54,7 @@ fn contact_at_the_wall_comes_to_rest() {
                 (least, most) = (least.min(push), most.max(push));
             }
         }
-        let felt = pair.sides()[0].peer.observed().contact_force;
+        let felt = pair.sides()[0].peer.observed()[0].contact_force;
         assert!(pair.fault().is_none() && least > 1.0 && most - least < 0.02 * most, "{least} to {most} N");
         // At rest every force of the chain is the same: what the leader's hand feels is a fifth of the wall's.
         assert!((felt - 0.5 * (least + most)).abs() < 0.02 * most, "{felt} N, wall {least} to {most} N");

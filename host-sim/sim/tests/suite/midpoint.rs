@@ -26,7 +26,7 @@ fn scene(ticks: u32, delay_packets: u32, mass_kg: f64, impedance: f64) -> Scene 
 fn true_mm(scene: &Scene) -> f64 {
     let outcome = run::<f64>(scene, Options { duration_s: 20.0, record_every: 0 }, &|_| {}).expect("a good scene");
     assert!(outcome.fault.is_none() && outcome.bounded);
-    outcome.true_discrepancy_mm
+    outcome.whole.true_discrepancy_mm
 }
 
 fn near(scene: &Scene, wanted: f64, tolerance: f64) {

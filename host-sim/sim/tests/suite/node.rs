@@ -1,13 +1,12 @@
 //! Two sealed peers of several shared axes, datagram by datagram in virtual time.
 
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial};
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::Laws;
 use haptic_sim::node::Node;
-use haptic_sim::run::Options;
-use haptic_sim::{scenes, shared};
+use haptic_sim::run::{Along, Options, run};
+use haptic_sim::scenes;
 
 /// Where the message begins in a sealed datagram (FORMAT.md), which is opened in place.
 const MESSAGE: usize = 32;
@@ -35,7 +34,7 @@ where
         }
     }
     assert!(flows > 39_000 && nodes.iter().all(|node| node.peer.mode() == Mode::Armed), "{flows} flows");
-    let [one, two] = nodes.each_ref().map(|node| node.peer.observed_each());
+    let [one, two] = nodes.each_ref().map(|node| node.peer.observed());
     [two.map(|seen| seen.coordination_force.into()), one.map(|seen| seen.device.position.into())]
 }
 
@@ -44,25 +43,25 @@ where
 fn sealed_peers_of_several_axes_come_to_what_a_run_comes_to() {
     for (name, kind) in [("plane", 10), ("space", 11)] {
         let scene = scenes::load(Laws::built_in(), name).expect("built in");
-        let run = shared::run::<f32>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| true);
+        let run = run::<f32>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| ());
         let run = run.expect("a good scene");
         let end = |column: &str| -> Vec<f64> {
             let last =
-                |of: &haptic_sim::run::Outcome| *of.table.column(column).expect("recorded").last().expect("rows");
+                |of: &Along| *of.table.column(column).expect("recorded").last().expect("rows");
             run.axes.iter().map(last).collect()
         };
         let key = |number: u8| (number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]);
         let [forces, places] = match kind {
             10 => meet(
                 [1, 2].map(key).map(|(number, key, entropy)| {
-                    Node::<2, 2>::several::<AnyKinematics<f32>>(&scene, number, key, entropy).expect("a peer")
+                    Node::<2, 2>::build(&scene, number, key, entropy).expect("a peer")
                 }),
                 kind,
             )
             .map(|each| each.to_vec()),
             _ => meet(
                 [1, 2].map(key).map(|(number, key, entropy)| {
-                    Node::<3, 3>::several::<AnySpatial<f32>>(&scene, number, key, entropy).expect("a peer")
+                    Node::<3, 3>::build(&scene, number, key, entropy).expect("a peer")
                 }),
                 kind,
             )

@@ -28,10 +28,10 @@ fn random_scenes_give_the_oracles_answers() {
             // 1 % is asked for; the two agree to rounding.
             assert!((got - want).abs() <= 1e-6 * want.abs() + 1e-9, "scene {scenes}: {name} is {got}, oracle {want}");
         };
-        close("decoded_mm", outcome.decoded_discrepancy_mm);
-        close("true_mm", outcome.true_discrepancy_mm);
-        close("force_mean_n", outcome.coordination_force_n.mean);
-        close("force_sd_n", outcome.coordination_force_n.sd);
+        close("decoded_mm", outcome.whole.decoded_discrepancy_mm);
+        close("true_mm", outcome.whole.true_discrepancy_mm);
+        close("force_mean_n", outcome.whole.coordination_force_n.mean);
+        close("force_sd_n", outcome.whole.coordination_force_n.sd);
         assert!(outcome.bounded, "scene {scenes} is stable, so says the oracle");
         scenes += 1;
     }

@@ -3,7 +3,7 @@
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
-use haptic_sim::run::{APART_MM, Account, Options, Outcome, Reason, Ticked, Verdict, run};
+use haptic_sim::run::{APART_MM, Accounts, Options, Outcome, Reason, Ticked, Verdict, run};
 use haptic_sim::{Laws, Scene};
 
 const TICKS: u64 = 8000;
@@ -26,10 +26,10 @@ fn told(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
 
 /// What comes of a run whose peer 1 does nothing and whose peer 2 is as said at each time, s.
 fn outcome(second: impl Fn(f64) -> Ticked) -> Outcome {
-    let mut account = Account::new(&scene(&[]), TICKS, OPTIONS);
+    let mut account = Accounts::<1>::new(&scene(&[]), TICKS, OPTIONS);
     for tick in 0..TICKS {
-        account.ticked(0, told(at(0.0, 0.0, 0.0), Mode::Armed, true));
-        account.ticked(1, second(1e-3 * tick as f64));
+        account.ticked(0, [told(at(0.0, 0.0, 0.0), Mode::Armed, true)]);
+        account.ticked(1, [second(1e-3 * tick as f64)]);
         account.period();
     }
     account.outcome()
@@ -48,8 +48,8 @@ fn close(got: f64, want: f64, within: f64) {
 fn every_figure_of_a_stable_run_is_told() {
     let outcome = outcome(|time| armed(at(1e-3, 0.01 * time.sin(), 2.0)));
     assert_eq!((outcome.reason, outcome.verdict(), outcome.is_stable()), (None, Verdict::Stable, true));
-    close(outcome.merit(|o| o.true_discrepancy_mm).expect("a figure"), 1.0, 1e-12);
-    close(outcome.merit(|o| o.coordination_force_n.mean).expect("a figure"), 2.0, 1e-12);
+    close(outcome.merit(|o| o.whole.true_discrepancy_mm).expect("a figure"), 1.0, 1e-12);
+    close(outcome.merit(|o| o.whole.coordination_force_n.mean).expect("a figure"), 2.0, 1e-12);
 }
 
 /// The copies stand 5 mm apart until the fault and together after it: a mean over that would be small.
@@ -63,19 +63,19 @@ fn a_fault_takes_every_figure_and_names_itself() {
     let wanted = format!("peer 2 stopped at 6.000 s: ForceSaturated: {}", Fault::ForceSaturated.explain());
     assert_eq!(reason.to_string(), wanted);
     assert_eq!((outcome.verdict(), outcome.verdict().name(), outcome.bounded), (Verdict::Unstable, "NO", false));
-    assert_eq!(outcome.merit(|o| o.true_discrepancy_mm), None);
-    assert_eq!(outcome.whole(|o| o.true_discrepancy_mm), None);
+    assert_eq!(outcome.merit(|o| o.whole.true_discrepancy_mm), None);
+    assert_eq!(outcome.whole(|o| o.whole.true_discrepancy_mm), None);
     // What is behind it was averaged until the fault.
-    close(outcome.true_discrepancy_mm, 5.0, 1e-12);
+    close(outcome.whole.true_discrepancy_mm, 5.0, 1e-12);
 }
 
 #[test]
 fn the_peer_that_stopped_first_is_named() {
-    let mut account = Account::new(&scene(&[]), TICKS, OPTIONS);
+    let mut account = Accounts::<1>::new(&scene(&[]), TICKS, OPTIONS);
     for tick in 0..TICKS {
         let since = |first, fault| if tick < first { Mode::Armed } else { Mode::Faulted(fault) };
-        account.ticked(0, told(at(0.0, 0.0, 0.0), since(3000, Fault::PeerLost), tick < 3000));
-        account.ticked(1, told(at(0.0, 0.0, 0.0), since(2000, Fault::Overspeed), tick < 2000));
+        account.ticked(0, [told(at(0.0, 0.0, 0.0), since(3000, Fault::PeerLost), tick < 3000)]);
+        account.ticked(1, [told(at(0.0, 0.0, 0.0), since(2000, Fault::Overspeed), tick < 2000)]);
         account.period();
     }
     let outcome = account.outcome();
@@ -88,7 +88,7 @@ fn what_grows_without_bound_is_no_run() {
     let force = |time: f64| 1e-3 * time.exp() * (300.0 * time).sin();
     let oscillating = outcome(|time| armed(at(0.0, 0.0, force(time))));
     assert_eq!(oscillating.reason, Some(Reason::ForceGrew));
-    assert!(!oscillating.bounded && oscillating.merit(|o| o.contact_force_n).is_none());
+    assert!(!oscillating.bounded && oscillating.merit(|o| o.whole.contact_force_n).is_none());
     let faster = outcome(|time| armed(at(0.0, 1e-3 * time.exp(), 0.0)));
     assert_eq!(faster.reason, Some(Reason::EnergyGrew));
     // As large in the end, but not by growing on and on: a network that draws a bad burst late.
@@ -110,7 +110,7 @@ fn who_had_let_go_in_the_end_did_not_hold_an_object() {
     assert_eq!(let_go(5.0, 7.0), None);
     // Nothing is told of copies that are close by chance; of those that are not, that they came apart.
     let close_by = outcome(|time| told(at(0.0, 0.0, 0.0), Mode::Armed, time < 7.0));
-    assert_eq!((close_by.verdict(), close_by.whole(|o| o.true_discrepancy_mm)), (Verdict::Unstable, None));
+    assert_eq!((close_by.verdict(), close_by.whole(|o| o.whole.true_discrepancy_mm)), (Verdict::Unstable, None));
     let gone = outcome(|time| told(at(0.5, 0.0, 0.0), Mode::Armed, time < 7.0));
     assert_eq!(gone.verdict(), Verdict::Apart);
 }
@@ -124,11 +124,11 @@ fn copies_that_come_apart_are_no_object() {
     assert_eq!((apart.verdict().name(), apart.is_stable(), apart.bounded), ("apart", false, true));
     assert_eq!(apart.reason.expect("a reason").to_string(), "the copies are 2.40 m apart");
     assert_eq!(standing(12.3).reason.expect("a reason").to_string(), "the copies are 12.3 mm apart");
-    close(apart.whole(|o| o.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
-    assert_eq!(apart.merit(|o| o.decoded_discrepancy_mm), None);
+    close(apart.whole(|o| o.whole.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
+    assert_eq!(apart.merit(|o| o.whole.decoded_discrepancy_mm), None);
     // Not yet on average, but in the end.
     let leaving = outcome(|time| armed(at(1e-3 * (time - 5.0).max(0.0) * 6.0, 0.0, 1.0)));
-    assert!(leaving.true_discrepancy_mm < APART_MM);
+    assert!(leaving.whole.true_discrepancy_mm < APART_MM);
     assert_eq!(leaving.verdict(), Verdict::Apart);
     // What the analyser knows counts for more, and a fault more than that.
     let doubt = Some(Reason::Unstable { spectral_radius: 1.01 });
@@ -141,17 +141,17 @@ fn copies_that_come_apart_are_no_object() {
 #[test]
 fn energy_at_the_object_is_force_times_way() {
     let scene = scene(&["coordination.stiffness_n_per_m=1000"]);
-    let mut account = Account::new(&scene, TICKS, OPTIONS);
+    let mut account = Accounts::<1>::new(&scene, TICKS, OPTIONS);
     for tick in 0..TICKS {
         let velocity = if tick < 6000 { 0.5 } else { -0.25 };
         let mut seen = at(0.0, velocity, 2.0);
         seen.desired.position = 3e-3;
-        account.ticked(0, Ticked::new(&seen, [1.0, 2.0], Mode::Armed, true));
-        account.ticked(1, armed(at(0.0, 0.0, 0.0)));
+        account.ticked(0, [Ticked::new(&seen, [1.0, 2.0], Mode::Armed, true)]);
+        account.ticked(1, [armed(at(0.0, 0.0, 0.0))]);
         account.period();
     }
     let outcome = account.outcome();
-    let [energy, still] = outcome.energy;
+    let [energy, still] = outcome.whole.energy;
     // The tick in which it turns moves at the mean of both.
     close(energy.to_object_j, 2.0 * (0.5 * 5.999 + 0.125e-3), 1e-9);
     close(energy.from_object_j, 2.0 * 0.25 * 1.999, 1e-9);
@@ -178,13 +178,13 @@ fn work_on_a_copy_is_its_kinetic_energy() {
         ]);
         let outcome = run::<f64>(&scene, Options { record_every: 1, ..OPTIONS }, &|_| {}).expect("a good scene");
         assert_eq!(outcome.fault, None);
-        let column = |name: &str| outcome.table.column(name).expect("a column");
+        let column = |name: &str| outcome.axes[0].table.column(name).expect("a column");
         for peer in [1, 2] {
             let [velocity, contact] = [format!("object_{peer}_m_per_s"), format!("contact_{peer}_n")];
             let (velocity, contact) = (column(&velocity), column(&contact));
             let pushed: f64 = velocity.windows(2).zip(contact).map(|(v, f)| 1e-3 * f * 0.5 * (v[0] + v[1])).sum();
             let last = velocity.last().expect("a tick");
-            let energy = outcome.energy[peer - 1];
+            let energy = outcome.whole.energy[peer - 1];
             let kinetic = 0.5 * scene.peer.object.mass_kg * last * last;
             assert!(energy.to_object_j > 1e-3, "{energy:?}");
             close(energy.to_object_j - energy.from_object_j + pushed, kinetic, 1e-9);
@@ -261,7 +261,7 @@ fn a_run_that_is_broken_on_purpose_says_why() {
     let outcome = run::<f64>(&broken, OPTIONS, &|_| {}).expect("a good scene");
     let reason = outcome.reason.expect("a reason").to_string();
     assert!(reason.contains(": ForceSaturated: "), "{reason}");
-    assert_eq!(outcome.merit(|o| o.true_discrepancy_mm), None);
+    assert_eq!(outcome.merit(|o| o.whole.true_discrepancy_mm), None);
     // Half of everything lost a second at a time: what is left of the object is two of them, or none.
     let torn = scene(&[
         "network.loss=0.5",
@@ -271,5 +271,5 @@ fn a_run_that_is_broken_on_purpose_says_why() {
         "user.2.push_n=1",
     ]);
     let outcome = run::<f64>(&torn, OPTIONS, &|_| {}).expect("a good scene");
-    assert!(!outcome.is_stable() && outcome.merit(|o| o.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
+    assert!(!outcome.is_stable() && outcome.merit(|o| o.whole.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
 }

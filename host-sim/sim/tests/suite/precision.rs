@@ -28,8 +28,8 @@ fn differences<S: Number>() -> [(f64, f64); MINUTES] {
         for _ in 0..TICKS_OF_A_MINUTE {
             exact.step();
             rounded.step();
-            let wanted = exact.sides().map(|side| side.peer.observed().object.position);
-            let got = rounded.sides().map(|side| side.peer.observed().object.position.to_f64());
+            let wanted = exact.sides().map(|side| side.peer.observed()[0].object.position);
+            let got = rounded.sides().map(|side| side.peer.observed()[0].object.position.to_f64());
             let [first, second] = [got[0] - wanted[0], got[1] - wanted[1]];
             relative = relative.max((first - second).abs());
             common = 0.5 * (first + second);

@@ -50,11 +50,11 @@ fn run(scene: &Scene, ticks: u32) -> Got {
     for tick in 0..ticks {
         pair.step();
         assert!(pair.fault().is_none(), "{:?}", pair.fault());
-        let seen = pair.sides().map(|side| *side.peer.observed());
+        let seen = pair.sides().map(|side| *side.peer.observed()[0]);
         if tick >= ticks / 2 {
             sum_m += (seen[0].object.position - seen[1].object.position).abs();
         }
-        let energies = pair.sides().map(|side| (side.peer.ledger().received_j(), side.peer.ledger().sent_j()));
+        let energies = pair.sides().map(|side| (side.peer.ledger()[0].received_j(), side.peer.ledger()[0].sent_j()));
         for (into, out) in [(energies[0].1, energies[1].0), (energies[1].1, energies[0].0)] {
             out_over_in = out_over_in.max(if into > 1e-9 { out / into } else { 0.0 });
         }
@@ -241,9 +241,9 @@ fn fewer_packets_cost_the_delay_of_the_samples_beyond_the_spare_ones() {
     for together in [8, 9, 10, 12, 16] {
         let of_events = outcome(&[PUSHES, &["event.longest_s=0.05", &format!("event.together_ticks={together}")]]);
         let (b, force_n) = (60.0, 1.0);
-        let expected_mm = each_tick.true_discrepancy_mm + f64::from(together - 8) * force_n / b;
-        let ratio = of_events.true_discrepancy_mm / expected_mm;
-        assert!((ratio - 1.0).abs() < 0.01, "{together}: {} mm for {expected_mm}", of_events.true_discrepancy_mm);
+        let expected_mm = each_tick.whole.true_discrepancy_mm + f64::from(together - 8) * force_n / b;
+        let ratio = of_events.whole.true_discrepancy_mm / expected_mm;
+        assert!((ratio - 1.0).abs() < 0.01, "{together}: {} mm for {expected_mm}", of_events.whole.true_discrepancy_mm);
         let rate = 1000.0 / f64::from(together);
         assert!((of_events.packets_per_s / rate - 1.0).abs() < 0.02, "{together}: {}", of_events.packets_per_s);
     }
@@ -257,7 +257,7 @@ fn a_hundred_packets_a_second_hold_the_object_within_a_tenth_of_a_thousand() {
         let each_tick = outcome(&[motion, network]);
         let of_events = outcome(&[motion, network, &["event.longest_s=0.05"]]);
         assert!(of_events.is_stable() && of_events.packets_per_s < 120.0, "{} packets/s", of_events.packets_per_s);
-        let ratio = of_events.true_discrepancy_mm / each_tick.true_discrepancy_mm;
+        let ratio = of_events.whole.true_discrepancy_mm / each_tick.whole.true_discrepancy_mm;
         assert!((0.9..1.1).contains(&ratio), "{ratio}");
         assert!(of_events.energy_out_over_in() <= 1.0);
     }

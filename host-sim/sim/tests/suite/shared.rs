@@ -2,9 +2,9 @@
 
 use haptic_sim::Laws;
 use haptic_sim::report::Columns;
-use haptic_sim::run::{self, Options, Outcome};
+use haptic_sim::run::{self, Along, Options, Outcome};
 use haptic_sim::scene::Scene;
-use haptic_sim::{scenes, shared};
+use haptic_sim::scenes;
 
 const RECORDED: Options = Options { duration_s: 1.5, record_every: 1 };
 
@@ -15,7 +15,7 @@ fn scene(keys: &[&str]) -> Scene {
         scene.apply_override(key).expect("a good key");
     }
     keys.iter().for_each(|key| scene.apply_override(key).unwrap_or_else(|error| panic!("{key}: {error}")));
-    scene.check_any("test").unwrap_or_else(|error| panic!("{error}"));
+    scene.check("test").unwrap_or_else(|error| panic!("{error}"));
     scene
 }
 
@@ -52,12 +52,13 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
                 keys.push("object.integrator=midpoint");
             }
             let scene = scene(&keys);
-            let several = shared::run::<f32>(&scene, RECORDED, &|_| true).expect("a good scene");
+            let several = run::run::<f32>(&scene, RECORDED, &|_| ()).expect("a good scene");
             assert_eq!(several.axes.len().to_string(), axes);
             for (axis, outcome) in several.axes.iter().enumerate() {
                 let alone = alone(&scene, axis);
-                assert_eq!(bits(&outcome.table), bits(&alone.table), "{law}, axis {axis} of {axes}");
-                assert!(outcome.peak_coordination_force_n > 0.0 || axis == 2 && alone.peak_coordination_force_n == 0.0);
+                assert_eq!(bits(&outcome.table), bits(&alone.axes[0].table), "{law}, axis {axis} of {axes}");
+                let peaks = [outcome.figures, alone.whole].map(|figures| figures.peak_coordination_force_n);
+                assert!(peaks[0] > 0.0 || axis == 2 && peaks[1] == 0.0);
             }
         }
     }
@@ -92,14 +93,14 @@ fn scales_hold_along_every_shared_axis() {
         let keys: Vec<&str> = held.into_iter().chain(own.iter().chain(&count).map(String::as_str)).collect();
         let scene = scene(&keys);
         let whole = Options { duration_s: 20.0, record_every: 1000 };
-        let run = shared::run::<f64>(&scene, whole, &|_| true).expect("a good scene");
+        let run = run::run::<f64>(&scene, whole, &|_| ()).expect("a good scene");
         let compliance = p2 / (k2 * f2) + 2.0 / scene.peer.contact.stiffness_n_per_m + 1.0 / stiffness;
         for (axis, (outcome, share)) in run.axes.iter().zip(scene.users[0].way()).enumerate() {
             let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
             let (position, force) = (last("device_1_m"), last("contact_1_n"));
             let wanted = f1 * share / (1.0 / compliance + k1 * f1 / p1);
             assert!(
-                outcome.fault.is_none() && (position / wanted - 1.0).abs() < 1e-6,
+                run.fault.is_none() && (position / wanted - 1.0).abs() < 1e-6,
                 "{axis}: {position}, not {wanted}"
             );
             let wanted = wanted / compliance;
@@ -131,16 +132,12 @@ fn mechanisms_with_all_axes_shared_come_near_to_exact_ones() {
         let device = ["plant.encoder=true", "plant.motor=true", "motor.newton_or_newton_metre_per_a=0.5", &model];
         let real = scene(&[&keys[..], &device].concat());
         let [exact, real] = [&exact, &real].map(|scene| {
-            let run = shared::run::<f32>(scene, RECORDED, &|_| true).expect("a good scene");
-            assert!(
-                run.axes.iter().all(|axis| axis.fault.is_none()),
-                "{mechanism}: {:?}",
-                run.axes.iter().map(|axis| axis.reason).collect::<Vec<_>>()
-            );
+            let run = run::run::<f32>(scene, RECORDED, &|_| ()).expect("a good scene");
+            assert!(run.fault.is_none(), "{mechanism}: {:?}", run.reason);
             run
         });
         for (axis, (exact, real)) in exact.axes.iter().zip(&real.axes).enumerate() {
-            let path = |outcome: &Outcome| outcome.table.column("object_1_m").expect("recorded").to_vec();
+            let path = |along: &Along| along.table.column("object_1_m").expect("recorded").to_vec();
             let (exact, real) = (path(exact), path(real));
             let most = exact.iter().fold(0.0_f64, |most, at| most.max(at.abs()));
             let off = exact.iter().zip(&real).fold(0.0_f64, |most, (one, two)| most.max((one - two).abs()));
@@ -154,7 +151,7 @@ fn what_cannot_be_shared_is_refused_by_name() {
     let refused = |keys: &[&str]| {
         let mut scene = Scene::new(Laws::built_in());
         keys.iter().for_each(|key| scene.apply_override(key).expect("a good key"));
-        scene.check_any("test").unwrap_err().to_string()
+        scene.check("test").unwrap_err().to_string()
     };
     assert_eq!(
         refused(&["axis.count=3", "axis.shared=2"]),
@@ -167,7 +164,6 @@ fn what_cannot_be_shared_is_refused_by_name() {
     assert!(refused(&["axis.count=2", "axis.shared=2", "contact.one_sided=true"]).contains("contact.one_sided = true"));
     assert!(refused(&["axis.count=3"]).contains("axis.count = 3 is not allowed"));
     let several = scene(&["axis.count=2", "axis.shared=2"]);
-    assert!(several.check("test").unwrap_err().to_string().contains("axis.shared = 2 is not allowed here"));
     assert!(haptic_sim::pair::Pair::<f32>::new(&several).is_err());
 }
 
@@ -181,7 +177,7 @@ fn the_scenes_of_a_plane_and_of_space_balance_along_every_axis() {
     let (push_n, reach_m, stiffness) = (0.5, 0.03, 300.0);
     for (name, axes) in [("plane", 2), ("space", 3)] {
         let scene = scenes::load(Laws::built_in(), name).expect("built in");
-        let run = shared::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| true);
+        let run = run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| ());
         let run = run.expect("a good scene");
         assert!(run.is_stable() && run.axes.len() == axes, "{name}");
         let ways = scene.users.each_ref().map(|user| user.way());
@@ -191,7 +187,7 @@ fn the_scenes_of_a_plane_and_of_space_balance_along_every_axis() {
             let [force, place] = [-last("coordination_2_n"), last("device_1_m")];
             assert!((force / wanted[0] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {force} N, not {}", wanted[0]);
             assert!((place / wanted[1] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {place} m, not {}", wanted[1]);
-            assert!(outcome.energy_out_over_in() < 1.0, "{name}, axis {axis}");
         }
+        assert!(run.energy_out_over_in() < 1.0, "{name}");
     }
 }

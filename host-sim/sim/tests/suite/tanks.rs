@@ -67,7 +67,7 @@ impl Books {
         let peer = &scene.peer;
         let mut stored_j = 0.0;
         for (before, side) in self.before.iter_mut().zip(pair.sides()) {
-            let seen = side.peer.observed();
+            let seen = side.peer.observed()[0];
             let now = seen.object.velocity.to_f64();
             if let Some((velocity, force)) = *before {
                 self.work_j += peer.timing.control_period_s * force * 0.5 * (velocity + now);
@@ -78,7 +78,7 @@ impl Books {
                 + self.subject.spring * peer.coordination.stiffness_n_per_m * stretch * stretch;
         }
         self.made_j = self.made_j.max(stored_j - self.work_j);
-        let ledgers = pair.sides().map(|side| side.peer.ledger());
+        let ledgers = pair.sides().map(|side| side.peer.ledger()[0]);
         let energies = ledgers.map(|ledger| (ledger.received_j().to_f64(), ledger.sent_j().to_f64()));
         for (sent, out) in [(energies[0].1, energies[1].0), (energies[1].1, energies[0].0)] {
             self.leaked_j = self.leaked_j.max(out - sent * (1.0 + rounding));
@@ -215,7 +215,7 @@ fn comes_back(subject: Subject, extra: &[&str], within_m: f64) {
         for _ in 0..20_000 {
             pair.step();
             assert_eq!(pair.fault(), None, "{subject:?}, seed {seed}");
-            let [one, two] = pair.sides().map(|side| side.peer.observed().object.position);
+            let [one, two] = pair.sides().map(|side| side.peer.observed()[0].object.position);
             apart = (one - two).abs();
             largest = largest.max(apart);
         }

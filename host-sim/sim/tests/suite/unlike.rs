@@ -37,7 +37,7 @@ fn a_scaled_pair_is_in_the_world_the_pair_of_the_devices_that_it_is_like() {
         scaled.step();
         like.step();
         for (one, other) in scaled.sides().iter().zip(like.sides()) {
-            let (one, other) = (one.peer.observed(), other.peer.observed());
+            let (one, other) = (one.peer.observed()[0], other.peer.observed()[0]);
             let error = (one.object.position - other.object.position).abs()
                 + (one.device.position - other.device.position).abs()
                 + 1e-3 * (one.contact_force - other.contact_force).abs();
@@ -139,7 +139,7 @@ fn a_clutch_is_no_jump_for_either_peer() {
         for _ in 0..10_000 {
             pair.step();
             for ((side, last), jump) in pair.sides().iter().zip(&mut last).zip(jumps.iter_mut()) {
-                let force = side.peer.observed().coordination_force;
+                let force = side.peer.observed()[0].coordination_force;
                 *jump = jump.max((force - *last).abs());
                 *last = force;
             }

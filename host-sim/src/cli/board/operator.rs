@@ -77,7 +77,7 @@ impl Operate {
         let stop = Stop::on_signals()?;
         let mut operator = Operator::connect(self.board, &self.key.key_file)?.until(stop.clone());
         if self.scene.is_given() {
-            let given = settings_file::give_scene(&mut operator, &self.scene.load_any(ui)?, &self.scene.named()?)?;
+            let given = settings_file::give_scene(&mut operator, &self.scene.load(ui)?, &self.scene.named()?)?;
             ui.status(format_args!("{given} settings of {} applied", self.scene.name()));
         }
         let mut answers = Vec::new();

@@ -46,7 +46,7 @@ pub(in crate::cli) struct Point {
 
 impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_any(ui)?;
+        let scene = self.scene.load(ui)?;
         let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
         let (linear, met) = (scene.linear(), scene.at_walls().map(|met| met.linear()));
         let of = |mode: &Mode| met.as_ref().filter(|_| mode.at_walls).unwrap_or(&linear);
@@ -123,7 +123,7 @@ impl Only {
 
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_any(ui)?;
+        let scene = self.scene.load(ui)?;
         let (of, from, to) = (self.of.as_str(), self.from, self.to);
         let effort = Effort { hands: self.only.hands, ..Effort::default() };
         let start = Instant::now();
@@ -163,7 +163,7 @@ pub(in crate::cli) struct Map {
 
 impl Map {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_any(ui)?;
+        let scene = self.scene.load(ui)?;
         let effort = Effort { steps: (2 * self.y.count).max(200), hands: self.only.hands, ..Effort::default() };
         let axes = [self.x.clone(), self.y.clone()];
         let (found, wall_s) = ui.work(self.x.count, "columns", |step| map(&scene, axes, effort, step))?;

@@ -10,7 +10,7 @@ use haptic_core::{num::Motion, safety::Mode};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::{Inbox, Numbered, Route};
 use haptic_sim::scene::{Network, Scene};
-use haptic_sim::{measure::LastHalf, network::rule::Direction, pair::Side};
+use haptic_sim::{measure::LastHalf, network::rule::Direction, pair::Side, plant::Plant};
 use serde::Serialize;
 
 use super::{MOST_USERS, junction::Junction, world::WorldError};
@@ -25,12 +25,12 @@ enum Around {
 /// The server's ends of the lines, and where they meet.
 struct Meeting {
     junction: Junction,
-    lines: Vec<Inbox<Packet<f64>>>,
+    lines: Vec<Inbox<[Packet<f64>; 1]>>,
     packet_ns: u64,
 }
 
 impl Actor<usize> for Around {
-    type Packet = Numbered<Packet<f64>>;
+    type Packet = Numbered<[Packet<f64>; 1]>;
 
     fn hear(&mut self, now_ns: u64, from: usize, packet: &mut Self::Packet, out: &mut Out<'_, usize, Self::Packet>) {
         match self {
@@ -51,10 +51,11 @@ impl Actor<usize> for Around {
             Self::Server(Meeting { junction, lines, packet_ns }) => {
                 let packets_due = now_ns.is_multiple_of(*packet_ns);
                 if junction.is_due(packets_due) {
-                    junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)), packets_due);
+                    let heard = lines.iter_mut().map(|line| line.take(now_ns).map(|[packet]| packet));
+                    junction.exchange(heard, packets_due);
                 }
                 for (port, to) in junction.ports.iter().zip(1..).filter(|_| packets_due) {
-                    out(to, &Numbered { number: now_ns / *packet_ns, what: port.back });
+                    out(to, &Numbered { number: now_ns / *packet_ns, what: [port.back] });
                 }
             }
         }
@@ -107,7 +108,10 @@ impl Waves {
         let every = if junction.is_due(false) { 1 } else { timing.ticks_per_packet };
         let lines = (0..users).map(|_| Inbox::new(scene, every)).collect();
         let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });
-        let peers = (0..users).map(|index| Ok(Seat::new(Around::Peer(Side::new(scene, index % 2, 0)?))));
+        let peers = (0..users).map(|index| {
+            let end = index % 2;
+            Ok(Seat::new(Around::Peer(Side::new(scene, end, 0, Plant::new(scene, end))?)))
+        });
         let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, WorldError>>()?;
         let route = |from: usize, to: usize| match from {
             0 => Route::of_scene(scene, Direction::TwoToOne, to.saturating_sub(1) as u32),
@@ -139,12 +143,12 @@ impl Waves {
 
     /// The object's copy at every peer, as the last tick saw it.
     pub fn copies(&self) -> impl Iterator<Item = Motion<f64>> {
-        self.sides().map(|side| side.peer.observed().object)
+        self.sides().map(|side| side.peer.observed()[0].object)
     }
 
     /// Contact force at every peer, N.
     pub fn forces(&self) -> impl Iterator<Item = f64> {
-        self.sides().map(|side| side.peer.observed().contact_force)
+        self.sides().map(|side| side.peer.observed()[0].contact_force)
     }
 
     /// One tick.

@@ -42,7 +42,7 @@ pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Ref
     let samples = (duration_s / SAMPLE_S).round() as usize;
     let sample = |_| {
         pair.step();
-        let seen = pair.sides().map(|side| *side.peer.observed());
+        let seen = pair.sides().map(|side| *side.peer.observed()[0]);
         (1..ticks_per_sample).for_each(|_| pair.step());
         Sample {
             objects_m: seen.map(|seen| seen.object.position.to_f64()),

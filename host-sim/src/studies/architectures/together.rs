@@ -30,7 +30,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     let mut account = Account::new(ticks);
     for _ in 0..ticks {
         pair.step();
-        let seen = pair.sides().map(|side| side.peer.observed());
+        let seen = pair.sides().map(|side| side.peer.observed()[0]);
         account.see(seen.map(|seen| seen.object.position), seen.map(|seen| seen.contact_force));
     }
     let bytes = if comm == "none" {

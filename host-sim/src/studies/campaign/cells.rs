@@ -89,12 +89,12 @@ impl Cell {
 
     /// The true discrepancy over the seeds, if all runs were whole.
     pub fn true_discrepancy_mm(&self) -> Option<Estimate> {
-        self.whole(|outcome| outcome.true_discrepancy_mm).map(|values| Estimate::of(&values))
+        self.whole(|outcome| outcome.whole.true_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
     /// The decoded discrepancy at peer 2 over the seeds, if all runs were whole.
     pub fn decoded_discrepancy_mm(&self) -> Option<Estimate> {
-        self.whole(|outcome| outcome.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
+        self.whole(|outcome| outcome.whole.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
     /// The way under a common push over that on the scene's own network, if no peer stopped in either.
@@ -140,11 +140,11 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
     let ticks = ticks(WAY_S);
     let mut forces = Forces::new(ticks);
     let middle =
-        |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed().object.position).iter().sum::<f64>() / 2.0;
+        |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed()[0].object.position).iter().sum::<f64>() / 2.0;
     let mut start_m = 0.0;
     for tick in 0..ticks {
         pair.step();
-        forces.see(tick, pair.sides().map(|side| side.peer.observed().coordination_force));
+        forces.see(tick, pair.sides().map(|side| side.peer.observed()[0].coordination_force));
         if tick == 0 {
             start_m = middle(&pair);
         }

@@ -196,7 +196,7 @@ pub fn curve_columns(rows: &[Row]) -> Columns {
         .means("N, samples in a packet")
         .head("N");
     told(named)
-        .number("peak_force_n", 1, |row| row.seldom.worst(|outcome| outcome.peak_coordination_force_n))
+        .number("peak_force_n", 1, |row| row.seldom.worst(|outcome| outcome.whole.peak_coordination_force_n))
         .means("largest |F_T| of any seed")
         .head("peak")
         .number("way", 2, |row| row.seldom.way().map(|estimate| estimate.mean))

@@ -49,7 +49,7 @@ pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Failure> {
 pub fn discrepancy_mm(comm: &str) -> Result<f64, Failure> {
     let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{comm}-16ms"))?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    Ok(outcome.whole(|outcome| outcome.decoded_discrepancy_mm).unwrap_or(f64::NAN))
+    Ok(outcome.whole(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Where this model turns unstable, nearest to the gain of the paper's §5.1, N/m.
@@ -78,7 +78,7 @@ pub fn apart_by_its_mass_mm(law: &str) -> Result<f64, Failure> {
 pub fn apart_mm(law: &str) -> Result<f64, Failure> {
     let scene = scene(law, &["user.2.sine_n=0"])?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    Ok(outcome.whole(|outcome| outcome.true_discrepancy_mm).unwrap_or(f64::NAN))
+    Ok(outcome.whole(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Static stiffness that a slow hand feels while the far one holds its device, without delay, N/m.
@@ -105,7 +105,7 @@ pub fn gain_of_the_others_over_the_mean() -> Result<f64, Failure> {
         let mut before = 0.0;
         for tick in 0..20_000_u32 {
             pair.step();
-            let [one, other] = pair.sides().map(|side| side.peer.observed().object.position);
+            let [one, other] = pair.sides().map(|side| side.peer.observed()[0].object.position);
             let apart = one - other;
             if before < 0.0 && apart >= 0.0 {
                 rises.push(f64::from(tick) - apart / (apart - before));

@@ -108,7 +108,7 @@ fn settles(linear: &Scene) -> Result<bool, Failure> {
     for tick in 0..ticks {
         pair.step();
         let sides = pair.sides();
-        let motions = sides.iter().map(|side| side.peer.observed());
+        let motions = sides.iter().map(|side| side.peer.observed()[0]);
         let speed: f64 = motions.map(|seen| seen.object.velocity.abs()).fold(0.0, f64::max);
         match 5 * tick / ticks {
             _ if 100 * tick < ticks => kick = kick.max(speed),

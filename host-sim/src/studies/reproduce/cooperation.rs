@@ -168,8 +168,8 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
     let of = |comm| computed.experiment("5.2", comm, 16.0).map(|one| &one.outcome);
     let outcomes = [of("power")?, of("wave")?, of("passive-wave")?];
     let [decoded, all_true] = [
-        outcomes.map(|outcome| outcome.merit(|o| o.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
-        outcomes.map(|outcome| outcome.merit(|o| o.true_discrepancy_mm).unwrap_or(f64::NAN)),
+        outcomes.map(|outcome| outcome.merit(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
+        outcomes.map(|outcome| outcome.merit(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
     ];
     let mut claims = Vec::new();
     for ((comm, _, papers), computed) in PRINTED.into_iter().zip(decoded) {
@@ -195,9 +195,9 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
             })?);
         }
     }
-    let sd = outcomes.map(|outcome| outcome.coordination_force_n.sd);
-    let mean = outcomes.map(|outcome| outcome.coordination_force_n.mean.abs());
-    let peak = outcomes.map(|outcome| outcome.peak_coordination_force_n);
+    let sd = outcomes.map(|outcome| outcome.whole.coordination_force_n.sd);
+    let mean = outcomes.map(|outcome| outcome.whole.coordination_force_n.mean.abs());
+    let peak = outcomes.map(|outcome| outcome.whole.peak_coordination_force_n);
     let lowest = |of: [f64; 3]| of[2] <= of[0].min(of[1]);
     let numbers = |of: [f64; 3]| list(&of);
     claims.push(

@@ -24,13 +24,14 @@ use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
 use haptic_core::names::Choice;
+use haptic_analysis::Conclusion;
 use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::report::{Columns, Made, Rows};
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::{Scene, SceneError};
 
 use self::row::POINT;
-use super::{Failure, doubt, estimate::Estimate};
+use super::{Failure, estimate::Estimate};
 
 pub use self::axis::Axis;
 pub use self::journal::{Journal, write};
@@ -309,7 +310,7 @@ impl Row {
 
     /// What came of the run of a scene.
     fn of(point: usize, scene: &Scene, verdict: &haptic_analysis::Verdict, outcome: Outcome) -> Self {
-        let outcome = outcome.doubted(doubt(scene, verdict));
+        let Conclusion { outcome, .. } = Conclusion::new(scene, outcome, *verdict);
         Self {
             point,
             seed: scene.world.network.seed,

@@ -50,7 +50,7 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
     let mut compared = 0;
     for at in 0..moving.len() {
         pair.step();
-        let [first, second] = pair.sides().map(|side| f64::from(side.peer.observed().object.position));
+        let [first, second] = pair.sides().map(|side| f64::from(side.peer.observed()[0].object.position));
         let Some(merged) = apart.get(standing + at - skipped) else { break };
         assert_eq!(merged.to_bits(), (first - second).abs().to_bits(), "tick {at}");
         compared += 1;

@@ -18,7 +18,7 @@ fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
     for tick in 0..10_000 {
         pair.step();
         let [one, two] = pair.sides().map(|side| {
-            let seen = side.peer.observed();
+            let seen = side.peer.observed()[0];
             let forces = [seen.contact_force, seen.coordination_force];
             let motions = [seen.device, seen.object, seen.desired].map(|motion| [motion.position, motion.velocity]);
             (forces, motions)

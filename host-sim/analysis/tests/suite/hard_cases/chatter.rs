@@ -15,7 +15,7 @@ fn stays<S: Number>(scene: &Scene) {
     for _ in 0..5000 {
         pair.step();
         for (side, start) in pair.sides().into_iter().zip(&start) {
-            let seen = side.peer.observed();
+            let seen = side.peer.observed()[0];
             assert_eq!((seen.contact_force, seen.coordination_force), (S::ZERO, S::ZERO), "{}", S::NAME);
             assert_eq!(&side.plant.motions(), start, "{}", S::NAME);
         }
@@ -55,7 +55,7 @@ fn contact_begins_after_the_gap() {
         loop {
             pair.step();
             let travels = [0, 1].map(|at: usize| {
-                let seen = pair.sides()[at].peer.observed();
+                let seen = pair.sides()[at].peer.observed()[0];
                 ((seen.device.position - start[at]).abs(), seen.device.velocity.abs(), seen.contact_force != 0.0)
             });
             let one_tick_m = 1e-3 * travels[0].1 + 1e-6;
@@ -77,7 +77,7 @@ fn chatter<S: Number>(scene: &Scene) -> (u32, f64) {
     for tick in 0..10_000 {
         pair.step();
         for (side, touched) in pair.sides().into_iter().zip(&mut touched) {
-            let force_n = side.peer.observed().contact_force.to_f64();
+            let force_n = side.peer.observed()[0].contact_force.to_f64();
             let touches = force_n != 0.0;
             if std::mem::replace(touched, touches) != touches && tick > 5000 {
                 changes += 1;

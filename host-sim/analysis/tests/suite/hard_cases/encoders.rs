@@ -36,7 +36,7 @@ fn tracked<S: Number>(scene: &Scene, ulp: f64) -> f64 {
     for _ in 0..800 {
         let truth = pair.sides()[0].plant.motions()[0].position;
         pair.step();
-        let error_m = (pair.sides()[0].peer.observed().device.position.to_f64() - truth).abs();
+        let error_m = (pair.sides()[0].peer.observed()[0].device.position.to_f64() - truth).abs();
         assert!(error_m <= 1.0 / counts_per_m + ulp * truth.abs(), "{error_m} m off at {truth} m in {}", S::NAME);
         travel_m = travel_m.max(truth.abs());
     }
@@ -111,9 +111,9 @@ fn cooperation_is_the_same_at_every_resolution() {
                     assert!(outcome.bounded, "{comm} 2^{bits} {estimator}");
                     let ratio = |a: f64, b: f64| a / b - 1.0;
                     [
-                        ratio(outcome.decoded_discrepancy_mm, exact.decoded_discrepancy_mm),
-                        ratio(outcome.true_discrepancy_mm, exact.true_discrepancy_mm),
-                        ratio(outcome.coordination_force_n.sd, exact.coordination_force_n.sd),
+                        ratio(outcome.whole.decoded_discrepancy_mm, exact.whole.decoded_discrepancy_mm),
+                        ratio(outcome.whole.true_discrepancy_mm, exact.whole.true_discrepancy_mm),
+                        ratio(outcome.whole.coordination_force_n.sd, exact.whole.coordination_force_n.sd),
                     ]
                 };
                 let all = [

@@ -30,7 +30,7 @@ fn ran<S: Number>(scene: &Scene) -> Ran {
             let motor_n = *side.plant.free_axis().1;
             assert!(motor_n.abs() <= scene.peer.safety.max_force_n, "{motor_n} N from {}", S::NAME);
             assert!(motor_n == 0.0 || side.peer.mode() == haptic_core::safety::Mode::Armed);
-            largest_force_n = largest_force_n.max(side.peer.observed().coordination_force.to_f64().abs());
+            largest_force_n = largest_force_n.max(side.peer.observed()[0].coordination_force.to_f64().abs());
         }
     }
     Ran { faulted: pair.fault().is_some(), largest_force_n }
@@ -58,7 +58,7 @@ fn settles(scene: &Scene, verdict: &Verdict) -> bool {
         for _ in 0..window {
             pair.step();
             for side in pair.sides() {
-                let seen = side.peer.observed();
+                let seen = side.peer.observed()[0];
                 for size in [seen.device.velocity, seen.object.velocity, seen.contact_force, seen.coordination_force] {
                     *envelope = envelope.max(size.abs());
                 }

@@ -25,7 +25,7 @@ fn late_force_n(scene: &Scene) -> f64 {
     for tick in 0..30_000 {
         pair.step();
         for side in pair.sides().into_iter().filter(|_| tick >= 29_000) {
-            largest_n = largest_n.max(side.peer.observed().coordination_force.abs());
+            largest_n = largest_n.max(side.peer.observed()[0].coordination_force.abs());
         }
     }
     if pair.fault().is_some() { f64::INFINITY } else { largest_n }

@@ -39,7 +39,7 @@ pub(crate) fn growth<S: Number>(linear: &Scene, kick_m_per_s: f64, settle: u64, 
 fn squared_amplitudes<S: Number>(pair: &mut Pair<S>, ticks: u64) -> [f64; 2] {
     let mut sample = || {
         (0..ticks).for_each(|_| pair.step());
-        let [first, second] = pair.sides().map(|side| side.peer.observed().object.velocity.to_f64());
+        let [first, second] = pair.sides().map(|side| side.peer.observed()[0].object.velocity.to_f64());
         [first + second, first - second]
     };
     let [before, now, after] = [sample(), sample(), sample()];

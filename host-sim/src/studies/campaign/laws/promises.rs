@@ -92,7 +92,7 @@ fn drift_mm(scene: &Scene) -> Result<Option<f64>, Failure> {
     for tick in 0..ticks[1] {
         pair.step();
         if tick + last >= ticks[1] {
-            let [one, other] = pair.sides().map(|side| side.peer.observed().object.position);
+            let [one, other] = pair.sides().map(|side| side.peer.observed()[0].object.position);
             apart_m += (one - other).abs() / last as f64;
         }
     }

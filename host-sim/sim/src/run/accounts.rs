@@ -1,0 +1,176 @@
+//! Accounts of a run along all of its shared axes, and of the axes together: what its [`Outcome`] is formed of.
+//!
+//! One axis is its own whole, to the bit. Of several, discrepancies and forces of the whole are lengths of vectors, energies are sums.
+
+use std::array::from_fn;
+
+use super::account::{Account, Ticked};
+use super::outcome::{Along, Figures, Options, Outcome};
+use super::reason::{APART_MM, Reason};
+use crate::measure::growth::Forces;
+use crate::measure::{Figure, LastHalf, Statistics};
+use crate::scene::Scene;
+
+/// What is seen of a run along `SHARED` axes.
+#[derive(Clone, Debug)]
+pub struct Accounts<const SHARED: usize = 1, F = f64> {
+    axes: [Account<F>; SHARED],
+    tick: u64,
+    /// Of all axes together: |x_o1 − x_o2|, |x_o2 − x_d2|, mean |F_LC| of both peers. Nothing where there is one.
+    halves: LastHalf<3, F>,
+    true_m: F,
+    largest_true_m: F,
+    /// |F_T| of either peer, then how much it changed as a vector.
+    forces: Forces<F>,
+    largest_jump: F,
+    last: [[F; SHARED]; 2],
+}
+
+/// Length of a vector.
+fn length<F: Figure>(parts: impl Iterator<Item = F>) -> F {
+    parts.fold(F::ZERO, |sum, part| sum + part * part).root()
+}
+
+impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
+    /// Of a run of so many ticks of this period (s), of copies of this mass (kg) and stiffness K_T (N/m).
+    pub(crate) fn of(period_s: f64, mass_kg: F, stiffness_n_per_m: F, ticks: u64, options: Options) -> Self {
+        Self {
+            axes: from_fn(|_| Account::of(period_s, mass_kg, stiffness_n_per_m, ticks, options)),
+            tick: 0,
+            halves: LastHalf::new(ticks),
+            true_m: F::ZERO,
+            largest_true_m: F::ZERO,
+            forces: Forces::new(ticks),
+            largest_jump: F::ZERO,
+            last: [[F::ZERO; SHARED]; 2],
+        }
+    }
+
+    /// A tick of peer `at`, 0 or 1, along each axis.
+    #[inline]
+    pub fn ticked(&mut self, at: usize, ticked: [Ticked<F>; SHARED]) {
+        for (axis, ticked) in self.axes.iter_mut().zip(ticked) {
+            axis.ticked(at, ticked);
+        }
+    }
+
+    /// A control period is over.
+    #[inline]
+    pub(crate) fn measure(&mut self) {
+        self.axes.iter_mut().for_each(Account::measure);
+        if SHARED > 1 {
+            self.measure_together();
+        }
+        self.tick += 1;
+    }
+
+    fn measure_together(&mut self) {
+        self.true_m = length(self.axes.iter().map(Account::true_m));
+        self.largest_true_m = self.largest_true_m.larger(self.true_m);
+        let forces = [0, 1].map(|at| self.axes.each_ref().map(|axis| axis.observed(at).coordination_force));
+        for (now, last) in forces.iter().zip(&mut self.last) {
+            let jump = length(now.iter().zip(*last).map(|(now, last)| *now - last));
+            self.largest_jump = self.largest_jump.larger(jump.or_infinite());
+            *last = *now;
+        }
+        self.forces.see(self.tick, forces.map(|force| length(force.into_iter())));
+        if !self.axes.iter().any(Account::is_over) {
+            let decoded = |axis: &Account<F>| {
+                let second = axis.observed(1);
+                second.object.position - second.desired.position
+            };
+            let decoded_m = length(self.axes.iter().map(decoded));
+            let contact = |at: usize| length(self.axes.iter().map(|axis| axis.observed(at).contact_force));
+            let contact_n = F::HALF * (contact(0) + contact(1));
+            self.halves.see(self.tick, [self.true_m, decoded_m, contact_n]);
+        }
+    }
+
+    /// What `of` makes of each number.
+    pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Accounts<SHARED, G> {
+        Accounts {
+            axes: self.axes.each_ref().map(|axis| axis.map(of)),
+            tick: self.tick,
+            halves: self.halves.map(of),
+            true_m: of(self.true_m),
+            largest_true_m: of(self.largest_true_m),
+            forces: self.forces.map(of),
+            largest_jump: of(self.largest_jump),
+            last: self.last.map(|force| force.map(of)),
+        }
+    }
+}
+
+impl<const SHARED: usize> Accounts<SHARED> {
+    /// Of a run of so many ticks.
+    pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
+        let (period_s, object) = (scene.peer.timing.control_period_s, &scene.peer.object);
+        Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
+    }
+
+    /// A control period is over, and recorded, if it is one of those that are.
+    pub fn period(&mut self) {
+        self.measure();
+        self.axes.iter_mut().for_each(Account::record);
+    }
+
+    /// The control period that is over, as a row of [`Account::columns`] for each axis.
+    pub fn rows(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.axes.iter().map(Account::row)
+    }
+
+    /// What it gave: no impacts and no hash, which are not seen here.
+    pub fn outcome(self) -> Outcome {
+        let ticks = self.tick;
+        let stopped = self.axes.iter().find_map(Account::stopped);
+        let let_go = self.axes.iter().find_map(Account::let_go);
+        let [force_grew, energy_grew] =
+            [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
+        let [true_m, decoded_m, contact_force_n] = self.halves.means();
+        let last_true_m = if SHARED == 1 { self.axes[0].true_m() } else { self.true_m };
+        let axes: Vec<Along> = self.axes.into_iter().map(Account::along).collect();
+        let whole = if SHARED == 1 {
+            axes[0].figures
+        } else {
+            // Means as a vector, and what scatters about it.
+            let forces = axes.iter().map(|axis| axis.figures.coordination_force_n);
+            Figures {
+                true_discrepancy_mm: 1e3 * true_m,
+                largest_true_discrepancy_mm: 1e3 * self.largest_true_m,
+                decoded_discrepancy_mm: 1e3 * decoded_m,
+                coordination_force_n: Statistics {
+                    mean: length(forces.clone().map(|force| force.mean)),
+                    sd: length(forces.map(|force| force.sd)),
+                },
+                contact_force_n,
+                peak_coordination_force_n: self.forces.peak(),
+                largest_jump_n: self.largest_jump,
+                energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
+            }
+        };
+        let apart_mm = whole.true_discrepancy_mm.max(1e3 * last_true_m);
+        let reason = if let Some((peer, fault, time_s)) = stopped {
+            Some(Reason::Stopped { peer, fault, time_s })
+        } else if force_grew {
+            Some(Reason::ForceGrew)
+        } else if energy_grew {
+            Some(Reason::EnergyGrew)
+        } else if apart_mm > APART_MM {
+            Some(Reason::Apart { true_discrepancy_mm: apart_mm })
+        } else {
+            let_go.map(|peer| Reason::LetGo { peer })
+        };
+        Outcome {
+            bounded: !matches!(reason, Some(Reason::Stopped { .. } | Reason::ForceGrew | Reason::EnergyGrew)),
+            reason,
+            fault: stopped.map(|(peer, fault, _)| (peer, fault)),
+            fault_time_s: stopped.map(|(.., time_s)| time_s),
+            whole,
+            axes,
+            impacts: None,
+            ticks,
+            packets_per_s: f64::NAN,
+            hash: 0,
+        }
+    }
+}
