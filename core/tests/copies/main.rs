@@ -61,7 +61,7 @@ impl<S: Scalar> Copies<S> {
     /// A tick, the devices here; what may come through is said by `lets_through`, which is asked of each packet that is due.
     fn tick_over(&mut self, devices: [Motion<f64>; 2], mut lets_through: impl FnMut() -> bool) -> [Observed<S>; 2] {
         if self.peers[0].packet_due() {
-            let sent = self.peers.each_ref().map(Peer::outgoing);
+            let sent = self.peers.each_ref().map(|peer| peer.outgoing()[0]);
             for (to, packet) in [(1, sent[0]), (0, sent[1])] {
                 self.under_way[to].push_back(packet);
                 if self.under_way[to].len() > self.delay

@@ -110,7 +110,7 @@ impl<S: Scalar> Couple<S> {
     }
 
     fn step(&mut self, hands: [Motion<f64>; 2]) {
-        let sent = [0, 1].map(|at| self.benches[at].peer.speak());
+        let sent = [0, 1].map(|at| self.benches[at].peer.speak().map(|[packet]| packet));
         for at in 0..2 {
             self.sent += u32::from(sent[at].is_some());
             let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
