@@ -340,3 +340,32 @@ fn a_scene_means_the_same_everywhere() {
     let none = json(&["shared", "cooperative", "--delay-ms", "1", "--seconds", "0.1", "--json"]);
     assert!(one["rows"][0]["felt_n"].is_number() && one["rows"] != none["rows"]);
 }
+
+/// A push so small that a run shows nothing of the instability: the analyser's word stands on top, whatever the number of axes.
+#[test]
+fn an_unstable_scene_is_called_so_along_several_axes_too() {
+    let at = |stiffness: &str, axes: &[&str]| {
+        let stiffness = format!("coordination.stiffness_n_per_m={stiffness}");
+        let mut words = vec!["cooperate", "--json", "--seconds", "2", "--set", "coordination.comm=power"];
+        words.extend(["--set", &stiffness, "--set", "user.1.push_n=0.01"]);
+        words.extend(axes);
+        json(&words)
+    };
+    let two = ["--set", "axis.count=2", "--set", "axis.shared=2"];
+    let [one_axis, two_axes] = [at("359", &[]), at("359", &two)];
+    for report in [&one_axis, &two_axes] {
+        assert_eq!((&report["stable"], &report["verdict"]), (&false.into(), &"NO".into()), "{report}");
+        close(&report["spectral_radius"], 1.000238, 1e-6);
+        assert!(report["reason"].as_str().is_some_and(|reason| reason.contains("spectral radius 1.000238")), "{report}");
+    }
+    assert_eq!(one_axis["warnings"], two_axes["warnings"]);
+    // Stable while both hold it, and not where it is let go of.
+    let [one_axis, two_axes] = [at("310", &[]), at("310", &two)];
+    let warned = |report: &Value| report["warnings"].to_string().contains("unstable where the object is let go of");
+    assert!(warned(&one_axis) && one_axis["warnings"] == two_axes["warnings"], "{two_axes}");
+    // What user 1 does along the first axis is all that happens.
+    for figure in ["true_discrepancy_mm", "decoded_discrepancy_mm", "peak_coordination_force_n", "energy_out_over_in"] {
+        close(&two_axes[figure], one_axis[figure].as_f64().expect("a figure"), 1e-9);
+    }
+    assert_eq!(two_axes["axes"].as_array().map(Vec::len), Some(2));
+}
