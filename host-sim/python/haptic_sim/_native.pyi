@@ -61,6 +61,10 @@ class Run:
         """Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV."""
 
     @property
+    def axes(self) -> list[dict[str, NDArray[np.float64]]]:
+        """`columns` of each shared axis, the first one first."""
+
+    @property
     def merits(self) -> dict[str, float | None]:
         """Figures of merit by name; None where there is none, as of a run that failed."""
 

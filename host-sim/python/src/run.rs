@@ -1,6 +1,6 @@
 //! A run: what `host-sim cooperate` does.
 
-use haptic_analysis::conclude;
+use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::Fixed;
 use haptic_sim::run::{Options, Outcome, run_while};
 use host_sim::studies::sweep::MERITS;
@@ -32,8 +32,11 @@ pub(crate) fn check_seconds(seconds: f64, scene: &haptic_sim::Scene) -> PyResult
 /// What a run gave, as `host-sim cooperate` tells it.
 #[pyclass(module = "haptic_sim", frozen, get_all)]
 pub(crate) struct Run {
-    /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV.
+    /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV; of several shared
+    /// axes that of the first.
     columns: Py<PyDict>,
+    /// The same of each shared axis, the first one first.
+    axes: Vec<Py<PyDict>>,
     /// Figures of merit by name; None where there is none, as of a run that failed.
     merits: Py<PyDict>,
     /// Nothing failed.
@@ -87,21 +90,26 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
         };
         conclude(&scene, outcome.map_err(refused)?).map_err(refused)
     })?;
+    let Conclusion { outcome, verdict } = conclusion;
     let merits = PyDict::new(py);
     for merit in MERITS {
         merits.set_item(merit.name(), (merit.of)(&outcome))?;
     }
-    let Outcome { reason, fault, fault_time_s, ticks, hash, .. } = outcome;
+    let (stable, told) = (outcome.is_stable(), outcome.verdict().name());
+    let Outcome { reason, fault, fault_time_s, ticks, hash, axes, .. } = outcome;
+    let axes: Vec<Py<PyDict>> =
+        axes.into_iter().map(|along| Ok(to_python(py, along.table, &[])?.unbind())).collect::<PyResult<_>>()?;
     Ok(Run {
         merits: merits.unbind(),
-        stable: outcome.is_stable(),
-        verdict: outcome.verdict().name(),
+        stable,
+        verdict: told,
         reason: reason.map(|reason| reason.to_string()),
         fault: fault.map(|(peer, fault)| (peer, fault.explain().to_string())),
         fault_time_s,
-        spectral_radius,
+        spectral_radius: verdict.spectral_radius,
         ticks,
         state_hash: format!("{hash:016x}"),
-        columns: to_python(py, outcome.table, &[])?.unbind(),
+        columns: axes[0].clone_ref(py),
+        axes,
     })
 }

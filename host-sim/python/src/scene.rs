@@ -27,14 +27,8 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// The scene, its combinations checked, of one shared axis: what a run or a sweep begins with.
+    /// The scene, its combinations checked: what a run, a sweep or a verdict begins with.
     pub(crate) fn checked(&self) -> PyResult<&haptic_sim::Scene> {
-        self.scene.check("scene").map_err(refused)?;
-        Ok(&self.scene)
-    }
-
-    /// The same of one to three: what a verdict begins with.
-    pub(crate) fn checked_any(&self) -> PyResult<&haptic_sim::Scene> {
         self.scene.check("scene").map_err(refused)?;
         Ok(&self.scene)
     }
@@ -86,7 +80,7 @@ fn to_python(py: Python<'_>, value: Value<'_>) -> PyResult<Py<PyAny>> {
 /// The scene that a `Scene`, a name or a path stands for.
 pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
     if let Ok(scene) = source.cast::<Scene>() {
-        return Ok(scene.borrow().checked_any()?.clone());
+        return Ok(scene.borrow().checked()?.clone());
     }
     let path: PathBuf = source.extract()?;
     let is_word = source.is_instance_of::<PyString>() && built_in::meant(Some(&path)).map_err(refused)?.is_some();

@@ -32,11 +32,11 @@ mod ui;
 use std::{error::Error, ffi::OsString, process::ExitCode};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
-use haptic_sim::{Laws, scene::nearest};
+use haptic_sim::{Laws, report::Columns, scene::nearest};
 pub use ui::made;
 use ui::{Failure, Ui};
 
@@ -159,16 +159,55 @@ fn negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(takes).mut_subcommands(negative_numbers)
 }
 
+/// A command from outside: its name, its arguments as clap has them, and what it does.
+struct Outside {
+    name: &'static str,
+    declare: fn(clap::Command) -> clap::Command,
+    run: Box<dyn Fn(&clap::ArgMatches, Laws) -> Result<Columns, Failure>>,
+}
+
 /// The command line of `host-sim`.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Cli {
     laws: Laws,
+    outside: Vec<Outside>,
 }
 
 impl Cli {
     /// With these laws, in every command.
     pub fn new(laws: Laws) -> Self {
-        Self { laws }
+        Self { laws, outside: Vec::new() }
+    }
+
+    /// With one more command of this name. What it is told is `A`, which clap derives, doc comments being its help; what it gives is
+    /// printed as a table, or with `--json` as a list with an object for each row.
+    ///
+    /// ```no_run
+    /// use haptic_sim::{Laws, Scene, report::Columns};
+    ///
+    /// /// Control periods in a packet period of the default scene, times what is asked for.
+    /// #[derive(clap::Args)]
+    /// struct Packets {
+    ///     /// How many packet periods.
+    ///     #[arg(long, default_value = "1")]
+    ///     count: u32,
+    /// }
+    ///
+    /// let packets = |asked: &Packets, laws: Laws| {
+    ///     let ticks = asked.count * Scene::new(laws).peer.timing.ticks_per_packet;
+    ///     Ok(Columns::of(&[()]).value("ticks", |()| ticks).done())
+    /// };
+    /// host_sim::Cli::default().with_command("packets", packets).main();
+    /// ```
+    #[must_use]
+    pub fn with_command<A: clap::Args + 'static>(
+        mut self,
+        name: &'static str,
+        run: impl Fn(&A, Laws) -> Result<Columns, Box<dyn Error + Send + Sync>> + 'static,
+    ) -> Self {
+        let run = Box::new(move |matches: &clap::ArgMatches, laws| run(&A::from_arg_matches(matches)?, laws));
+        self.outside.push(Outside { name, declare: A::augment_args, run });
+        self
     }
 
     /// Runs the command line of this process.
@@ -182,8 +221,8 @@ impl Cli {
         let ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
         let outcome = match listed(&ui, &words) {
             Some(outcome) => outcome,
-            None => match CommandLine::try_parse_from(&words) {
-                Ok(line) => line.run(self.laws),
+            None => match self.command().try_get_matches_from(&words) {
+                Ok(matches) => self.run(&ui, &matches),
                 // Help and version are no errors.
                 Err(answer) if !answer.use_stderr() => {
                     let _ = answer.print();
@@ -200,17 +239,27 @@ impl Cli {
             }
         }
     }
-}
 
-impl CommandLine {
-    fn run(self, laws: Laws) -> Result<(), Failure> {
-        if let Some(shell) = self.completions {
+    /// Every command, those from outside last.
+    fn command(&self) -> clap::Command {
+        let outside = self.outside.iter().map(|outside| (outside.declare)(clap::Command::new(outside.name)));
+        CommandLine::command().subcommands(outside.map(negative_numbers))
+    }
+
+    fn run(&self, ui: &Ui, matches: &clap::ArgMatches) -> Result<(), Failure> {
+        if let Some((name, matches)) = matches.subcommand()
+            && let Some(outside) = self.outside.iter().find(|outside| outside.name == name)
+        {
+            return ui.result(&(outside.run)(matches, self.laws)?);
+        }
+        let line = CommandLine::from_arg_matches(matches)?;
+        if let Some(shell) = line.completions {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Self::command(), "host-sim", &mut script);
-            write!(Ui::new(false, laws), "{}", String::from_utf8(script)?);
+            clap_complete::generate(shell, &mut self.command(), "host-sim", &mut script);
+            write!(Ui::new(false, self.laws), "{}", String::from_utf8(script)?);
             return Ok(());
         }
-        self.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(&Ui::new(self.json, laws))
+        line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(ui)
     }
 }
 
