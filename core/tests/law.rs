@@ -4,6 +4,7 @@ use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
 use haptic_core::law::{AnyLaw, Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::Command;
 use haptic_core::schema::Schema;
@@ -42,8 +43,9 @@ impl<S: Scalar> Law<S> for Predict<S> {
         let carried = Motion { position: motion.position + self.ahead * motion.velocity, ..motion };
         *desired = if self.stops { Motion::at(carried.position) } else { carried };
     }
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: *desired, force: self.spring.force(*desired, seen.local), ..Coupled::default() }
+    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        let force = self.spring.force(*desired, seen.local, solve);
+        Coupled { desired: *desired, force, ..Coupled::default() }
     }
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: local, ..Packet::default() }

@@ -27,7 +27,7 @@ use super::power::Power;
 use super::tank::START;
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
 const WEBER: Key = Key::number(
@@ -172,6 +172,7 @@ impl<S: Scalar, L: Coded<S>> Coding<S, L> {
 impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     const KINDS: &'static [Kind] = &[L::KIND];
     type State = CodingState<S, L::State>;
+    const PORTS_ONLY: bool = L::PORTS_ONLY;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (timing, longest_s) = (&settings.timing, event::longest_s(settings)?);
@@ -203,17 +204,9 @@ impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         self.carry_on(state, seen.age_ticks);
-        let coupled = self.law.couple(&mut state.law, seen);
-        state.force = coupled.force;
-        coupled
-    }
-
-    #[inline]
-    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
-        self.carry_on(state, seen.age_ticks);
-        let coupled = self.law.couple_as_port(&mut state.law, seen, solve);
+        let coupled = self.law.couple(&mut state.law, seen, solve);
         state.force = coupled.force;
         coupled
     }

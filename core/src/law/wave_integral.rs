@@ -26,7 +26,7 @@ use super::tank::{WAVE_START, needs_midpoint};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
 /// Packets over which what is owed is made good, 1/(λ·T_n).
@@ -153,6 +153,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
     type State = WaveIntegralState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         needs_midpoint(settings)?;
@@ -209,12 +210,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         }
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut WaveIntegralState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut WaveIntegralState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let desired = state.desired.total();
         if state.phase == 0 {
             state.sent.add(state.fresh);
