@@ -1,5 +1,6 @@
 //! A law from outside: one file with its name, its own keys and its state, held by a peer like any other.
 
+use haptic_core::configured;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
 use haptic_core::law::{AnyLaw, Coupled, Kind, Law, Packet, Seen, Sends, Spring};
@@ -20,6 +21,8 @@ struct Predict<S> {
     ahead: S,
     stops: bool,
 }
+
+configured!([S: Scalar] Predict<S> { spring, ahead, stops });
 
 impl<S: Scalar> Law<S> for Predict<S> {
     const KINDS: &'static [Kind] = &[Kind {

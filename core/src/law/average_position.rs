@@ -28,6 +28,8 @@ pub struct AveragePosition<S> {
     share: S,
 }
 
+configured!([S: Scalar] AveragePosition<S> { spring, share });
+
 /// The mean, and what it is to be made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AveragePositionState<S> {

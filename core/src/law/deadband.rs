@@ -26,7 +26,7 @@ use super::passivity_control::PassivityControl;
 use super::power::Power;
 use super::tank::START;
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
@@ -115,6 +115,8 @@ pub struct Coding<S, L> {
     /// Ticks for which a motion is carried on.
     longest: u32,
 }
+
+configured!([S: Scalar, L: Configured] Coding<S, L> { law, modified, weber, least, period, longest });
 
 /// State of one end.
 #[derive(Clone, Copy, Debug)]

@@ -56,6 +56,8 @@ pub struct FourChannel<S> {
     damping: S,
 }
 
+configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping });
+
 /// What the other peer said, and what is to be said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourChannelState<S> {

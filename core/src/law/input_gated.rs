@@ -36,6 +36,8 @@ pub struct InputGated<S> {
     period: S,
 }
 
+configured!([S: Scalar] InputGated<S> { spring, budget, start, most, period });
+
 /// What was received, and what may be given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGatedState<S> {

@@ -33,7 +33,7 @@ pub mod wave_compensator;
 pub mod wave_integral;
 
 use crate::names::IntegratorName;
-use crate::num::{Motion, Scalar, StateVector, visit_counter};
+use crate::num::{Configured, Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port, Solve};
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -134,8 +134,9 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// A coordination law.
-pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
+/// A coordination law. What it is built with it hands over ([`crate::configured!`]), or an empty `impl Configured` says that it does not: then
+/// scenes with it are never stepped side by side.
+pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
     const KINDS: &'static [Kind];
     /// What changes from tick to tick.
@@ -226,6 +227,17 @@ macro_rules! laws {
             }
         }
 
+        /// Its name, and what it was built with.
+        impl<S: Scalar> Configured for AnyLaw<S> {
+            fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+                match self { $( Self::$Variant(law) => {
+                    let [kind] = <$law as Law<S>>::KINDS else { return false };
+                    kind.name.bytes().for_each(|letter| each(letter.into()));
+                    law.configuration(each)
+                } ),+ }
+            }
+        }
+
         impl<S: Scalar> Law<S> for AnyLaw<S> {
             const KINDS: &'static [Kind] = &[$( <$law as Law<S>>::KINDS[0] ),+];
             type State = AnyLawState<S>;
@@ -300,6 +312,8 @@ pub struct Spring<S> {
     /// κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
     pub impedance: S,
 }
+
+configured!([S: Scalar] Spring<S> { stiffness, damping, impedance });
 
 impl<S: Scalar> Spring<S> {
     /// K_T and B_T of the scene.

@@ -90,6 +90,8 @@ pub struct Model<S> {
     pub rest: S,
 }
 
+configured!([S: Scalar] Model<S> { mass, damping, stiffness, rest });
+
 /// A model of the other copy, and what corrects it.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelMediated<S> {
@@ -122,6 +124,11 @@ pub struct ModelMediated<S> {
     twice_rate: S,
     half: S,
 }
+
+configured!([S: Scalar] ModelMediated<S> {
+    spring, mean, first, masses, stiffness, damping, impedance, budget, start, most, share, memory, units,
+    ticks_per_packet, packet_rate, period, half_period, twice_rate, half
+});
 
 /// The model, what is known of the other copy, and what may be spent.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -41,6 +41,8 @@ pub struct PassivityControl<S: Scalar> {
     impedance: S,
 }
 
+configured!([S: Scalar] PassivityControl<S> { tanks, stiffness, damping, fastest, impedance });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassivityControlState<S: Scalar> {

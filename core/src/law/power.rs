@@ -14,6 +14,8 @@ pub struct Power<S> {
     spring: Spring<S>,
 }
 
+configured!([S: Scalar] Power<S> { spring });
+
 impl<S: Scalar> Law<S> for Power<S> {
     const KINDS: &'static [Kind] = &[Kind {
         name: "power",

@@ -63,6 +63,10 @@ pub struct RemoteDynamicProxy<S> {
     period: S,
 }
 
+configured!([S: Scalar] RemoteDynamicProxy<S> {
+    spring, inertia, stiffness, damping, impedance, inverse_sum, share, seen_impedance, period
+});
+
 /// The proxy, and where it is drawn to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProxyState<S> {

@@ -39,6 +39,8 @@ pub struct SetPosition<S: Scalar> {
     impedance: S,
 }
 
+configured!([S: Scalar] SetPosition<S> { tanks, stiffness, harvest, impedance });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SetPositionState<S: Scalar> {

@@ -30,6 +30,8 @@ pub(super) struct Terminal<S> {
     force_to_wave: S,
 }
 
+configured!([S: Scalar] Terminal<S> { spring, root, inverse_sum, share, impedance, velocity_to_wave, force_to_wave });
+
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ended<S> {

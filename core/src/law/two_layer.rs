@@ -59,6 +59,8 @@ pub struct TwoLayer<S: Scalar> {
     rate: S::Counter,
 }
 
+configured!([S: Scalar] TwoLayer<S> { tanks, spring, level_j, fill, share, rate });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwoLayerState<S: Scalar> {

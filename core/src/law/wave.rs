@@ -18,7 +18,7 @@ use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Seen};
-use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
+use crate::num::{Carry, Configured, Motion, Scalar, StateVector, Sum};
 use crate::object::Solve;
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -49,6 +49,10 @@ pub struct Line<S: Scalar, D> {
     inverse_loop: S,
     half: S,
 }
+
+configured!([S: Scalar, D: Configured] Line<S, D> {
+    end, decimator, decode, credit, period, root_over_impedance, inverse_impedance, inverse_loop, half
+});
 
 /// State of one end of a wave line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

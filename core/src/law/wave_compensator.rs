@@ -51,6 +51,8 @@ pub struct WaveCompensator<S: Scalar> {
     velocity_to_wave: S,
 }
 
+configured!([S: Scalar] WaveCompensator<S> { tanks, end, mean, period, half, take, velocity_to_wave });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveCompensatorState<S: Scalar> {

@@ -54,6 +54,10 @@ pub struct WaveIntegral<S: Scalar> {
     wave_to_position: S::Counter,
 }
 
+configured!([S: Scalar] WaveIntegral<S> {
+    end, half, start_j, cap_j, period_s, half_period_s, per_s, ticks_per_packet, rate, half_rate, wave_to_position
+});
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveIntegralState<S: Scalar> {

@@ -41,6 +41,10 @@ pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
     pub(super) strikes: Strikes<S>,
 }
 
+configured!([S: Scalar, L: Law<S>] SharedAxis<S, L> {
+    object, integrator; coordination, observed, ledger, standing, strikes
+});
+
 /// What is the same for all axes in a tick.
 pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) law: &'a L,

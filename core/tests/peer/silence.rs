@@ -3,7 +3,7 @@
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, event};
-use haptic_core::num::Motion;
+use haptic_core::num::{Configured, Motion};
 use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
@@ -13,6 +13,8 @@ use haptic_core::settings::{Refused, SetError, Settings, Value};
 /// Power-domain; worth a packet is a copy beyond the origin.
 #[derive(Clone, Copy, Debug)]
 struct Shy(Power<f64>);
+
+impl Configured for Shy {}
 
 impl Law<f64> for Shy {
     const KINDS: &'static [Kind] =

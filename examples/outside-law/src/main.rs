@@ -11,6 +11,7 @@
 //!
 //! In haptic-core the same law would be this file and one line in its list of laws.
 
+use haptic_core::configured;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Solve;
@@ -25,6 +26,8 @@ struct Predict<S> {
     spring: Spring<S>,
     ahead: S,
 }
+
+configured!([S: Scalar] Predict<S> { spring, ahead });
 
 impl<S: Scalar> Law<S> for Predict<S> {
     const KINDS: &'static [Kind] = &[Kind {

@@ -2,7 +2,7 @@
 //! every law there could be, whatever is in its state and whole numbers.
 
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Refused, Settings};
 
@@ -25,6 +25,8 @@ fn packet() -> Packet<Number> {
         live_ticks: 0,
     }
 }
+
+impl Configured for Whatever {}
 
 impl Law<Number> for Whatever {
     const KINDS: &'static [Kind] =

@@ -2,7 +2,7 @@
 
 use haptic_core::law::power::Power;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::settings::{Refused, Settings};
@@ -72,6 +72,8 @@ fn a_force_after_a_fault() {
 /// Sums up what it hears in f64, where no range follows.
 #[derive(Clone, Copy, Debug)]
 struct Outside;
+
+impl Configured for Outside {}
 
 impl<S: Scalar> Law<S> for Outside {
     const KINDS: &'static [Kind] =

@@ -7,7 +7,7 @@
 use std::sync::{PoisonError, RwLock};
 
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar, StateVector};
+use haptic_core::num::{Configured, Motion, Scalar, StateVector};
 use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Allowed, Key, Refused, Settings, Value};
 use haptic_sim::{Family, Laws, Scene};
@@ -117,6 +117,9 @@ fn state(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         many => Err(refused(format!("a state of {many} numbers is not allowed: it must be 0 to {MOST_NUMBERS}"))),
     }
 }
+
+/// Python is asked for plain numbers, which lanes do not have.
+impl Configured for AskPython {}
 
 impl<S: Scalar> Law<S> for AskPython {
     const KINDS: &'static [Kind] = &[];

@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use haptic_core::device::kinematics::Kinematics;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
+use haptic_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Kind, Refused, Settings};
@@ -38,7 +38,7 @@ macro_rules! dyn_peer {
     ) => {
         /// One haptic peer that shares the object along `SHARED` axes of a device of `N`, whatever its law: the methods of
         /// `haptic_core::peer` that a wire needs.
-        pub trait SharedPeer<S: Scalar, const SHARED: usize, const N: usize>: Debug + Send + Sync {
+        pub trait SharedPeer<S: Scalar, const SHARED: usize, const N: usize>: Configured + Debug + Send + Sync {
             $( $(#[$any_doc])* fn $any($any_self: $any_receiver $(, $any_argument: $any_type)?) $(-> $any_out)?; )+
         }
 

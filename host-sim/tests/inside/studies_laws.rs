@@ -49,6 +49,7 @@ fn a_packet_has_116_bytes() {
 mod outside {
     //! A crate outside, in small: the power-domain law under another name, which promises too much, and one that is not linear.
 
+    use haptic_core::configured;
     use haptic_core::law::power::Power;
     use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
     use haptic_core::num::{Motion, Scalar};
@@ -80,6 +81,8 @@ mod outside {
         power: Power<S>,
         pushes_only: bool,
     }
+
+    configured!([S: Scalar] Outside<S> { power, pushes_only });
 
     impl<S: Scalar> Law<S> for Outside<S> {
         const KINDS: &'static [Kind] = &KINDS;

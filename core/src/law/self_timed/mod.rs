@@ -46,6 +46,8 @@ pub struct SelfTimed<S: Scalar> {
     wave_to_position: S::Counter,
 }
 
+configured!([S: Scalar] SelfTimed<S> { end, incoming, events, ticks_per_packet, half, period_s, wave_to_position });
+
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SelfTimedState<C> {
