@@ -19,7 +19,7 @@
 //! | [`safety`] | modes, numbered faults, force and slew limits |
 //! | [`mod@settings`] | every table of keys, with unit, default and range; what a law's own key is |
 //! | [`names`] | the closed words that settings may use |
-//! | [`num`] | the number types and the only maths functions, motion, state as a vector, compensated sums |
+//! | [`num`] | the number types and the only maths functions, motion, state and configuration as numbers, compensated sums |
 //!
 //! SI units everywhere. Equations and symbols follow the cooperation paper (Rakhsha & Constantinescu 2012).
 #![no_std]
@@ -27,13 +27,14 @@
 #![deny(unsafe_code)]
 
 #[macro_use]
+pub mod num;
+#[macro_use]
 pub mod model;
 
 pub mod contact;
 pub mod device;
 pub mod law;
 pub mod names;
-pub mod num;
 pub mod object;
 pub mod peer;
 pub mod safety;

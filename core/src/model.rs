@@ -4,11 +4,11 @@
 //! A list holds a model together with its state, so that a state of another model cannot be written down, and `each!` calls
 //! the one that is there. Coordination laws have a list of their own ([`crate::law::AnyLaw`]): their names are open.
 
-use crate::num::StateVector;
+use crate::num::{Configured, StateVector};
 use crate::settings::{Refused, Settings};
 
 /// A model that a list can hold: built once from settings, with a state of its own that begins at its default.
-pub trait Model<S>: Copy + core::fmt::Debug + Send + Sync + 'static {
+pub trait Model<S>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// What changes from tick to tick.
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
 
@@ -35,6 +35,18 @@ macro_rules! list {
                         Self::$Variant(<$model as $crate::model::Model<S>>::build(settings)?, Default::default())
                     } )+
                 })
+            }
+        }
+
+        /// Which one it is, and what that was built with.
+        impl<S: $crate::num::Scalar> $crate::num::Configured for $Any<S> {
+            fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+                match self { $(
+                    Self::$Variant(model, _) => {
+                        $crate::num::Configured::configuration(&$Name::$Variant, each)
+                            & $crate::num::Configured::configuration(model, each)
+                    }
+                ),+ }
             }
         }
 

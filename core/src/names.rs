@@ -32,6 +32,8 @@ macro_rules! words {
             const ALL: &'static [Self] = &[Self::$First, $(Self::$Variant),+];
         }
 
+        $crate::num::word!($Name);
+
         impl $Name {
             /// What it means, for a person.
             pub fn explain(self) -> &'static str {

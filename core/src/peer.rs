@@ -25,7 +25,7 @@ use crate::device::watch::{Still, Watch};
 use crate::device::{self, AXES, Reading};
 use crate::law::ladder::{Engagement, Ladder};
 use crate::law::{AnyLaw, Law, credit};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
 use crate::{
@@ -169,6 +169,14 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     /// Along several.
     oblique: Option<Oblique<S, SHARED>>,
 }
+
+configured!([S: Scalar] Joint<S> { velocity; encoder });
+configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
+    shared, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
+    ticks_per_packet, axes, law, ladder, stage_watch, clutch, fixture, oblique;
+    forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
+    plain, slips
+});
 
 impl Settings {
     /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.

@@ -164,6 +164,8 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
+configured!([S: Scalar] Guard<S> { max_force, max_step, max_speed, workspace, saturated_ticks, silent_packets });
+
 impl<S: Scalar> Guard<S> {
     /// The scene's limits.
     pub fn build(settings: &Settings) -> Self {

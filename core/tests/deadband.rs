@@ -72,7 +72,7 @@ fn after<L: Law<f64>>(law: &L, packet: Packet<f64>, ticks: u32) -> Vec<Coupled<f
     law.receive(&mut state, packet);
     let tick = |age_ticks| {
         let seen = Seen { local: Motion::REST, age_ticks, ..Seen::default() };
-        law.couple_as_port(&mut state, &seen, |_| 0.0)
+        law.couple(&mut state, &seen, |_| 0.0)
     };
     (0..ticks).map(tick).collect()
 }

@@ -1,9 +1,11 @@
 //! A law from outside: one file with its name, its own keys and its state, held by a peer like any other.
 
+use haptic_core::configured;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
 use haptic_core::law::{AnyLaw, Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::Command;
 use haptic_core::schema::Schema;
@@ -19,6 +21,8 @@ struct Predict<S> {
     ahead: S,
     stops: bool,
 }
+
+configured!([S: Scalar] Predict<S> { spring, ahead, stops });
 
 impl<S: Scalar> Law<S> for Predict<S> {
     const KINDS: &'static [Kind] = &[Kind {
@@ -42,8 +46,9 @@ impl<S: Scalar> Law<S> for Predict<S> {
         let carried = Motion { position: motion.position + self.ahead * motion.velocity, ..motion };
         *desired = if self.stops { Motion::at(carried.position) } else { carried };
     }
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled { desired: *desired, force: self.spring.force(*desired, seen.local), ..Coupled::default() }
+    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        let force = self.spring.force(*desired, seen.local, solve);
+        Coupled { desired: *desired, force, ..Coupled::default() }
     }
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: local, ..Packet::default() }

@@ -40,7 +40,7 @@ impl<L: Law<f64>> End<L> {
     fn tick(&mut self, velocity: f64) -> Coupled<f64> {
         let local = Motion { position: self.position, velocity };
         let seen = Seen { local, ..Seen::default() };
-        let coupled = self.law.couple_as_port(&mut self.state, &seen, |_| velocity);
+        let coupled = self.law.couple(&mut self.state, &seen, |_| velocity);
         self.position += 1e-3 * velocity;
         self.sent_j += 1e-3 * coupled.power_out;
         self.received_j += 1e-3 * coupled.power_in;

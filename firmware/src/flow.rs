@@ -13,7 +13,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::peer::{flow_in, flow_of, open, packets_of};
+use haptic_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
 
@@ -48,8 +48,8 @@ pub(crate) struct Flow {
     pub(crate) outgoing: Reader<'static, Outgoing>,
     pub(crate) incoming: Writer<'static, Received>,
     pub(crate) signals: &'static Signals,
-    /// The other peer's motors have gone off since its last flow that counted.
-    pub(crate) apart: bool,
+    /// Which life of the other peer what comes is of; the tick knows it by [`Signals::life`].
+    pub(crate) lives: Lives,
     /// The link still has the old settings.
     pub(crate) outdated: bool,
 }
@@ -65,14 +65,9 @@ impl Flow {
                 if self.outdated {
                     return;
                 }
-                if !flow.engaged {
-                    self.apart = true;
-                } else {
-                    if core::mem::take(&mut self.apart) {
-                        // Armed anew it counts from zero, from another place: nothing that came before goes with it.
-                        self.signals.life.count();
-                    }
-                    let life = self.signals.life.get();
+                if let Some(life) = self.lives.of(&flow) {
+                    // First that what came before is not to be taken.
+                    self.signals.life.release(life);
                     self.incoming.write(Received { life, packets: packets_of(&flow) });
                 }
             }
@@ -91,7 +86,7 @@ impl Flow {
                 Notice::Resumed => defmt::info!("peer: resumed, flow again"),
                 Notice::Disengaged => {
                     defmt::warn!("peer: disengaged, no flow for too long or another session");
-                    self.signals.life.count();
+                    self.part();
                 }
                 Notice::Lost => defmt::warn!("peer: lost, silent for too long or another session"),
                 Notice::Old(delay_us) => defmt::warn!("peer: flow takes {=u32} us, too old to be taken", delay_us),
@@ -104,10 +99,15 @@ impl Flow {
         self.signals.old.set(self.link.is_old());
     }
 
+    /// The tick lets go of the other peer.
+    fn part(&mut self) {
+        self.signals.life.release(self.lives.end());
+    }
+
     /// Other settings: the other peer has to be told them too before the two meet again.
     #[inline(never)]
     fn told(&mut self, settings: &Settings) {
-        self.signals.life.count();
+        self.part();
         if let Some(link) = connect(&self.key, &self.seed, self.number, settings) {
             *self.link = link;
             self.outdated = false;

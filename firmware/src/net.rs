@@ -38,7 +38,8 @@ pub(crate) async fn start(
     let spawner = unsafe { Spawner::for_current_executor() }.await;
     let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), flow::PORT);
-    let flow = Flow { key, seed, number, link, peer, outgoing, incoming, signals, apart: false, outdated: false };
+    let flow =
+        Flow { key, seed, number, link, peer, outgoing, incoming, signals, lives: Default::default(), outdated: false };
     spawner.spawn(defmt::unwrap!(flow::run(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
     spawner.spawn(defmt::unwrap!(port::run(stack, console, operator, telemetry)));

@@ -75,35 +75,72 @@ pub fn flow_in<const AXES: usize>(message: &Message) -> Option<Flows<AXES>> {
     }
 }
 
+/// Decides, when a flow comes, which life of the other end it is of. A life is over when the link lets go of the other end
+/// ([`crate::link::Notice::Disengaged`]), and when motors that were off are on again: then the other end counts from zero, from
+/// another place. Nothing of one life goes with anything of the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lives {
+    /// Lives that are over; wraps.
+    life: u32,
+    /// The other end's motors have gone off since its last flow that counted.
+    off: bool,
+}
+
+impl Lives {
+    /// Number of the life that a flow is of which has just come; 0 is the first. None if the flow does not count, because its
+    /// sender's motors are off.
+    #[inline]
+    pub fn of<const AXES: usize>(&mut self, flow: &Flows<AXES>) -> Option<u32> {
+        let was_off = core::mem::replace(&mut self.off, !flow.engaged);
+        if !flow.engaged {
+            return None;
+        }
+        Some(if was_off { self.end() } else { self.life })
+    }
+
+    /// The other end has gone: what comes next is of another life. Gives that one's number.
+    #[inline]
+    pub fn end(&mut self) -> u32 {
+        self.life = self.life.wrapping_add(1);
+        self.life
+    }
+}
+
 /// Flow of the other end that no exchange has taken yet: the newest, or, with play-out, what is due.
 #[derive(Clone, Debug)]
 pub struct Inbox<const AXES: usize = 1> {
-    newest: Option<Flows<AXES>>,
-    /// The other end's motors have gone off since its last flow that counted.
-    apart: bool,
-    playout: Option<Playout<Flows<AXES>>>,
+    lives: Lives,
+    /// What the next exchange takes, and the life that it is of, if it counts.
+    newest: Option<(Flows<AXES>, Option<u32>)>,
+    /// The life that the next exchange is in.
+    life: u32,
+    /// The life that the last one was in.
+    taken: u32,
+    playout: Option<Playout<(Flows<AXES>, Option<u32>)>>,
 }
 
 impl<const AXES: usize> Inbox<AXES> {
     /// Nothing there; flow waits for `playout_packets` packet periods of so many control periods each, 0: for nothing.
     pub fn new(playout_packets: u32, ticks_per_packet: u32) -> Self {
         let playout = (playout_packets > 0).then(|| Playout::new(playout_packets, ticks_per_packet));
-        Self { newest: None, apart: false, playout }
+        Self { lives: Lives::default(), newest: None, life: 0, taken: 0, playout }
     }
 
     /// Takes a flow that came in this control period.
     pub fn put(&mut self, tick: u32, flow: Flows<AXES>) {
+        let came = (flow, self.lives.of(&flow));
         match &mut self.playout {
             Some(playout) => {
-                playout.put(tick, flow.tick, flow);
+                playout.put(tick, flow.tick, came);
             }
-            None => self.newest = Some(flow),
+            None => self.show(Some(came)),
         }
     }
 
     /// Forgets what was there: the other end has gone.
     pub fn clear(&mut self) {
         self.newest = None;
+        self.life = self.lives.end();
         if let Some(playout) = &mut self.playout {
             playout.clear();
         }
@@ -112,21 +149,27 @@ impl<const AXES: usize> Inbox<AXES> {
     /// Brings out what the next exchange takes, in its control period.
     pub fn play(&mut self, tick: u32) {
         if let Some(playout) = &mut self.playout {
-            self.newest = playout.take(tick);
+            let due = playout.take(tick);
+            self.show(due);
         }
+    }
+
+    /// This is what the next exchange takes; the life of a flow that counts is the one that it is in.
+    fn show(&mut self, newest: Option<(Flows<AXES>, Option<u32>)>) {
+        self.newest = newest;
+        self.life = newest.and_then(|(_, life)| life).unwrap_or(self.life);
     }
 
     /// What the next exchange takes.
     pub fn newest(&self) -> Option<&Flows<AXES>> {
-        self.newest.as_ref()
+        self.newest.as_ref().map(|(flow, _)| flow)
     }
 
-    /// What an exchange takes in, and whether the other end has armed anew since the last that counted: then it counts from
-    /// zero, from another place, and nothing that came before goes with it.
+    /// What an exchange takes in, and whether it has to let go of the other end first, whose life is another than at the last
+    /// exchange: nothing that came before goes with what comes now.
     pub fn take(&mut self) -> (Option<Flows<AXES>>, bool) {
-        let newest = self.newest.take();
-        let anew = self.apart && newest.is_some_and(|flow| flow.engaged);
-        self.apart = newest.map_or(self.apart, |flow| !flow.engaged);
-        (newest.filter(|flow| flow.engaged), anew)
+        let parted = core::mem::replace(&mut self.taken, self.life) != self.life;
+        let flow = self.newest.take().and_then(|(flow, life)| life.map(|_| flow));
+        (flow, parted)
     }
 }

@@ -6,7 +6,7 @@
 //! A scene with neither gap nor side has no contact detection at all.
 
 use super::rendering::{Press, Rendering, Strikes, Touch};
-use crate::num::{Motion, Scalar};
+use crate::num::{Configured, Motion, Scalar};
 use crate::object::port::{Port, met_midway};
 use crate::settings::{Refused, Settings};
 use crate::{model::Model, names::Side};
@@ -22,6 +22,18 @@ enum Surface<S> {
     OneSided { sign: S },
 }
 
+impl<S: Scalar> Configured for Surface<S> {
+    fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+        let (which, number) = match self {
+            Self::Held => (0, S::ZERO),
+            Self::Play(gap) => (1, *gap),
+            Self::OneSided { sign } => (2, *sign),
+        };
+        each(which);
+        number.configuration(each)
+    }
+}
+
 /// Spring and damper between device and object.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S> {
@@ -35,6 +47,8 @@ pub struct Contact<S> {
     /// How far from a device at rest an object is put, one-sided; 0 otherwise.
     clearance: S,
 }
+
+configured!([S: Scalar] Contact<S> { stiffness, damping, impedance, half_period, surface, clearance });
 
 impl<S: Scalar> Contact<S> {
     /// The contact that the scene describes.

@@ -67,6 +67,10 @@ pub struct Impulsive<S> {
     slowest: S,
 }
 
+configured!([S: Scalar] Impulsive<S> {
+    contact, guard, step, root, period, rate, object_inverse, device_inverse, reduced, restitution, slowest
+});
+
 impl<S: Scalar> Model<S> for Impulsive<S> {
     type State = ();
 

@@ -24,6 +24,8 @@ pub struct Clutch<S> {
     step: S,
 }
 
+configured!([S: Scalar] Clutch<S> { step });
+
 /// Where a clutch is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slip<S> {

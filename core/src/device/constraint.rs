@@ -18,6 +18,8 @@ pub struct Hold<S> {
     damping_n_s_per_m: S,
 }
 
+configured!([S: Scalar] Hold<S> { stiffness_n_per_m, damping_n_s_per_m });
+
 impl<S: Scalar> Hold<S> {
     /// From `axis.hold_stiffness_n_per_m` and `axis.hold_damping_n_s_per_m`.
     pub fn build(settings: &Settings) -> Self {

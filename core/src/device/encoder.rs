@@ -32,6 +32,8 @@ pub struct Encoder<S> {
     index_at: i32,
 }
 
+configured!([S: Scalar] Encoder<S> { counts_per_unit, resolution, max_step_counts, along, revolution, index_at });
+
 /// What an encoder showed beside its count since the tick before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {

@@ -21,6 +21,8 @@ pub struct Envelope<S> {
     power: S,
 }
 
+configured!([S: Scalar] Envelope<S> { leaky, force, power });
+
 /// Mean squares, N² and W².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load<S> {

@@ -15,6 +15,8 @@ pub struct Leaky<S> {
     keep: S,
 }
 
+configured!([S: Scalar] Leaky<S> { share, keep });
+
 impl<S: Scalar> Leaky<S> {
     /// One that takes a value in every `period_s` and forgets over `time_s`; within a period, if that is longer.
     pub fn new(period_s: f64, time_s: f64) -> Self {

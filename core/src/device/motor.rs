@@ -32,6 +32,8 @@ pub struct Motor<S> {
     max_code: S,
 }
 
+configured!([S: Scalar] Motor<S> { codes_per_force, force_per_code, max_code });
+
 impl<S: Scalar> Motor<S> {
     /// From the table `motor`.
     pub fn build(settings: &Settings) -> Self {

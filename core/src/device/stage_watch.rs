@@ -86,6 +86,11 @@ pub struct StageWatch<S> {
     axes: usize,
 }
 
+configured!([S: Scalar] StageWatch<S> {
+    thermal, leaky, supply_mv, lasts, settles, end, zero, strays, lags, amperes, ohms, inductive, emf, tolerance,
+    half, eighth, axes
+});
+
 /// What it remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct StageState<S, const N: usize = AXES> {

@@ -23,6 +23,8 @@ pub struct Thermal<S> {
     most: S,
 }
 
+configured!([S: Scalar] Thermal<S> { leaky, readings, share, most });
+
 /// Mean square of one motor's current, A², and the readings since it was last taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heat<S> {

@@ -28,6 +28,8 @@ pub struct Watch<S> {
     least_power: S,
 }
 
+configured!([S: Scalar] Watch<S> { stuck_codes, least_power });
+
 /// Counts that an encoder may go to and fro by without having moved.
 const DITHER: u32 = 2;
 

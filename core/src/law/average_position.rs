@@ -17,7 +17,7 @@
 
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
 /// A virtual coupling to the mean of both copies.
@@ -27,6 +27,8 @@ pub struct AveragePosition<S> {
     /// 1/N.
     share: S,
 }
+
+configured!([S: Scalar] AveragePosition<S> { spring, share });
 
 /// The mean, and what it is to be made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,21 +88,9 @@ impl<S: Scalar> Law<S> for AveragePosition<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut AveragePositionState<S>, seen: &Seen<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut AveragePositionState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let desired = self.desired(state, seen.local);
-        Coupled::toward(desired, self.spring.force(desired, seen.local))
-    }
-
-    #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut AveragePositionState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
-        let desired = self.desired(state, seen.local);
-        let port = self.spring.port(desired, seen.local);
-        Coupled::toward(desired, port.at(solve(port)))
+        Coupled::toward(desired, self.spring.force(desired, seen.local, solve))
     }
 
     fn send(&self, _: &AveragePositionState<S>, local: Motion<S>) -> Packet<S> {

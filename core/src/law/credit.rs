@@ -58,6 +58,8 @@ pub struct Credit<S: Scalar> {
     corrects: bool,
 }
 
+configured!([S: Scalar] Credit<S> { half_period, twice_rate, period, packet_s, cap, corrects });
+
 /// What is left to spend, and what is still owed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account<S: Scalar> {

@@ -26,8 +26,8 @@ use super::passivity_control::PassivityControl;
 use super::power::Power;
 use super::tank::START;
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
-use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::num::{Configured, Motion, Scalar, StateVector};
+use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
 const WEBER: Key = Key::number(
@@ -116,6 +116,8 @@ pub struct Coding<S, L> {
     longest: u32,
 }
 
+configured!([S: Scalar, L: Configured] Coding<S, L> { law, modified, weber, least, period, longest });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug)]
 pub struct CodingState<S: Scalar, T> {
@@ -172,6 +174,7 @@ impl<S: Scalar, L: Coded<S>> Coding<S, L> {
 impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     const KINDS: &'static [Kind] = &[L::KIND];
     type State = CodingState<S, L::State>;
+    const PORTS_ONLY: bool = L::PORTS_ONLY;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (timing, longest_s) = (&settings.timing, event::longest_s(settings)?);
@@ -203,17 +206,9 @@ impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         self.carry_on(state, seen.age_ticks);
-        let coupled = self.law.couple(&mut state.law, seen);
-        state.force = coupled.force;
-        coupled
-    }
-
-    #[inline]
-    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
-        self.carry_on(state, seen.age_ticks);
-        let coupled = self.law.couple_as_port(&mut state.law, seen, solve);
+        let coupled = self.law.couple(&mut state.law, seen, solve);
         state.force = coupled.force;
         coupled
     }

@@ -7,11 +7,11 @@
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
 use super::{Kind, Promise, Sends};
-use crate::num::{Scalar, StateVector};
+use crate::num::{Configured, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// A filter in front of the decimation.
-pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
+pub trait Decimator<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// The law that a line behind it is.
     const KIND: Kind;
     /// What is sent keeps the integral of the wave.
@@ -30,6 +30,8 @@ pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static 
 /// No filter: the newest sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Newest;
+
+configured!([] Newest {});
 
 impl<S: Scalar> Decimator<S> for Newest {
     const KIND: Kind = Kind {
@@ -63,6 +65,8 @@ pub struct OnePole<S> {
     take: S,
 }
 
+configured!([S: Scalar] OnePole<S> { keep, take });
+
 impl<S: Scalar> Decimator<S> for OnePole<S> {
     const KIND: Kind = Kind {
         name: "passive-wave",
@@ -94,6 +98,8 @@ pub struct Mean<S> {
     /// 1/M.
     share: S,
 }
+
+configured!([S: Scalar] Mean<S> { samples, share });
 
 /// A mean in the making.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

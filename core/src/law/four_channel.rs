@@ -24,7 +24,7 @@
 
 use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
 
 const REMOTE: Key = Key::number(
@@ -56,6 +56,8 @@ pub struct FourChannel<S> {
     damping: S,
 }
 
+configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping });
+
 /// What the other peer said, and what is to be said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourChannelState<S> {
@@ -81,13 +83,6 @@ impl<S: Scalar> FourChannel<S> {
     #[inline]
     fn hands(&self, state: &FourChannelState<S>) -> S {
         self.remote * state.remote_force + self.local * state.own_force
-    }
-
-    /// The spring's power comes in where the other copy moves, the other hand's where this one does (m/s).
-    #[inline]
-    fn coupled(&self, state: &FourChannelState<S>, spring: S, hands: S, velocity: S) -> Coupled<S> {
-        let power = spring * state.desired.velocity + self.remote * state.remote_force * velocity;
-        Coupled::of_power(state.desired, spring + hands, power)
     }
 }
 
@@ -123,25 +118,24 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut FourChannelState<S>, seen: &Seen<S>) -> Coupled<S> {
-        state.own_force = seen.contact_force;
-        let spring = self.spring.force(state.desired, seen.local);
-        self.coupled(state, spring, self.hands(state), seen.local.velocity)
-    }
-
-    #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut FourChannelState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
-        let (spring, hands) = (self.spring.port(state.desired, seen.local), self.hands(state));
-        let velocity = solve(spring + Port::of_force(hands));
-        let coupled = self.coupled(state, spring.at(velocity), hands, velocity);
-        let inert = self.inertia * (velocity - seen.local.velocity) + self.damping * velocity;
-        state.own_force = inert - coupled.force;
-        coupled
+    fn couple(&self, state: &mut FourChannelState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        let (local, desired) = (seen.local, state.desired);
+        let (velocity, spring, hands);
+        if solve.is_staged() {
+            state.own_force = seen.contact_force;
+            (velocity, hands) = (local.velocity, self.hands(state));
+            spring = self.spring.force(desired, local, solve);
+        } else {
+            let port = self.spring.port(desired, local);
+            hands = self.hands(state);
+            velocity = solve.velocity(port + Port::of_force(hands));
+            spring = port.at(velocity);
+            let inert = self.inertia * (velocity - local.velocity) + self.damping * velocity;
+            state.own_force = inert - (spring + hands);
+        }
+        // The spring's power comes in where the other copy moves, the other hand's where this one does.
+        let power = spring * desired.velocity + self.remote * state.remote_force * velocity;
+        Coupled::of_power(desired, spring + hands, power)
     }
 
     fn send(&self, state: &FourChannelState<S>, local: Motion<S>) -> Packet<S> {

@@ -8,6 +8,8 @@ use crate::settings::{Refused, Settings};
 #[derive(Clone, Copy, Debug)]
 pub struct Free;
 
+configured!([] Free {});
+
 impl<S: Scalar> Law<S> for Free {
     const KINDS: &'static [Kind] =
         &[Kind { name: "none", sends: Sends::Nothing, keys: &[], gains: &[], source: "", promises: &[] }];

@@ -22,7 +22,7 @@ use super::credit::CAP_J;
 use super::tank::{START, needs_midpoint};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
 /// A virtual coupling behind a gate.
@@ -35,6 +35,8 @@ pub struct InputGated<S> {
     most: S,
     period: S,
 }
+
+configured!([S: Scalar] InputGated<S> { spring, budget, start, most, period });
 
 /// What was received, and what may be given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -75,6 +77,7 @@ impl<S: Scalar> Law<S> for InputGated<S> {
         promises: &[Promise::Passive],
     }];
     type State = InputGatedState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         needs_midpoint(settings)?;
@@ -102,18 +105,13 @@ impl<S: Scalar> Law<S> for InputGated<S> {
     }
 
     #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut InputGatedState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut InputGatedState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let open = self.spring.port(state.desired, seen.local);
         let (worst, covered) = (open.force * open.force, self.budget * state.account);
         // Written so that no number is no force.
         let force = if worst <= covered { open.force } else { open.force.limit(covered.sqrt()) };
         let port = Port { force, ..open };
-        let velocity = solve(port);
+        let velocity = solve.velocity(port);
         let force = port.at(velocity);
         let given = self.period * force * velocity;
         state.account = (state.account - given).max(S::ZERO).min(self.most);

@@ -28,6 +28,8 @@ pub struct Ladder<S> {
     longest: u32,
 }
 
+configured!([S: Scalar] Ladder<S> { hold, steps, step, longest });
+
 /// Where a peer stands on the ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engagement {

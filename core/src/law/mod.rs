@@ -1,7 +1,6 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
-//! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick),
-//! hands out one [`Packet`] each packet period ([`Law::send`]), unless it keeps silent ([`Law::speaks`], [`event`]), and takes in the
+//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period ([`Law::send`]), unless it keeps silent ([`Law::speaks`], [`event`]), and takes in the
 //! other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
 //! and one line in the list below make it known to simulator, analyser, campaign, board and reports; a crate outside hands it to
 //! them. [`free`] shows the least a law can be.
@@ -34,8 +33,8 @@ pub mod wave_compensator;
 pub mod wave_integral;
 
 use crate::names::IntegratorName;
-use crate::num::{Motion, Scalar, StateVector, visit_counter};
-use crate::object::port::{self, Port};
+use crate::num::{Configured, Motion, Scalar, StateVector, visit_counter};
+use crate::object::port::{self, Port, Solve};
 use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::settings::{Kind, Promise, Sends};
@@ -135,12 +134,15 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// A coordination law.
-pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
+/// A coordination law. What it is built with it hands over ([`crate::configured!`]), or an empty `impl Configured` says that it does not: then
+/// scenes with it are never stepped side by side.
+pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
     const KINDS: &'static [Kind];
     /// What changes from tick to tick.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
+    /// Whether it acts only on a copy that is moved by ports: then [`Law::build`] refuses any other order, and nothing is compiled for them.
+    const PORTS_ONLY: bool = false;
 
     /// The kind that the settings name, if it is this law; one of [`Law::KINDS`], unless those are known only when the program runs.
     #[must_use]
@@ -160,21 +162,17 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     }
     /// Takes in the other peer's packet; it stands until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
-    /// One tick: the force on the local copy from what is seen and what was received. None where the law does not say: it has no force, or
-    /// acts only on a copy that is moved by ports ([`Law::couple_as_port`]) and refuses to be built for any other.
-    #[inline]
-    fn couple(&self, _state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-    /// One tick of a copy that is moved by ports (`object.integrator = "midpoint"`): the law says what its port is, is told
-    /// the mean velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force is `port.at(velocity)`.
+    /// One tick: the force on the local copy from what is seen and what was received. No force where the law does not say.
     ///
-    /// A law that does not say is a force that does not depend on how the copy moves, which makes energy where it is stiff.
+    /// The law says what its port is, is told the velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force
+    /// is `port.at(velocity)`. [`Spring::force`] does so for a law that is a spring and damper. In the staged orders of the papers the
+    /// velocity is the one that the tick begins with; where the copy is moved by ports (`object.integrator = "midpoint"`) it is the mean,
+    /// and comes of all ports. There a law that says [`Port::of_force`], a force that does not depend on how the copy moves, makes energy
+    /// if it is stiff, and one that does not ask `solve` leaves the copy where it is.
     #[inline]
-    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
-        let coupled = self.couple(state, seen);
-        solve(Port::of_force(coupled.force));
-        coupled
+    fn couple(&self, _state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        solve.velocity(Port::default());
+        Coupled::none(seen.local)
     }
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
@@ -229,6 +227,17 @@ macro_rules! laws {
             }
         }
 
+        /// Its name, and what it was built with.
+        impl<S: Scalar> Configured for AnyLaw<S> {
+            fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+                match self { $( Self::$Variant(law) => {
+                    let [kind] = <$law as Law<S>>::KINDS else { return false };
+                    kind.name.bytes().for_each(|letter| each(letter.into()));
+                    law.configuration(each)
+                } ),+ }
+            }
+        }
+
         impl<S: Scalar> Law<S> for AnyLaw<S> {
             const KINDS: &'static [Kind] = &[$( <$law as Law<S>>::KINDS[0] ),+];
             type State = AnyLawState<S>;
@@ -249,18 +258,12 @@ macro_rules! laws {
                 match state { $( AnyLawState::$Variant(law, state) => law.receive(state, packet) ),+ }
             }
             #[inline]
-            fn couple(&self, state: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
-                // A copy for each: what one law takes by reference would be in memory for all.
-                match state { $( AnyLawState::$Variant(law, state) => law.couple(state, &{ *seen }) ),+ }
-            }
-            #[inline]
-            fn couple_as_port(
-                &self,
-                state: &mut Self::State,
-                seen: &Seen<S>,
-                solve: impl FnOnce(Port<S>) -> S,
-            ) -> Coupled<S> {
-                match state { $( AnyLawState::$Variant(law, state) => law.couple_as_port(state, &{ *seen }, solve) ),+ }
+            fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+                match state { $(
+                    AnyLawState::$Variant(..) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(seen.local),
+                    // A copy for each: what one law takes by reference would be in memory for all.
+                    AnyLawState::$Variant(law, state) => law.couple(state, &{ *seen }, solve),
+                )+ }
             }
             fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
                 match state { $( AnyLawState::$Variant(law, state) => law.send(state, local) ),+ }
@@ -310,6 +313,8 @@ pub struct Spring<S> {
     pub impedance: S,
 }
 
+configured!([S: Scalar] Spring<S> { stiffness, damping, impedance });
+
 impl<S: Scalar> Spring<S> {
     /// K_T and B_T of the scene.
     pub fn build(settings: &Settings) -> Self {
@@ -327,10 +332,16 @@ impl<S: Scalar> Spring<S> {
         port::met_midway(coordination.stiffness_n_per_m, coordination.damping_n_s_per_m, settings)
     }
 
-    /// F_T, N.
+    /// F_T through a tick in which the desired motion is held, N: of the motions as they are where the order is staged, else of the
+    /// [`Spring::port`] and how the copy moves under it.
     #[inline]
-    pub fn force(&self, desired: Motion<S>, local: Motion<S>) -> S {
-        self.stiffness * (desired.position - local.position) + self.damping * (desired.velocity - local.velocity)
+    pub fn force(&self, desired: Motion<S>, local: Motion<S>, solve: impl Solve<S>) -> S {
+        if solve.is_staged() {
+            let stretch = desired.position - local.position;
+            return self.stiffness * stretch + self.damping * (desired.velocity - local.velocity);
+        }
+        let port = self.port(desired, local);
+        port.at(solve.velocity(port))
     }
 
     /// F_T through a tick in which the copy moves and the desired motion is held, f and z.

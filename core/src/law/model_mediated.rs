@@ -39,7 +39,7 @@ use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{START, needs_midpoint};
 use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
-use crate::object::port::{Port, met_midway};
+use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 use estimate::Estimate;
 
@@ -90,6 +90,8 @@ pub struct Model<S> {
     pub rest: S,
 }
 
+configured!([S: Scalar] Model<S> { mass, damping, stiffness, rest });
+
 /// A model of the other copy, and what corrects it.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelMediated<S> {
@@ -122,6 +124,11 @@ pub struct ModelMediated<S> {
     twice_rate: S,
     half: S,
 }
+
+configured!([S: Scalar] ModelMediated<S> {
+    spring, mean, first, masses, stiffness, damping, impedance, budget, start, most, share, memory, units,
+    ticks_per_packet, packet_rate, period, half_period, twice_rate, half
+});
 
 /// The model, what is known of the other copy, and what may be spent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -229,6 +236,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         promises: &[],
     }];
     type State = ModelMediatedState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         needs_midpoint(settings)?;
@@ -305,12 +313,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
     }
 
     #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut ModelMediatedState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut ModelMediatedState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let (body, remote, model, kappa) = (state.body, state.remote, state.model, self.spring.impedance);
         // The correction, as far as the account pays for it whatever the body does.
         let wanted = self.stiffness * (remote.position - body.position) + self.damping * remote.velocity;
@@ -325,7 +328,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         let inverse_sum = S::ONE.ratio(own + kappa);
         let share = kappa * inverse_sum;
         let port = Port { force: spring + share * drive, impedance: own * share };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let velocity = (drive + kappa * mean) * inverse_sum;
         state.body = Motion {
             position: state.carry.add(body.position, self.period * velocity),

@@ -24,7 +24,7 @@
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::port::{Port, met_midway};
+use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
 
 /// Half of a spring, whose far end is moved by what was heard to be absorbed.
@@ -40,6 +40,8 @@ pub struct PassivityControl<S: Scalar> {
     /// 2K_T·T_c/2 + B_T, N·s/m.
     impedance: S,
 }
+
+configured!([S: Scalar] PassivityControl<S> { tanks, stiffness, damping, fastest, impedance });
 
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,6 +71,7 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
     type State = PassivityControlState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (period, coordination) = (settings.timing.control_period_s, &settings.coordination);
@@ -96,12 +99,7 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut PassivityControlState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut PassivityControlState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let period = self.tanks.period_s;
         let power_in = self.tanks.fill(&mut state.tank);
         let local = seen.local.position.to_counter();
@@ -117,7 +115,7 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         let carried = state.remote.velocity.to_counter().limit(self.fastest * state.tank.level_j.sqrt());
         let port =
             Port { force: S::of_counter(self.stiffness * stretch + self.damping * carried), impedance: self.impedance };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let velocity = mean.to_counter();
         self.tanks.settle(&mut state.tank, period * self.damping * (velocity - carried) * velocity);
         Coupled {

@@ -5,7 +5,7 @@
 
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
 /// Virtual coupling to the last received motion.
@@ -13,6 +13,8 @@ use crate::settings::{Refused, Settings};
 pub struct Power<S> {
     spring: Spring<S>,
 }
+
+configured!([S: Scalar] Power<S> { spring });
 
 impl<S: Scalar> Law<S> for Power<S> {
     const KINDS: &'static [Kind] = &[Kind {
@@ -39,14 +41,8 @@ impl<S: Scalar> Law<S> for Power<S> {
     }
 
     #[inline]
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::toward(*desired, self.spring.force(*desired, seen.local))
-    }
-
-    #[inline]
-    fn couple_as_port(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
-        let port = self.spring.port(*desired, seen.local);
-        Coupled::toward(*desired, port.at(solve(port)))
+    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        Coupled::toward(*desired, self.spring.force(*desired, seen.local, solve))
     }
 
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {

@@ -23,7 +23,7 @@
 
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
-use crate::object::port::{Port, met_midway};
+use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, Refused, Settings};
 
 const MASS: Key = Key::number("remote_proxy.mass_kg", 0.02, [1e-4, 10.0], "kg", "Remote dynamic proxy: mass m_p.");
@@ -62,6 +62,10 @@ pub struct RemoteDynamicProxy<S> {
     seen_impedance: S,
     period: S,
 }
+
+configured!([S: Scalar] RemoteDynamicProxy<S> {
+    spring, inertia, stiffness, damping, impedance, inverse_sum, share, seen_impedance, period
+});
 
 /// The proxy, and where it is drawn to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -120,25 +124,14 @@ impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
         state.remote = packet.motion;
     }
 
-    /// With the copy going on as it was.
     #[inline]
-    fn couple(&self, state: &mut ProxyState<S>, seen: &Seen<S>) -> Coupled<S> {
-        self.couple_as_port(state, seen, |_| seen.local.velocity)
-    }
-
-    #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut ProxyState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut ProxyState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let (proxy, remote) = (state.proxy, state.remote);
         let pull = self.stiffness * (remote.position - proxy.position) + self.damping * remote.velocity;
         let spring = self.spring.stiffness * (proxy.position - seen.local.position);
         let drive = self.inertia * proxy.velocity + pull - spring;
         let port = Port { force: spring + self.share * drive, impedance: self.seen_impedance };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
         state.proxy = Motion {
             position: state.carry.add(proxy.position, self.period * velocity),

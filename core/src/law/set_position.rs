@@ -25,7 +25,7 @@
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
 /// A spring to a set position that is paid for.
@@ -38,6 +38,8 @@ pub struct SetPosition<S: Scalar> {
     /// K_T·T_c/2 + B_T, N·s/m.
     impedance: S,
 }
+
+configured!([S: Scalar] SetPosition<S> { tanks, stiffness, harvest, impedance });
 
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,6 +72,7 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
     type State = SetPositionState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (timing, coordination) = (&settings.timing, &settings.coordination);
@@ -94,19 +97,14 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut SetPositionState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut SetPositionState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let power_in = self.tanks.fill(&mut state.tank);
         let local = seen.local.position.to_counter();
         let (before, wanted) = (state.set - local, state.wanted.to_counter() - local);
         let (stretch, _) = self.tanks.stretch(&mut state.tank, self.stiffness, before, wanted);
         state.set = local + stretch;
         let port = Port { force: S::of_counter(self.stiffness * stretch), impedance: self.impedance };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let velocity = mean.to_counter();
         let mut power_out = S::Counter::ZERO;
         let harvest = self.harvest * velocity * velocity;

@@ -40,6 +40,8 @@ pub(super) struct Tanks<C> {
     pub(super) half: C,
 }
 
+configured!([C: Scalar] Tanks<C> { start_j, most_j, period_s, half });
+
 /// What may be spent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tank<C> {

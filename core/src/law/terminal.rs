@@ -9,7 +9,7 @@
 
 use super::Spring;
 use crate::num::Scalar;
-use crate::object::Port;
+use crate::object::{Port, Solve};
 use crate::settings::Settings;
 
 /// Spring and line in a row.
@@ -29,6 +29,8 @@ pub(super) struct Terminal<S> {
     /// 1/√(2b), the part of u_out that is force.
     force_to_wave: S,
 }
+
+configured!([S: Scalar] Terminal<S> { spring, root, inverse_sum, share, impedance, velocity_to_wave, force_to_wave });
 
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
@@ -57,21 +59,21 @@ impl<S: Scalar> Terminal<S> {
 
     /// A tick with a wave coming in, √W, from this stretch of the spring, m.
     #[inline]
-    pub(super) fn meet(&self, stretch: S, wave_in: S, solve: impl FnOnce(Port<S>) -> S) -> Ended<S> {
+    pub(super) fn meet(&self, stretch: S, wave_in: S, solve: impl Solve<S>) -> Ended<S> {
         let spring = self.spring.stiffness * stretch;
         // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = self.root * wave_in - spring;
         let port = Port { force: spring + self.share * drive, impedance: self.impedance };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
         Ended { velocity, force: port.at(mean) }
     }
 
     /// A tick in which the line's end stands.
     #[inline]
-    pub(super) fn stand(&self, stretch: S, solve: impl FnOnce(Port<S>) -> S) -> Ended<S> {
+    pub(super) fn stand(&self, stretch: S, solve: impl Solve<S>) -> Ended<S> {
         let port = Port { force: self.spring.stiffness * stretch, impedance: self.spring.impedance };
-        Ended { velocity: S::ZERO, force: port.at(solve(port)) }
+        Ended { velocity: S::ZERO, force: port.at(solve.velocity(port)) }
     }
 
     /// u_out, √W.

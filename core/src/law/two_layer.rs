@@ -20,7 +20,7 @@
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
 
 const LEVEL: Key = Key::number(
@@ -59,6 +59,8 @@ pub struct TwoLayer<S: Scalar> {
     rate: S::Counter,
 }
 
+configured!([S: Scalar] TwoLayer<S> { tanks, spring, level_j, fill, share, rate });
+
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwoLayerState<S: Scalar> {
@@ -85,6 +87,7 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         promises: &[Promise::Passive],
     }];
     type State = TwoLayerState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         Ok(Self {
@@ -110,12 +113,7 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut TwoLayerState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut TwoLayerState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let period = self.tanks.period_s;
         let power_in = self.tanks.fill(&mut state.tank);
         let quantum = self.share * state.tank.level_j;
@@ -127,7 +125,7 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         let impedance = wanted.impedance + S::of_counter(damping);
         let most = (self.rate * impedance.to_counter() * state.tank.level_j).sqrt();
         let port = Port { force: wanted.force.limit(S::of_counter(most)), impedance };
-        let mean = solve(port);
+        let mean = solve.velocity(port);
         let force = port.at(mean);
         self.tanks.settle(&mut state.tank, -(period * force.to_counter() * mean.to_counter()));
         Coupled {

@@ -18,8 +18,8 @@ use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Seen};
-use crate::num::{Carry, Motion, Scalar, StateVector, Sum};
-use crate::object::Port;
+use crate::num::{Carry, Configured, Motion, Scalar, StateVector, Sum};
+use crate::object::Solve;
 use crate::settings::{Allowed, Refused, Settings};
 
 pub use crate::names::Decode;
@@ -49,6 +49,10 @@ pub struct Line<S: Scalar, D> {
     inverse_loop: S,
     half: S,
 }
+
+configured!([S: Scalar, D: Configured] Line<S, D> {
+    end, decimator, decode, credit, period, root_over_impedance, inverse_impedance, inverse_loop, half
+});
 
 /// State of one end of a wave line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -169,22 +173,14 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut LineState<S, D::State>, seen: &Seen<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut LineState<S, D::State>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let wave_in = self.paid(state);
-        let desired = self.decode(state, wave_in, seen.local);
-        state.desired = desired;
-        state.force = self.end.spring.force(desired, seen.local);
-        self.emit(state, desired, wave_in)
-    }
-
-    #[inline]
-    fn couple_as_port(
-        &self,
-        state: &mut LineState<S, D::State>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
-        let wave_in = self.paid(state);
+        if solve.is_staged() {
+            let desired = self.decode(state, wave_in, seen.local);
+            state.desired = desired;
+            state.force = self.end.spring.force(desired, seen.local, solve);
+            return self.emit(state, desired, wave_in);
+        }
         let before = state.desired.position;
         let Ended { velocity, force } = self.end.meet(before - seen.local.position, wave_in, solve);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };

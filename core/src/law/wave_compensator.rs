@@ -25,7 +25,7 @@ use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::names::Side;
 use crate::num::{Carry, Motion, Scalar, StateVector};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Key, Refused, Settings};
 
 const BANDWIDTH: Key = Key::number(
@@ -50,6 +50,8 @@ pub struct WaveCompensator<S: Scalar> {
     /// √(b/2).
     velocity_to_wave: S,
 }
+
+configured!([S: Scalar] WaveCompensator<S> { tanks, end, mean, period, half, take, velocity_to_wave });
 
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,6 +92,7 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         promises: &[Promise::Passive],
     }];
     type State = WaveCompensatorState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let tanks = Tanks::build(settings, &WAVE_START)?;
@@ -121,12 +124,7 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut WaveCompensatorState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut WaveCompensatorState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         self.tanks.fill(&mut state.tank);
         let bias = self.velocity_to_wave * (state.remote - state.desired.velocity);
         state.compensation = state.compensation + self.take * (bias - state.compensation);

@@ -26,7 +26,7 @@ use super::tank::{WAVE_START, needs_midpoint};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
 /// Packets over which what is owed is made good, 1/(λ·T_n).
@@ -53,6 +53,10 @@ pub struct WaveIntegral<S: Scalar> {
     /// 1/√(2b).
     wave_to_position: S::Counter,
 }
+
+configured!([S: Scalar] WaveIntegral<S> {
+    end, half, start_j, cap_j, period_s, half_period_s, per_s, ticks_per_packet, rate, half_rate, wave_to_position
+});
 
 /// State of one end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -153,6 +157,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
     type State = WaveIntegralState<S>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         needs_midpoint(settings)?;
@@ -209,12 +214,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         }
     }
 
-    fn couple_as_port(
-        &self,
-        state: &mut WaveIntegralState<S>,
-        seen: &Seen<S>,
-        solve: impl FnOnce(Port<S>) -> S,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut WaveIntegralState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let desired = state.desired.total();
         if state.phase == 0 {
             state.sent.add(state.fresh);

@@ -23,6 +23,8 @@ pub struct Euler<S, const NEW: bool> {
     prompt: S,
 }
 
+configured!([S: Scalar, const NEW: bool] Euler<S, NEW> { period, gain, damping, late, prompt });
+
 /// The old velocity moves the position.
 pub type ForwardEuler<S> = Euler<S, false>;
 

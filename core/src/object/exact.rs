@@ -22,6 +22,8 @@ pub struct Exact<S> {
     position_gain: [S; 2],
 }
 
+configured!([S: Scalar] Exact<S> { velocity_kept, velocity_to_position, velocity_gain, position_gain });
+
 /// Response to a unit force held for `time` from rest: (velocity, position) in m/s and m per newton.
 fn response(mass_kg: f64, damping: f64, time: f64) -> (f64, f64) {
     let x = damping * time / mass_kg;

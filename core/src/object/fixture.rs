@@ -31,6 +31,8 @@ pub struct Fixture<S> {
     entering: S,
 }
 
+configured!([S: Scalar] Fixture<S> { beyond, position, stiffness, impedance, half_stiffness, entering });
+
 /// What pushes, and its sign tells which way alone it may; 0: both ways.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pushes<S> {

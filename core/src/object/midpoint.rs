@@ -24,6 +24,8 @@ pub struct Midpoint<S> {
     damping: S,
 }
 
+configured!([S: Scalar] Midpoint<S> { period, inertia, damping });
+
 /// What position and velocity could not hold: rounding, no state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carries<S> {

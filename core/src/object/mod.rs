@@ -20,7 +20,7 @@ use crate::model::Model;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 
 pub use crate::names::IntegratorName;
-pub use port::Port;
+pub use port::{Port, Solve, Staged};
 
 /// Advances a mass by one tick.
 pub trait Integrator<S: Scalar>: Model<S> {

@@ -40,6 +40,10 @@ pub struct Plane<S, const N: usize> {
     one_half: S,
 }
 
+configured!([S: Scalar, const N: usize] Plane<S, N> {
+    normal, position, stiffness, impedance, half_stiffness, entering, drag, friction, one_half
+});
+
 /// What a wall does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains {
@@ -176,6 +180,8 @@ pub struct Oblique<S, const N: usize> {
     /// It draws as well as pushes.
     draws: bool,
 }
+
+configured!([S: Scalar, const N: usize] Oblique<S, N> { plane, body, draws });
 
 impl<S: Scalar, const N: usize> Oblique<S, N> {
     /// From the table `fixture`; nothing where there is none.

@@ -39,6 +39,42 @@ impl<S: Scalar> Port<S> {
     }
 }
 
+/// How the copy moves in the tick that a law is asked about ([`crate::law::Law::couple`]): in one solve with all that pushes on it, which
+/// any closure from a port to a velocity is, or [`Staged`].
+pub trait Solve<S: Scalar> {
+    /// Whether every force is found from the motion as the tick begins, in stages, as the papers have it. Known when the program is compiled:
+    /// a branch on it costs nothing.
+    fn is_staged(&self) -> bool;
+    /// Velocity of the copy through the tick, m/s, that comes of this port and of whatever else pushes on the copy.
+    fn velocity(self, port: Port<S>) -> S;
+}
+
+impl<S: Scalar, F: FnOnce(Port<S>) -> S> Solve<S> for F {
+    #[inline(always)]
+    fn is_staged(&self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn velocity(self, port: Port<S>) -> S {
+        self(port)
+    }
+}
+
+/// Forces are found one after the other, and the copy moves when all are known: its velocity (m/s) is the one that the tick begins with.
+#[derive(Clone, Copy, Debug)]
+pub struct Staged<S>(pub S);
+
+impl<S: Scalar> Solve<S> for Staged<S> {
+    #[inline(always)]
+    fn is_staged(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn velocity(self, _: Port<S>) -> S {
+        self.0
+    }
+}
+
 impl<S: Scalar> Add for Port<S> {
     type Output = Self;
     #[inline]

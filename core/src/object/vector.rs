@@ -119,6 +119,8 @@ pub struct Body<S, const N: usize> {
     one_half: S,
 }
 
+configured!([S: Scalar, const N: usize] Body<S, N> { period, inertia, damping, one_half });
+
 /// Where a body is along every axis, and what its numbers could not hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving<S, const N: usize> {

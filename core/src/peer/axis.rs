@@ -10,7 +10,7 @@ use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
 use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
-use crate::object::{AnyIntegrator, Port};
+use crate::object::{AnyIntegrator, Port, Staged};
 
 /// What a tick saw and did along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +40,10 @@ pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
     integrator: AnyIntegrator<S>,
     pub(super) strikes: Strikes<S>,
 }
+
+configured!([S: Scalar, L: Law<S>] SharedAxis<S, L> {
+    object, integrator; coordination, observed, ledger, standing, strikes
+});
 
 /// What is the same for all axes in a tick.
 pub(super) struct Tick<'a, S: Scalar, L> {
@@ -138,7 +142,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
                 object.velocity + half_change
             };
             let coupled = if engaged {
-                law.couple_as_port(&mut self.coordination, &seen, solve)
+                law.couple(&mut self.coordination, &seen, solve)
             } else {
                 solve(Port::default());
                 Coupled::none(object)
@@ -147,7 +151,11 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         } else {
             let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
             let seen = Seen { local: object, contact_force: touch.felt, age_ticks };
-            let coupled = if engaged { law.couple(&mut self.coordination, &seen) } else { Coupled::none(object) };
+            let coupled = if engaged && !L::PORTS_ONLY {
+                law.couple(&mut self.coordination, &seen, Staged(object.velocity))
+            } else {
+                Coupled::none(object)
+            };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
         self.end([device, object, next], felt, &coupled, period_s)
@@ -245,7 +253,7 @@ fn gather<S: Scalar, L: Law<S>, const N: usize>(
         return;
     };
     let seen = Seen { local: *object, contact_force: axis.observed.contact_force, age_ticks: tick.age_ticks };
-    *coupled = tick.law.couple_as_port(&mut axis.coordination, &seen, |port| {
+    *coupled = tick.law.couple(&mut axis.coordination, &seen, |port: Port<S>| {
         if let Some(own) = together.ports.get_mut(at) {
             *own = port;
         }

@@ -29,7 +29,7 @@ fn each_end_is_passive_by_itself() {
             let hand = Port { force: 5.0 * random(), impedance: 1.0 };
             let mut mean = 0.0;
             let seen = Seen { local: copy, ..Seen::default() };
-            let coupled = law.couple_as_port(&mut end, &seen, |port| {
+            let coupled = law.couple(&mut end, &seen, |port: Port<f64>| {
                 let (inertia, all) = (2.0 * MASS_KG / PERIOD, port + hand);
                 mean = (inertia * copy.velocity + all.force) / (inertia + all.impedance);
                 mean
@@ -58,7 +58,7 @@ fn the_gate_opens_as_far_as_the_account_covers() {
         let law = <InputGated<f64> as Law<f64>>::build(&settings).expect("good settings");
         let mut end = law.start(Motion::REST);
         law.receive(&mut end, Packet { motion: Motion::at(0.1), ..Packet::default() });
-        let coupled = law.couple_as_port(&mut end, &Seen::default(), |_| 0.0);
+        let coupled = law.couple(&mut end, &Seen::default(), |_| 0.0);
         assert!((coupled.force - wanted).abs() < 1e-12 * wanted.max(1.0), "{start} J: {} N, {wanted} N", coupled.force);
     }
 }

@@ -55,7 +55,7 @@ impl Ends {
             };
             let mut mean = 0.0;
             let seen = Seen { local: copy, ..Seen::default() };
-            let coupled = self.law.couple_as_port(&mut self.states[at], &seen, |port| {
+            let coupled = self.law.couple(&mut self.states[at], &seen, |port: Port<f64>| {
                 let all = port + hand;
                 let inertia = 2.0 * MASS_KG / PERIOD;
                 mean = (inertia * copy.velocity + all.force) / (inertia + all.impedance);

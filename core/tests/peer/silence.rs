@@ -3,7 +3,8 @@
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, event};
-use haptic_core::num::Motion;
+use haptic_core::num::{Configured, Motion};
+use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::schema::Schema;
@@ -12,6 +13,8 @@ use haptic_core::settings::{Refused, SetError, Settings, Value};
 /// Power-domain; worth a packet is a copy beyond the origin.
 #[derive(Clone, Copy, Debug)]
 struct Shy(Power<f64>);
+
+impl Configured for Shy {}
 
 impl Law<f64> for Shy {
     const KINDS: &'static [Kind] =
@@ -27,8 +30,8 @@ impl Law<f64> for Shy {
     fn receive(&self, state: &mut Motion<f64>, packet: Packet<f64>) {
         self.0.receive(state, packet);
     }
-    fn couple(&self, state: &mut Motion<f64>, seen: &Seen<f64>) -> Coupled<f64> {
-        self.0.couple(state, seen)
+    fn couple(&self, state: &mut Motion<f64>, seen: &Seen<f64>, solve: impl Solve<f64>) -> Coupled<f64> {
+        self.0.couple(state, seen, solve)
     }
     fn send(&self, state: &Motion<f64>, local: Motion<f64>) -> Packet<f64> {
         self.0.send(state, local)

@@ -11,8 +11,10 @@
 //!
 //! In haptic-core the same law would be this file and one line in its list of laws.
 
+use haptic_core::configured;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::Solve;
 use haptic_core::settings::{Key, Refused, Settings};
 
 /// Name, default, range, unit and meaning: scene files, `--set`, `--keys`, sweeps and error messages go by this.
@@ -24,6 +26,8 @@ struct Predict<S> {
     spring: Spring<S>,
     ahead: S,
 }
+
+configured!([S: Scalar] Predict<S> { spring, ahead });
 
 impl<S: Scalar> Law<S> for Predict<S> {
     const KINDS: &'static [Kind] = &[Kind {
@@ -50,10 +54,8 @@ impl<S: Scalar> Law<S> for Predict<S> {
         *desired = Motion { position: position + self.ahead * velocity, velocity };
     }
 
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-        let force = self.spring.force(*desired, seen.local);
-        let power = force * desired.velocity;
-        Coupled { desired: *desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
+    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        Coupled::toward(*desired, self.spring.force(*desired, seen.local, solve))
     }
 
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {

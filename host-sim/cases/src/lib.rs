@@ -28,7 +28,7 @@ use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::law::wave::{Decode, PassiveWave};
 use haptic_core::law::{AnyLaw, Kind, Law, Seen};
 use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::{AnyIntegrator, IntegratorName};
+use haptic_core::object::{AnyIntegrator, IntegratorName, Staged};
 use haptic_core::settings::{Choice, Settings};
 
 use filters::{Bilinear, Exact, Filter, ForwardEuler};
@@ -123,7 +123,7 @@ fn decode<S: Scalar, M: Meter>(decode: Decode) -> Case {
     case::<M, _, _, _>(format!("decode/{}", decode.name()), inputs, move || {
         let law = black_box(AnyLaw::<S>::build(&settings).expect(GOOD));
         let mut state = black_box(law.start(Motion::REST));
-        move |local| law.couple(&mut state, &Seen { local, ..Seen::default() })
+        move |local| law.couple(&mut state, &Seen { local, ..Seen::default() }, Staged(local.velocity))
     })
 }
 

@@ -2,8 +2,8 @@
 //! every law there could be, whatever is in its state and whole numbers.
 
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar};
-use haptic_core::object::Port;
+use haptic_core::num::{Configured, Motion, Scalar};
+use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Refused, Settings};
 
 use crate::unknown::{Number, Unknown};
@@ -26,6 +26,8 @@ fn packet() -> Packet<Number> {
     }
 }
 
+impl Configured for Whatever {}
+
 impl Law<Number> for Whatever {
     const KINDS: &'static [Kind] =
         &[Kind { name: "(any law)", sends: Sends::Waves, keys: &[], gains: &[], source: "", promises: &[] }];
@@ -36,20 +38,12 @@ impl Law<Number> for Whatever {
     }
     fn start(&self, _: Motion<Number>) {}
     fn receive(&self, (): &mut (), _: Packet<Number>) {}
-    fn couple(&self, (): &mut (), _: &Seen<Number>) -> Coupled<Number> {
-        Coupled { desired: motion(), force: Number::any(), power_in: Number::any(), power_out: Number::any() }
-    }
-    fn couple_as_port(
-        &self,
-        (): &mut (),
-        seen: &Seen<Number>,
-        solve: impl FnOnce(Port<Number>) -> Number,
-    ) -> Coupled<Number> {
-        // It may ask for the copy's velocity, or not.
-        if Number::any() > Number::ZERO {
-            solve(Port { force: Number::any(), impedance: Number::any() });
+    fn couple(&self, (): &mut (), _: &Seen<Number>, solve: impl Solve<Number>) -> Coupled<Number> {
+        // It may ask for the copy's velocity, or not; where that is known, it makes no difference.
+        if !solve.is_staged() && Number::any() > Number::ZERO {
+            solve.velocity(Port { force: Number::any(), impedance: Number::any() });
         }
-        self.couple(&mut (), seen)
+        Coupled { desired: motion(), force: Number::any(), power_in: Number::any(), power_out: Number::any() }
     }
     fn send(&self, (): &(), _: Motion<Number>) -> Packet<Number> {
         packet()

@@ -2,7 +2,8 @@
 
 use haptic_core::law::power::Power;
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::num::{Configured, Motion, Scalar};
+use haptic_core::object::{Port, Solve};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::settings::{Refused, Settings};
 use haptic_proof::prove::{Broken, Tick};
@@ -72,6 +73,8 @@ fn a_force_after_a_fault() {
 #[derive(Clone, Copy, Debug)]
 struct Outside;
 
+impl Configured for Outside {}
+
 impl<S: Scalar> Law<S> for Outside {
     const KINDS: &'static [Kind] =
         &[Kind { name: "outside", sends: Sends::Motion, keys: &[], gains: &[], source: "", promises: &[] }];
@@ -86,7 +89,8 @@ impl<S: Scalar> Law<S> for Outside {
     fn receive(&self, state: &mut Motion<S>, packet: Packet<S>) {
         *state = Motion::at(S::from_f64(0.5 * packet.motion.position.to_f64()));
     }
-    fn couple(&self, state: &mut Motion<S>, _: &Seen<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut Motion<S>, _: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        solve.velocity(Port::default());
         Coupled { desired: *state, ..Coupled::default() }
     }
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {

@@ -7,7 +7,8 @@
 use std::sync::{PoisonError, RwLock};
 
 use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
-use haptic_core::num::{Motion, Scalar, StateVector};
+use haptic_core::num::{Configured, Motion, Scalar, StateVector};
+use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Allowed, Key, Refused, Settings, Value};
 use haptic_sim::{Family, Laws, Scene};
 use pyo3::prelude::*;
@@ -117,6 +118,9 @@ fn state(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     }
 }
 
+/// Python is asked for plain numbers, which lanes do not have.
+impl Configured for AskPython {}
+
 impl<S: Scalar> Law<S> for AskPython {
     const KINDS: &'static [Kind] = &[];
     type State = Numbers<S>;
@@ -161,7 +165,8 @@ impl<S: Scalar> Law<S> for AskPython {
         }
     }
 
-    fn couple(&self, numbers: &mut Numbers<S>, seen: &Seen<S>) -> Coupled<S> {
+    /// Of a copy that is moved by ports: a force that does not depend on how the copy moves.
+    fn couple(&self, numbers: &mut Numbers<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         let answer = self.ask(
             |law| &law.couple,
             |py, couple, values| {
@@ -184,9 +189,11 @@ impl<S: Scalar> Law<S> for AskPython {
             return Coupled { force: S::from_f64(f64::NAN), ..Coupled::default() };
         };
         *numbers = Numbers::of(&answer);
+        let force = S::from_f64(force);
+        solve.velocity(Port::of_force(force));
         Coupled {
             desired: Motion { position: S::from_f64(position), velocity: S::from_f64(velocity) },
-            force: S::from_f64(force),
+            force,
             power_in: S::from_f64(power_in),
             power_out: S::from_f64(power_out),
         }

@@ -107,17 +107,11 @@ impl<const SHARED: usize> Line<SHARED> {
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0 })
     }
 
-    /// Takes a datagram at a tick, opened in place; gives the flow, if it was that. `part` lets go of the other peer.
-    pub fn receive(
-        &mut self,
-        now_us: u64,
-        tick: u32,
-        datagram: &mut [u8],
-        part: impl FnMut(),
-    ) -> Result<Option<Flows<SHARED>>, Error> {
+    /// Takes a datagram at a tick, opened in place; gives the flow, if it was that.
+    pub fn receive(&mut self, now_us: u64, tick: u32, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.
-        self.heed(now_us, part);
+        self.heed(now_us);
         let taken = taken?;
         if let Some(Message::Telemetry(telemetry)) = taken {
             self.heard = Some(telemetry);
@@ -130,10 +124,9 @@ impl<const SHARED: usize> Line<SHARED> {
     }
 
     /// Takes in what the link has noticed.
-    pub fn heed(&mut self, now_us: u64, mut part: impl FnMut()) {
+    pub fn heed(&mut self, now_us: u64) {
         while let Some(notice) = self.link.take_notice() {
             if notice == Notice::Disengaged {
-                part();
                 self.inbox.clear();
             }
             self.lives += u64::from(matches!(notice, Notice::NewPeer(_)));
@@ -203,20 +196,20 @@ where
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
-        self.line.receive(now_us, self.ticks, datagram, || self.peer.part())
+        self.line.receive(now_us, self.ticks, datagram)
     }
 
     /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32, N> {
         self.line.link.say_due(now_us, &mut send);
-        self.line.heed(now_us, || self.peer.part());
+        self.line.heed(now_us);
         self.line.inbox.play(self.ticks);
         if self.peer.mode() == Mode::Disarmed && !self.halted && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
         }
-        let (flow, anew) = self.line.inbox.take();
-        if anew {
+        let (flow, parted) = self.line.inbox.take();
+        if parted {
             self.peer.part();
         }
         if let Some(flow) = &flow {

@@ -10,7 +10,7 @@ use std::fmt::Debug;
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::{AnyLaw, Law, Packet};
-use haptic_core::num::{Fixed, Motion, Scalar, StateVector};
+use haptic_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Kind, Refused, Settings};
@@ -35,7 +35,7 @@ macro_rules! dyn_peer {
     ($( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+) => {
         /// One haptic peer, configuration and state, that shares the object along `SHARED` axes of a device of `N`, whatever its law and
         /// mechanism: the methods of `haptic_core::peer`.
-        pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Debug + Send + Sync {
+        pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Configured + Debug + Send + Sync {
             $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
             /// Calls `each` for every number of the dynamic state, always in the same order.
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));

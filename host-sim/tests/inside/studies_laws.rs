@@ -49,10 +49,11 @@ fn a_packet_has_116_bytes() {
 mod outside {
     //! A crate outside, in small: the power-domain law under another name, which promises too much, and one that is not linear.
 
+    use haptic_core::configured;
     use haptic_core::law::power::Power;
     use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
     use haptic_core::num::{Motion, Scalar};
-    use haptic_core::object::port::Port;
+    use haptic_core::object::{Port, Solve, Staged};
     use haptic_core::settings::{Promise, Refused, Settings};
 
     const KINDS: [Kind; 2] = [
@@ -81,6 +82,8 @@ mod outside {
         pushes_only: bool,
     }
 
+    configured!([S: Scalar] Outside<S> { power, pushes_only });
+
     impl<S: Scalar> Law<S> for Outside<S> {
         const KINDS: &'static [Kind] = &KINDS;
         type State = Motion<S>;
@@ -94,22 +97,14 @@ mod outside {
         fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
             *desired = packet.motion;
         }
-        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>) -> Coupled<S> {
-            let coupled = self.power.couple(desired, seen);
-            if self.pushes_only { Coupled { force: coupled.force.max(S::ZERO), ..coupled } } else { coupled }
-        }
-        fn couple_as_port(
-            &self,
-            desired: &mut Motion<S>,
-            seen: &Seen<S>,
-            solve: impl FnOnce(Port<S>) -> S,
-        ) -> Coupled<S> {
-            if self.pushes_only {
-                let coupled = self.couple(desired, seen);
-                solve(Port::of_force(coupled.force));
-                return coupled;
+        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+            if !self.pushes_only {
+                return self.power.couple(desired, seen, solve);
             }
-            self.power.couple_as_port(desired, seen, solve)
+            let coupled = self.power.couple(desired, seen, Staged(seen.local.velocity));
+            let force = coupled.force.max(S::ZERO);
+            solve.velocity(Port::of_force(force));
+            Coupled { force, ..coupled }
         }
         fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
             Packet { motion: local, ..Packet::default() }

@@ -4,8 +4,9 @@ use haptic_core::law::Packet;
 use haptic_core::num::Motion;
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Settings, Value};
-use haptic_protocol::peer::{flow_of, packets_of, parameters_of};
+use haptic_protocol::peer::{Inbox, flow_of, packets_of, parameters_of};
 use haptic_protocol::wire::{Flow, Flow3, Message};
+use proptest::prelude::*;
 
 #[test]
 fn packets_survive_the_way() {
@@ -47,5 +48,149 @@ fn what_is_each_devices_own_may_differ_and_nothing_else() {
         let tables = ["timing.", "object.", "coordination."];
         let shared = own || key.name == "axis.shared" || tables.iter().any(|table| key.name.starts_with(table));
         assert_eq!(parameters_of(&changed) != parameters_of(&settings), shared, "{}", key.name);
+    }
+}
+
+/// Ticks from packet to packet.
+const M: u32 = 8;
+
+/// A flow that was sent at this tick, by an end whose motors are on or off.
+fn sent(tick: u32, engaged: bool) -> Flow {
+    Flow { engaged, tick, ..Flow::default() }
+}
+
+/// What an exchange takes: the tick at which it was sent, and whether the other end is to be let go of first.
+fn taken(inbox: &mut Inbox, tick: u32) -> (Option<u32>, bool) {
+    inbox.play(tick);
+    let (flow, anew) = inbox.take();
+    (flow.map(|flow| flow.tick), anew)
+}
+
+#[test]
+fn an_end_that_has_armed_anew_is_seen_however_many_flows_come_at_once() {
+    // Motors off and on again between two exchanges, in as many flows as there may be.
+    for rearm in [&[false, true][..], &[false, false, true, true], &[true, false, true], &[false, true, false, true]] {
+        let mut inbox = Inbox::new(0, M);
+        inbox.put(0, sent(0, true));
+        assert_eq!(taken(&mut inbox, 0), (Some(0), false), "the first life");
+        for (number, engaged) in (1..).zip(rearm) {
+            inbox.put(M, sent(number * M, *engaged));
+        }
+        let newest = rearm.len() as u32 * M;
+        assert_eq!(taken(&mut inbox, M), (Some(newest), true), "{rearm:?}");
+        assert_eq!(taken(&mut inbox, 2 * M), (None, false), "nothing of what came before is left");
+        inbox.put(3 * M, sent(newest + M, true));
+        assert_eq!(taken(&mut inbox, 3 * M), (Some(newest + M), false), "it is let go of once");
+    }
+}
+
+#[test]
+fn motors_that_are_off_are_not_taken_and_those_that_stay_off_are_no_other_life() {
+    let mut inbox = Inbox::new(0, M);
+    for (number, engaged) in (0..).zip([true, true, false, false]) {
+        inbox.put(number, sent(number, engaged));
+        assert_eq!(taken(&mut inbox, number), (engaged.then_some(number), false));
+    }
+    inbox.put(4, sent(4, true));
+    assert_eq!(taken(&mut inbox, 4), (Some(4), true));
+}
+
+#[test]
+fn what_waits_to_be_played_keeps_which_life_it_is_of() {
+    // The fastest packet takes nothing, so everything is played two packet periods after it was sent.
+    let mut inbox = Inbox::new(2, M);
+    for (number, engaged) in (0..).zip([true, true, false, true, true]) {
+        inbox.put(number * M, sent(number * M, engaged));
+        assert!(inbox.newest().is_none(), "not due yet");
+        if let Some(due) = number.checked_sub(2) {
+            assert_eq!(
+                taken(&mut inbox, number * M),
+                ((due < 2).then_some(due * M), false),
+                "of the first life, or off"
+            );
+        }
+    }
+    assert_eq!(taken(&mut inbox, 5 * M), (Some(3 * M), true), "the other life begins where its first flow is played");
+    assert_eq!(taken(&mut inbox, 6 * M), (Some(4 * M), false));
+}
+
+#[test]
+fn an_end_that_has_armed_anew_is_seen_where_play_out_overtakes_the_flow_that_said_so() {
+    // Several wait; when the next exchange comes at last, all but the newest are overtaken.
+    let mut inbox = Inbox::new(2, M);
+    for (number, engaged) in (0..).zip([true, true, false, true]) {
+        inbox.put(number * M, sent(number * M, engaged));
+    }
+    assert_eq!(taken(&mut inbox, 3 * M), (Some(M), false), "what is due is of the first life still");
+    inbox.put(4 * M, sent(4 * M, true));
+    assert_eq!(taken(&mut inbox, 6 * M), (Some(4 * M), true));
+    for tick in 7 * M..20 * M {
+        assert_eq!(taken(&mut inbox, tick), (None, false), "nothing of what came before is left");
+    }
+}
+
+#[test]
+fn nothing_is_left_of_an_end_that_has_gone_and_it_is_let_go_of_once() {
+    for depth in [0, 2] {
+        let mut inbox = Inbox::new(depth, M);
+        inbox.put(0, sent(0, true));
+        inbox.put(M, sent(M, true));
+        inbox.clear();
+        assert!(inbox.newest().is_none());
+        assert_eq!(taken(&mut inbox, 3 * M), (None, true), "at the next exchange, whether or not anything has come");
+        assert_eq!(taken(&mut inbox, 4 * M), (None, false));
+    }
+}
+
+/// What may happen at one end of a line.
+#[derive(Clone, Copy, Debug)]
+enum Happens {
+    /// A flow comes, of an end whose motors are on or off.
+    Comes(bool),
+    /// The link lets go of the other end.
+    Gone,
+    /// A packet period is over, and an exchange takes what there is.
+    Exchange,
+}
+
+proptest! {
+    /// Every flow that is taken is of the newest life by then, and its exchange has let go of the one before, if there was one.
+    #[test]
+    fn no_exchange_takes_one_life_for_another(
+        depth in 0..4_u32,
+        happens in prop::collection::vec(
+            prop_oneof![any::<bool>().prop_map(Happens::Comes), Just(Happens::Gone), Just(Happens::Exchange)], 1..200),
+    ) {
+        let mut inbox = Inbox::<1>::new(depth, M);
+        // By tick of the sender: the life of each flow, counted from what came in which order.
+        let (mut lives, mut life, mut off, mut now) = (Vec::new(), 0, false, 0);
+        // The life that the exchanges are in, once they have taken something of it.
+        let (mut current, mut newest) = (None, 0);
+        for happens in happens {
+            match happens {
+                Happens::Comes(engaged) => {
+                    life += u32::from(engaged && off);
+                    off = !engaged;
+                    inbox.put(now, sent(lives.len() as u32, engaged));
+                    lives.push(life);
+                }
+                Happens::Gone => {
+                    inbox.clear();
+                    life += 1;
+                }
+                Happens::Exchange => {
+                    let (flow, parted) = taken(&mut inbox, now);
+                    now += M;
+                    if parted {
+                        current = None;
+                    }
+                    if let Some(tick) = flow {
+                        let of = lives[tick as usize];
+                        prop_assert!(current.is_none_or(|current| current == of) && of >= newest, "{tick}: {of} in {current:?}");
+                        (current, newest) = (Some(of), of);
+                    }
+                }
+            }
+        }
     }
 }

@@ -41,6 +41,8 @@ pub struct Arm<S> {
     least_reach: S,
 }
 
+configured!([S: Scalar] Arm<S> { maths, upper, fore, least_cosine, least_reach });
+
 impl<S: Scalar> Model<S> for Arm<S> {
     type State = ();
 

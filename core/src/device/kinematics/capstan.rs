@@ -18,6 +18,8 @@ pub struct Capstan<S> {
     m_per_rad: S,
 }
 
+configured!([S: Scalar] Capstan<S> { m_per_rad });
+
 impl<S: Scalar> Model<S> for Capstan<S> {
     type State = ();
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {

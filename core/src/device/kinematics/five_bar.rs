@@ -53,6 +53,8 @@ pub struct FiveBar<S> {
     home: [S; AXES],
 }
 
+configured!([S: Scalar] FiveBar<S> { maths, half_base, half_proximal, distal_squared, margin, home_rad, home });
+
 impl<S: Scalar> Model<S> for FiveBar<S> {
     type State = ();
 

@@ -16,7 +16,7 @@ pub mod arm;
 pub mod capstan;
 pub mod five_bar;
 
-use crate::num::{Motion, Scalar};
+use crate::num::{Configured, Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::AXES, model::Model};
 
@@ -88,6 +88,8 @@ pub trait Kinematics<S: Scalar, const N: usize = AXES>: Model<S> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Direct;
 
+configured!([] Direct {});
+
 impl<S: Scalar> Model<S> for Direct {
     type State = ();
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {
@@ -126,6 +128,14 @@ macro_rules! mechanisms {
             #[inline]
             pub fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
                 match self { $( Self::$Variant(model) => model.forward(joints) ),+ }
+            }
+        }
+
+        impl<S: Scalar> Configured for $Any<S> {
+            fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+                match self { $(
+                    Self::$Variant(model) => KinematicsName::$Variant.configuration(each) & model.configuration(each)
+                ),+ }
             }
         }
 

@@ -43,6 +43,8 @@ pub struct Adaptive<S> {
     longer: [(S, S); MAX_WINDOW - 1],
 }
 
+configured!([S: Scalar] Adaptive<S> { rate_hz, period_s, band, longer });
+
 impl<S: Scalar> Model<S> for Adaptive<S> {
     /// The last positions (m or rad), newest first.
     type State = [S; MAX_WINDOW];

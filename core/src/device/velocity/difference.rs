@@ -20,6 +20,8 @@ pub struct Difference<S> {
     rate_hz: S,
 }
 
+configured!([S: Scalar] Difference<S> { period_s, rate_hz });
+
 impl<S: Scalar> Model<S> for Difference<S> {
     /// The last position, m or rad.
     type State = S;
@@ -47,6 +49,8 @@ pub struct Filtered<S> {
     difference: Difference<S>,
     gain: S,
 }
+
+configured!([S: Scalar] Filtered<S> { difference, gain });
 
 impl<S: Scalar> Model<S> for Filtered<S> {
     /// The last position (m or rad) and the filtered velocity (m/s or rad/s).

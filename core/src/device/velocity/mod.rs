@@ -33,6 +33,8 @@ pub trait VelocityEstimator<S: Scalar>: Model<S> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measured;
 
+configured!([] Measured {});
+
 impl<S: Scalar> Model<S> for Measured {
     type State = ();
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

@@ -48,6 +48,8 @@ pub(super) struct Events<C> {
     rate: C,
 }
 
+configured!([C: Scalar] Events<C> { threshold, rest, together, rate });
+
 /// What the other end knows, if everything arrives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Told<C> {

@@ -88,6 +88,10 @@ pub(super) struct Incoming<C> {
     half: C,
 }
 
+configured!([C: Scalar] Incoming<C> {
+    period_s, credit, follows, capital_j, most_ahead, kept, window, slew, nearly_at_rest, half
+});
+
 /// The other end's counters, as they came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Counters<C> {

@@ -29,7 +29,7 @@ use super::event::LONGEST;
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, needs_midpoint};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
-use crate::object::Port;
+use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
 /// One end of a self-timed line.
@@ -45,6 +45,8 @@ pub struct SelfTimed<S: Scalar> {
     /// 1/√(2b).
     wave_to_position: S::Counter,
 }
+
+configured!([S: Scalar] SelfTimed<S> { end, incoming, events, ticks_per_packet, half, period_s, wave_to_position });
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -88,6 +90,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
     type State = SelfTimedState<S::Counter>;
+    const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
@@ -116,13 +119,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         self.incoming.receive(&mut state.outstanding, &packet);
     }
 
-    /// No force: where nothing is solved, [`SelfTimed::build`] refuses.
-    fn couple(&self, _: &mut Self::State, seen: &Seen<S>) -> Coupled<S> {
-        Coupled::none(seen.local)
-    }
-
     #[inline]
-    fn couple_as_port(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl FnOnce(Port<S>) -> S) -> Coupled<S> {
+    fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
         if state.phase == 0 {
             state.sent.add(state.fresh);
             state.fresh = S::Counter::ZERO;

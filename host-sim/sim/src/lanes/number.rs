@@ -10,7 +10,6 @@
 use std::array::from_fn;
 use std::cell::{Cell, RefCell};
 use std::cmp::Ordering;
-use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use haptic_core::num::Scalar;
@@ -53,7 +52,7 @@ pub(super) fn leave(lanes: u32) {
     LEFT.set(LEFT.get() | lanes & ALL);
 }
 
-/// From now on the lane that texts show.
+/// From now on the lane whose bits numbers have.
 pub(super) fn show(lane: usize) {
     SHOWN.set(lane);
 }
@@ -86,7 +85,7 @@ fn numbers(value: f64) -> [f64; LANES] {
         Tape::Playing(noted, at) => {
             let now = *at;
             *at += 1;
-            // Where a scene has fewer it is not built alike, which its text will tell.
+            // Where a scene has fewer it is not built alike, which its configuration will tell.
             from_fn(|lane| noted[lane].get(now).copied().unwrap_or(value))
         }
     })
@@ -125,7 +124,7 @@ fn agree<T: Copy + PartialEq>(of: impl Fn(usize) -> T) -> T {
 macro_rules! lanes {
     ($(#[$doc:meta])* $Lanes:ident: $count:literal of $Vector:ident, $of:literal of $Alone:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Default)]
+        #[derive(Clone, Copy, Debug, Default)]
         pub struct $Lanes([$Vector; $count]);
 
         impl $Lanes {
@@ -228,13 +227,6 @@ macro_rules! lanes {
             }
         }
 
-        /// The bits of the lane that is shown.
-        impl fmt::Debug for $Lanes {
-            fn fmt(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(text, "{:x}", self.lanes()[SHOWN.get()].to_bits())
-            }
-        }
-
         impl Scalar for $Lanes {
             type Counter = F64s;
             const NAME: &'static str = <$Alone as Scalar>::NAME;
@@ -275,8 +267,9 @@ macro_rules! lanes {
                 let limit = $Vector::splat($Alone::INFINITY);
                 decide(Self::bits_of(self.each(|a| a.abs().simd_lt(limit))))
             }
+            /// Of the lane that is shown.
             fn bits(self) -> u64 {
-                agree(|lane| Scalar::bits(self.lanes()[lane]))
+                Scalar::bits(self.lanes()[SHOWN.get()])
             }
             #[inline(always)]
             fn sqrt(self) -> Self {

@@ -1,11 +1,10 @@
 //! Pairs of peers of all lanes on one network, and how such a peer is built: as each scene's alone, number by number.
 //!
-//! **Checked**: the text of a peer holds everything that it is. A lane stays only if its text, with that lane's bits, is the one that its
-//! scene's peer has alone; so what is counted in whole numbers, or is another model, cannot pass for what the others have. Laws of other
-//! crates derive `Debug`, as core does, or tell as much.
+//! **Checked**: a peer hands over everything that it was built with ([`Configured`](haptic_core::num::Configured)). A lane stays only if
+//! that is, in its bits, what its scene's peer hands over alone; so what is counted in whole numbers, or is another model, cannot pass for
+//! what the others have. A law that does not hand over what it is has no lanes.
 
 use std::array::from_fn;
-use std::fmt::{self, Write as _};
 
 use haptic_core::settings::Refused;
 
@@ -96,38 +95,32 @@ fn peer<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     index: usize,
 ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
     let build = |lane: usize| scenes[lane].peer_from::<S, SHARED, N>(index, plants[lane].motions());
-    let (mut numbers, mut texts): (Vec<Vec<f64>>, Vec<u64>) = Default::default();
+    let (mut numbers, mut alone): (Vec<Vec<f64>>, Vec<Option<u64>>) = Default::default();
     for lane in 0..LANES {
         if lane > 0 && std::ptr::eq(scenes[lane], scenes[lane - 1]) {
             numbers.push(numbers[lane - 1].clone());
-            texts.push(texts[lane - 1]);
+            alone.push(alone[lane - 1]);
             continue;
         }
-        let (alone, noted) = recorded(|| build(lane));
+        let (peer, noted) = recorded(|| build(lane));
         numbers.push(noted);
-        texts.push(text_hash(&*alone?, 0));
+        alone.push(configuration(&*peer?, 0));
     }
     let peer = played(numbers, || build(0))?;
-    for (lane, text) in texts.iter().enumerate() {
-        if text_hash(&*peer, lane) != *text {
+    for (lane, alone) in alone.iter().enumerate() {
+        if alone.is_none() || configuration(&*peer, lane) != *alone {
             leave(1 << lane);
         }
     }
     Ok(peer)
 }
 
-/// A hash of everything that a peer is, told by its text, as this lane has it.
-fn text_hash<S: Lanes, const SHARED: usize, const N: usize>(peer: &dyn DynPeer<S, SHARED, N>, lane: usize) -> u64 {
-    struct Hash(u64);
-    impl fmt::Write for Hash {
-        fn write_str(&mut self, text: &str) -> fmt::Result {
-            self.0 = text.bytes().fold(self.0, |hash, byte| mixed(hash, byte.into()));
-            Ok(())
-        }
-    }
-    let mut hash = Hash(HASH_SEED);
+/// A hash of everything that a peer was built with, as this lane has it; none if its law does not say.
+fn configuration<S: Lanes, const SHARED: usize, const N: usize>(
+    peer: &dyn DynPeer<S, SHARED, N>,
+    lane: usize,
+) -> Option<u64> {
     show(lane);
-    // Writing into a hash does not fail.
-    let _ = write!(hash, "{peer:?}");
-    hash.0
+    let mut hash = HASH_SEED;
+    peer.configuration(&mut |word| hash = mixed(hash, word)).then_some(hash)
 }

@@ -139,3 +139,86 @@ fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
     assert_eq!(lanes_left(), 1 << 3 | 1 << 5);
     same::<f64>(&scenes);
 }
+
+/// A law from outside that keeps a whole number, and whose text says nothing; what it is it hands over, or not.
+mod stepped {
+    use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+    use haptic_core::num::{Configured, Motion, Scalar};
+    use haptic_core::object::Solve;
+    use haptic_core::settings::{Key, Refused, Settings};
+
+    const TIMES: Key = Key::number("stepped.times", 1.0, [1.0, 8.0], "", "How often the spring is there.");
+
+    #[derive(Clone, Copy)]
+    pub(super) struct Stepped<S, const SAYS: bool> {
+        spring: Spring<S>,
+        times: i32,
+    }
+
+    impl<S: Scalar, const SAYS: bool> Configured for Stepped<S, SAYS> {
+        fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+            SAYS && self.spring.configuration(each) & self.times.configuration(each)
+        }
+    }
+
+    impl<S, const SAYS: bool> std::fmt::Debug for Stepped<S, SAYS> {
+        fn fmt(&self, text: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            text.write_str("Stepped")
+        }
+    }
+
+    impl<S: Scalar, const SAYS: bool> Law<S> for Stepped<S, SAYS> {
+        const KINDS: &'static [Kind] =
+            &[Kind { name: "stepped", sends: Sends::Motion, keys: &[TIMES], gains: &[], source: "", promises: &[] }];
+        type State = Motion<S>;
+
+        fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+            Ok(Self { spring: Spring::build(settings), times: settings.own(&TIMES) as i32 })
+        }
+        fn start(&self, local: Motion<S>) -> Motion<S> {
+            local
+        }
+        fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
+            *desired = packet.motion;
+        }
+        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+            let force = S::from_i32(self.times) * self.spring.force(*desired, seen.local, solve);
+            Coupled::toward(*desired, force)
+        }
+        fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {
+            Packet { motion: local, ..Packet::default() }
+        }
+    }
+
+    pub(super) struct Family<const SAYS: bool>;
+
+    impl<const SAYS: bool> haptic_sim::Family for Family<SAYS> {
+        type Of<S: Scalar> = Stepped<S, SAYS>;
+    }
+}
+
+/// Scenes with it, of which every fourth counts to another number, keep their bits; which lanes leave.
+fn stepped<const SAYS: bool>() -> u32 {
+    let laws = Laws::built_in().with::<stepped::Family<SAYS>>();
+    let of = |lane: usize| {
+        let mut scene = scenes::load(laws, "paper-5.2-power-16ms").expect("a built-in scene");
+        let times = format!("stepped.times={}", if lane % 4 == 1 { 2 } else { 1 });
+        for setting in ["coordination.comm=stepped", "coordination.stiffness_n_per_m=50", &times] {
+            scene.apply_override(setting).expect("a good override");
+        }
+        scene
+    };
+    let scenes: Vec<Scene> = (0..LANES).map(of).collect();
+    same::<f32>(&scenes);
+    same::<f64>(&scenes);
+    let [one, two] = [0, 1].map(|lane| lanes::run::<f64>(&scenes[lane..=lane], SECONDS).unwrap()[0].hash);
+    assert_ne!(one, two);
+    Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    lanes_left()
+}
+
+#[test]
+fn a_law_is_compared_by_what_it_hands_over_and_has_no_lanes_if_that_is_nothing() {
+    assert_eq!(stepped::<true>(), 0x2222);
+    assert_eq!(stepped::<false>(), (1 << LANES) - 1);
+}

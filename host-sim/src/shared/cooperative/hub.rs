@@ -173,11 +173,11 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         }
         let session = Header::parse(datagram).map(|(header, ..)| header.session);
         let mut why = session.err().filter(|_| !greeting).map(Error::Wire);
-        for (End { line, path, refused, .. }, at) in self.ends.iter_mut().zip(0..) {
+        for End { line, path, refused, .. } in &mut self.ends {
             if !greeting && (session.is_err() || line.link.session_number() != session.ok()) {
                 continue;
             }
-            match line.receive(now_us, self.ticks, datagram, || self.junction.part(at)) {
+            match line.receive(now_us, self.ticks, datagram) {
                 Ok(_) => path.heard(now_us, from, bytes, greeting, &line.link),
                 // What this line's peer itself has sent is for nobody else.
                 Err(refusal) if !greeting || matches!(refusal, Error::Parameters(_)) => {
@@ -264,9 +264,9 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
     /// One control period: exchanges if that is due, says what is to be said.
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(A, &[u8])) {
         self.greetings = GREETINGS;
-        for (End { line, path, .. }, at) in self.ends.iter_mut().zip(0..) {
+        for End { line, path, .. } in &mut self.ends {
             line.link.say_due(now_us, |out| _ = path.of(out, None).map(|address| send(address, out)));
-            line.heed(now_us, || self.junction.part(at));
+            line.heed(now_us);
         }
         let packets_due = self.ticks.is_multiple_of(self.ticks_per_packet);
         if packets_due && self.packets.is_none() && self.is_complete() {
@@ -291,8 +291,8 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         let mut came = [None; MOST_USERS];
         for ((End { line, .. }, at), came) in self.ends.iter_mut().zip(0..).zip(&mut came) {
             line.inbox.play(self.ticks);
-            let (flow, anew) = line.inbox.take();
-            if anew {
+            let (flow, parted) = line.inbox.take();
+            if parted {
                 self.junction.part(at);
             }
             *came = flow.as_ref().map(|flow| {

@@ -10,6 +10,7 @@
 use haptic_core::law::wave::Decode;
 use haptic_core::law::{AnyLaw, Law, Seen};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::object::Staged;
 use haptic_core::settings::{Choice, Refused, Settings};
 
 use super::{Comparison, Family, counts::Processor, rms};
@@ -59,7 +60,7 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
             if let Some(packet) = packet {
                 law.receive(&mut state, packet);
             }
-            let coupled = law.couple(&mut state, &Seen { local, ..Seen::default() });
+            let coupled = law.couple(&mut state, &Seen { local, ..Seen::default() }, Staged(local.velocity));
             let position = coupled.desired.position.to_f64() - local.position.to_f64() - stretch;
             (position, coupled.force.to_f64() - force)
         })

@@ -163,7 +163,7 @@ impl End {
     /// A tick in which the copy stays where it began.
     fn held(&mut self, age_ticks: u32) -> Coupled<f64> {
         let seen = Seen { age_ticks, ..Seen::default() };
-        self.law.couple_as_port(&mut self.state, &seen, |_| 0.0)
+        self.law.couple(&mut self.state, &seen, |_| 0.0)
     }
 }
 
@@ -295,7 +295,7 @@ pub fn stiffness_learned_n_per_m() -> Result<f64, Failure> {
             let copy = copies[at];
             let mut mean = 0.0;
             let seen = Seen { local: copy, ..Seen::default() };
-            let coupled = law.couple_as_port(&mut states[at], &seen, |port| {
+            let coupled = law.couple(&mut states[at], &seen, |port: Port<f64>| {
                 let all = port + hand;
                 mean = (inertia * copy.velocity + all.force) / (inertia + all.impedance);
                 mean

@@ -336,10 +336,10 @@ fn notices_of_a_line_take_bounded_memory() {
         let [to_two, to_one] = said;
         for (line, came) in [(&mut two, to_two), (&mut one, to_one)] {
             for mut bytes in came {
-                let _ = line.receive(now, 0, &mut bytes, || {});
+                let _ = line.receive(now, 0, &mut bytes);
             }
         }
-        one.heed(now, || {});
+        one.heed(now);
         let newest = one.notices.back();
         joined += u32::from(matches!(newest, Some((at, Notice::Joined)) if *at == now));
         assert!(one.notices.len() <= MOST_NOTICES);

@@ -85,7 +85,7 @@ fn meet(
 ) -> f64 {
     let Some(End { state, coupled }) = lines.next() else { return solve(before) };
     let mut velocity = 0.0;
-    *coupled = law.couple_as_port(state, seen, |own| {
+    *coupled = law.couple(state, seen, |own: Port<f64>| {
         velocity = meet(law, lines, seen, before + own, solve);
         velocity
     });
