@@ -29,6 +29,9 @@ macro_rules! list {
 
         impl<S: $crate::num::Scalar> $Any<S> {
             /// The one that the settings name, at rest.
+            ///
+            /// # Errors
+            /// The model's key whose value is out of range or impossible beside the others.
             pub fn build(settings: &$crate::settings::Settings) -> Result<Self, $crate::settings::Refused<'static>> {
                 Ok(match settings.$table.$key {
                     $( $Name::$Variant => {

@@ -51,7 +51,7 @@ words! {
         "adaptive" => Adaptive, "First-order adaptive windowing.";
     }
 
-    /// A mechanism.
+    /// The mechanism between joints and axes.
     KinematicsName {
         "direct" => Direct, "Each joint is an axis.";
         "capstan" => Capstan, "A motor drives a paddle through a capstan.";
@@ -59,13 +59,13 @@ words! {
         "arm" => Arm, "Three motors: a turning base, two links, the outer one held by a parallelogram.";
     }
 
-    /// Who makes a current of a duty.
+    /// What turns a duty into a motor current.
     MotorDrive {
         "current-loop" => CurrentLoop, "The board itself: bridges and current sensors, a loop at 20 kHz.";
         "amplifier" => Amplifier, "An amplifier in current mode behind the PWM.";
     }
 
-    /// Which sine and cosine a mechanism is computed with.
+    /// The sine and cosine that a mechanism is computed with.
     Maths {
         "libm" => Libm, "Exact to the last bit or so.";
         "micromath" => Micromath, "To 1.1e-3 where the number type has it (`f32`), in a fraction of the time.";

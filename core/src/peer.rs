@@ -66,23 +66,24 @@ impl<S, const N: usize> Sensors<S, N> {
 pub struct Actuators<S, const N: usize = AXES> {
     /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
     pub forces: [S; N],
-    /// The same as motor duties, one for every joint.
+    /// The forces as motor duties, one for every joint.
     pub duties: [Duty; N],
     /// The hardware enable line of the motor bridges.
     pub enable: bool,
-    /// No loop is closed around the currents: duties are voltages, shares of the supply. They are given to the bridges' inputs even
-    /// while `enable` is low, when none of them may come out. Of a probe only, and only where there is a current loop.
+    /// No loop is closed around the currents: duties are voltages, as fractions of the supply. They are written to
+    /// the bridges' inputs even while `enable` is low, when none of them may come out. Only a probe sets this, and
+    /// only where there is a current loop.
     pub open: bool,
 }
 
-/// Motors off.
+/// Motors off: zero force, zero duty, bridges disabled.
 impl<S: Scalar, const N: usize> Default for Actuators<S, N> {
     fn default() -> Self {
         Self { forces: [S::ZERO; N], duties: [Duty::OFF; N], enable: false, open: false }
     }
 }
 
-/// One joint's sensing.
+/// What is sensed at one joint.
 #[derive(Clone, Copy, Debug)]
 struct Joint<S: Scalar> {
     encoder: EncoderState,
@@ -106,7 +107,7 @@ struct Joint<S: Scalar> {
 /// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the others are held. What
 /// is said above and built by [`Peer::new`] shares one axis of a device in the plane; any other is built by [`Peer::build`] and speaks
 /// of all its axes at once ([`Peer::hear`], [`Peer::exchange`]): one law state, one packet and one energy account for each
-/// axis, one ladder of silence for all, since their packets travel together.
+/// axis, one degradation level for all, since their packets travel together.
 ///
 /// ```
 /// use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
@@ -139,8 +140,8 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     kinematics: K,
     joints: [Joint<S>; N],
     ticks_per_packet: u32,
-    /// Axes, and joints, in use. What every tick asks of each counts to `N` all the same: loops that run to a number which is known when
-    /// the program runs alone keep their poses and forces in memory.
+    /// Axes, and joints, in use. Per-tick loops still run over all `N`: a run-time bound makes the compiler spill
+    /// poses and forces to memory.
     axes: usize,
     mode: Mode,
     until_packet: u32,
@@ -160,18 +161,21 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
-    /// Armed, and nothing beside contact and coordination to see to: most ticks by far.
+    /// Armed with the clutch closed and no fixture: only contact and coordination to compute, as in most ticks.
     plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
-    /// Along one axis.
+    /// Virtual fixture where one axis is shared.
     fixture: Option<Fixture<S>>,
-    /// Along several.
+    /// Virtual fixture where several axes are shared.
     oblique: Option<Oblique<S, SHARED>>,
 }
 
 impl Settings {
     /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range or impossible beside the others.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         let (plane, space) = ([Motion::REST; AXES], [Motion::REST; 3]);
         match (self.axis.shared, self.axis.count) {

@@ -89,7 +89,7 @@ pub enum Mode {
     /// Motors off; positions are sensed.
     #[default]
     Disarmed,
-    /// Motors on.
+    /// Motors on: forces are rendered.
     Armed,
     /// One motor on, open loop, within the limits of a probe ([`crate::device::probe`]); ends by itself.
     Probing,
@@ -150,7 +150,7 @@ impl Mode {
 /// Limits of force, slew and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard<S> {
-    /// Largest force, N.
+    /// Largest force of either sign, N.
     pub max_force: S,
     /// Largest change of force in one tick, N.
     pub max_step: S,
@@ -165,7 +165,7 @@ pub struct Guard<S> {
 }
 
 impl<S: Scalar> Guard<S> {
-    /// The scene's limits.
+    /// The limits of the scene's table `safety`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
         Self {

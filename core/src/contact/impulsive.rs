@@ -99,7 +99,7 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
 enum Act<S> {
     /// This force (N) is asked for; what of it the guard gives, the object has taken.
     Pulse(S),
-    /// The spring.
+    /// The object is pushed by the contact's spring and damper in this tick.
     Spring,
 }
 

@@ -18,7 +18,7 @@ pub struct Touch<S> {
 pub struct Press<S> {
     /// What pushes the object.
     pub port: Port<S>,
-    /// Its sign tells which way alone the port may push; 0: both ways.
+    /// Sign of the only force that the port may have on the object; 0: either sign.
     pub toward: S,
     /// Force on the object whose reaction the device feels beside that of the port, N: a pulse.
     pub pulse: S,
@@ -27,7 +27,7 @@ pub struct Press<S> {
 /// Impacts since arming, and what of them reached the hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impacts<S> {
-    /// Impacts.
+    /// Number of impacts since arming.
     pub count: u32,
     /// Σ|ΔQ| that they ask for, N·s.
     pub wanted_n_s: S,
@@ -45,7 +45,8 @@ pub trait Rendering<S: Scalar>: Model<S> {
     /// One tick: the contact of device and object, given the force (N) that the device was last commanded. Impacts move
     /// the object on.
     fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
-    /// The same for a copy that is moved by ports.
+    /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
+    /// force on the device.
     fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
 }
 

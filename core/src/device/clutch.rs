@@ -71,7 +71,7 @@ impl<S: Scalar> Slip<S> {
 }
 
 impl<S: Scalar> Clutch<S> {
-    /// From `safety.clutch_s`.
+    /// The clutch of these settings: closing it takes `safety.clutch_s`.
     pub fn build(settings: &Settings) -> Self {
         Self { step: S::from_f64(settings.timing.control_period_s / settings.safety.clutch_s) }
     }

@@ -3,7 +3,7 @@
 //! Design: the zero of the controller cancels the winding, so that one number is left to choose, the crossover ω_c =
 //! 2π·`motor.current_loop_hz`: K_p = ω_c·L, K_i = ω_c·R. What is measured at the start of a period acts through the next one, 1.5
 //! periods late on average, which leaves a phase margin of 90° − 360°·f·75 µs: 63° at 1 kHz (3 % of overshoot), 36° at 2 kHz (38 %).
-//! A winding of half the inductance that was told is a loop of twice the crossover.
+//! A winding of half the configured inductance gives twice the crossover.
 //!
 //! The tick ([`CurrentLoop`]) scales the gains by the supply and hands them over; the step of a period ([`Controller::step`]) divides
 //! nothing, calls nothing and needs no FPU. The same bits come out on a board and on a PC.
@@ -55,20 +55,23 @@ pub struct CurrentLoop {
     most: i32,
 }
 
-/// What the tick hands to the step: gains of one supply.
+/// Gains and limits for the supply of this moment, which the tick hands to the step of each PWM period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gains {
-    /// K_p.
+    /// Proportional gain K_p, 2⁻²⁰ counts per code.
     pub proportional: i32,
-    /// K_i over one period.
+    /// Integral gain K_i over one PWM period, 2⁻²⁰ counts per code.
     pub integral: i32,
-    /// Largest voltage, counts.
+    /// Largest voltage of either sign, timer counts.
     pub limit: i32,
-    /// Largest reference, codes.
+    /// Largest reference current of either sign, codes.
     pub most: i32,
 }
 
-/// Control periods and PWM periods fall together: as many PWM periods as there are in a control period.
+/// PWM periods in one control period.
+///
+/// # Errors
+/// A control period that is not a whole number of PWM periods.
 pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     let periods = settings.timing.control_period_s * f64::from(PWM_HZ);
     // From a tenth of a period to 2000: the cast is exact.
@@ -191,7 +194,7 @@ impl Sensor {
         Self { zero: half, codes_per_step: (per_step * f64::from(1_u32 << SCALE) + 0.5) as i32 }
     }
 
-    /// The current, codes.
+    /// The current that a reading of the converter stands for, codes.
     #[inline(always)]
     pub fn codes(self, read: u16) -> i32 {
         let codes = (i64::from(i32::from(read) - self.zero) * i64::from(self.codes_per_step)) >> SCALE;

@@ -77,6 +77,9 @@ pub const INDEX_COUNTS: i32 = 4;
 
 /// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
+///
+/// # Errors
+/// The key and the largest speed (m/s) that the counter can follow.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;

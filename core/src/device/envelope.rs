@@ -12,7 +12,7 @@ use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
 use crate::{device::leaky::Leaky, settings::Settings};
 
-/// Limits over time.
+/// Limits of mean force, power and energy at the hand, over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
     leaky: Leaky<S>,

@@ -77,12 +77,12 @@ words! {
     }
 }
 
-/// What to push with.
+/// A probe as it is asked for: joint, waveform, duty and duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Which joint, from 1.
+    /// Number of the joint to push, from 1.
     pub joint: u32,
-    /// How.
+    /// Waveform of the push.
     pub shape: Shape,
     /// Largest duty, a fraction of full scale (of a winding: voltage, a fraction of the supply); along the joint as `motor.reversed` has it.
     pub duty: f64,
@@ -117,7 +117,7 @@ pub const RUNAWAY: i32 = 2;
 /// A thirty-second of full scale: more than any noise.
 pub const SMALL_CODES: i32 = 1024;
 
-/// Ticks after a change of sign that do not count; a force that follows its duty by two is still told right.
+/// Ticks after a change of sign that do not count; a force that follows its duty by two is still judged right.
 const LATE_TICKS: u32 = 3;
 
 /// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
@@ -125,6 +125,9 @@ const CHECK_TRAVEL: u32 = 20;
 
 impl<S: Scalar> Probe<S> {
     /// A probe within the limits of the table `probe`.
+    ///
+    /// # Errors
+    /// The number that lies outside the limits of the table `probe`, with its range.
     pub fn build(settings: &Settings, request: &Request) -> Result<Self, Refused<'static>> {
         let limits = &settings.probe;
         let most = limits.max_duty.min(settings.motor.max_duty);
@@ -159,6 +162,9 @@ impl<S: Scalar> Probe<S> {
     }
 
     /// The check before arming of `joint` (from 1): a weak swing, over a short way.
+    ///
+    /// # Errors
+    /// A joint that the device does not have, or a key of the check that is out of range.
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
@@ -207,9 +213,9 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
 /// What came of a probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Which joint, from 1; 0 before the first probe.
+    /// Number of the joint that was pushed, from 1; 0 before the first probe.
     pub joint: u32,
-    /// How it ended.
+    /// How the probe ended.
     pub end: End,
     /// Most work of the motor so far, counts; never below 0.
     pub most_counts: i32,
@@ -252,7 +258,7 @@ impl Outcome {
     }
 }
 
-/// As the operator is told.
+/// The outcome in words, for the operator.
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { joint, end, most_counts, least_counts, verdict_counts, check, electric } = self;

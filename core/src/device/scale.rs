@@ -11,8 +11,8 @@
 //! own s_p·s_f (Colgate 1993, "Robust impedance shaping telemanipulation").
 //!
 //! **Design**: a peer reckons in the world's units from its encoders to its duties. So a scale is not applied in the tick but to what a
-//! device is told in its own units: counts and lengths of its mechanism, motors, and every limit that keeps the person safe, which thus holds
-//! in newtons and metres of the device. At scale 1 nothing changes, to the last bit.
+//! device is configured in its own units: counts and lengths of its mechanism, motors, and every limit that keeps the person safe, which thus
+//! holds in newtons and metres of the device. At scale 1 nothing changes, to the last bit.
 //!
 //! Where a tick is given positions instead of counts, or takes forces instead of duties (a simulated device), those are of the
 //! world: who simulates the device scales them.

@@ -41,7 +41,7 @@ impl Flow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(4))]
 pub struct Measured<const N: usize = AXES> {
-    /// Each motor.
+    /// Current and voltage of each motor.
     pub motors: [Flow; N],
     /// Supply of the bridges, mV.
     pub supply_mv: u16,

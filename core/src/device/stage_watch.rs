@@ -14,7 +14,7 @@
 //!
 //! **Encoder** ([`Fault::EncoderImplausible`]): a motor that turns is a second speed sensor. r = u − R·i − L·Δi/T − k·Δq/T, V, where
 //! Δq is what the encoder moved in T, beside what is tolerated of it: `motor.emf_tolerance_v` and one count, ¼ of |R·i| (copper that is
-//! 60 K warmer), ½ of |L·Δi/T| (iron that saturates) and ⅛ of |k·Δq/T|. So an encoder that is stuck is told from a joint speed of
+//! 60 K warmer), ½ of |L·Δi/T| (iron that saturates) and ⅛ of |k·Δq/T|. So an encoder that is stuck is detected from a joint speed of
 //! (tolerated r)/k on, one that counts the wrong way from half of that.
 //!
 //! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
@@ -28,8 +28,8 @@
 //! While a probe runs ([`super::probe`]), e and r are not asked for: scales and signs are what it is there to find, and it has a watch of
 //! its own. r is not where positions are exact.
 //!
-//! Limits: an open motor that no force is asked of is told as an encoder, as soon as it moves; one at rest is not told. A supply that
-//! is wrongly measured makes r. What the encoder does at less than the tolerated speed is not seen.
+//! Limits: an open motor that no force is asked of is reported as an encoder fault as soon as it moves, and not at all while it
+//! rests. A supply that is wrongly measured makes r. What the encoder does at less than the tolerated speed is not seen.
 
 use crate::device::current::{self, PWM_PERIOD_S};
 use crate::device::kinematics::Joints;
@@ -86,7 +86,7 @@ pub struct StageWatch<S> {
     axes: usize,
 }
 
-/// What it remembers.
+/// What the watch remembers from tick to tick, of all motors.
 #[derive(Clone, Copy, Debug)]
 pub struct StageState<S, const N: usize = AXES> {
     /// The first of a pair of ticks, with the references of its time.
@@ -113,7 +113,7 @@ impl<S: Scalar, const N: usize> Default for StageState<S, N> {
     }
 }
 
-/// One motor.
+/// What the watch remembers of one motor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motor<S> {
     heat: Heat<S>,
@@ -132,13 +132,13 @@ struct Motor<S> {
 /// How far the motors are judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driven {
-    /// They are off.
+    /// Motors are off: only supply, sensors and warmth are judged.
     Off,
     /// A probe has them, which judges them by itself: nothing but warmth, supply and the end of the sensor's range.
     Probed,
     /// They are on, and positions are exact.
     Alone,
-    /// They are on.
+    /// Motors are on, with encoders: current, voltage and motion are judged against each other.
     Whole,
 }
 

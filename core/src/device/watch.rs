@@ -1,6 +1,6 @@
 //! Watching encoders while the motors are on: does the device answer its motors, and not against all physics?
 //!
-//! **Stuck.** A device at rest under a constant force cannot be told from an encoder that is stuck, and does no harm. But
+//! **Stuck.** A device at rest under a constant force cannot be distinguished from an encoder that is stuck, and does no harm. But
 //! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
 //! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
 //! have ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if that

@@ -11,7 +11,7 @@
 //! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
 //! is even in time about its middle where the speed is odd, so an error in one (dead time looks like resistance) is none in the other.
 //! k holds the encoder's scale and the motor's constant together: a scale that is wrong, with a constant that is wrong the other way, is
-//! not told; nor is less than [`SCALE_PERCENT`].
+//! not reported; nor is less than [`SCALE_PERCENT`].
 //!
 //! Units: currents in codes, 1/32767 of `motor.full_scale_a`; voltages in counts of the timer.
 //!
@@ -27,11 +27,11 @@ use crate::settings::Settings;
 
 /// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
 pub const REST_TICKS: u32 = 40;
-/// Which way the voltage goes after that, tick after tick, over and over. Sum and first moment are zero: a rotor that is free to move comes
-/// back to where it was, at rest (Thue and Morse).
+/// Sign of the probe's voltage in each tick after the rest, over and over. Sum and first moment are zero: a rotor
+/// that is free to move comes back to where it was, at rest (Thue and Morse).
 pub const WAYS: [i32; 8] = [1, -1, -1, 1, -1, 1, 1, -1];
 
-/// Which way the voltage of a winding's probe goes at a tick.
+/// Sign of the voltage of a winding's probe at this tick: −1, 0 or 1.
 #[inline]
 pub fn way(tick: u32) -> i32 {
     tick.checked_sub(REST_TICKS).map_or(0, alternating)
@@ -61,7 +61,7 @@ pub(crate) enum Next {
     Way(i32, bool),
     /// The loop may be closed.
     Passed,
-    /// It may not.
+    /// The loop must stay open, and why.
     Failed(Why),
 }
 
@@ -72,7 +72,7 @@ pub(crate) enum Why {
     Enable,
     /// The current flows against the voltage.
     Sensor,
-    /// No current flows.
+    /// No current flows: the circuit is open.
     Open,
 }
 
@@ -83,7 +83,7 @@ const DRIVEN: u32 = 16;
 const OVER: u32 = DRIVEN + 2 * WAYS.len() as u32;
 
 impl Trial {
-    /// Which way the voltage goes at a tick.
+    /// Sign of the trial's voltage at this tick: −1, 0 or 1.
     fn way(tick: u32) -> i32 {
         match tick {
             DISABLED..AGAINST => 1,
@@ -192,11 +192,11 @@ pub const RESISTANCE_PERCENT: [i32; 2] = [40, 300];
 /// What voltage and current of a check said, in percent of what the settings say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Electric {
-    /// R.
+    /// Measured resistance, percent of the configured one.
     pub resistance_percent: i32,
-    /// Back-EMF per count: motor constant over the encoder's scale.
+    /// Measured back-EMF per count (motor constant over encoder scale), percent of the configured one.
     pub constant_percent: i32,
-    /// Its standard error.
+    /// Standard error of `constant_percent`, percentage points.
     pub unsure_percent: i32,
 }
 

@@ -19,7 +19,7 @@ pub trait Decimator<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static 
     /// What changes from tick to tick.
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
 
-    /// The scene's filter.
+    /// The filter of the scene's settings.
     fn build(settings: &Settings) -> Self;
     /// Takes in one sample of the outgoing wave, √W.
     fn push(&self, state: &mut Self::State, wave: S);

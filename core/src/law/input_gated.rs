@@ -46,7 +46,7 @@ pub struct InputGatedState<S> {
 }
 
 impl<S: Scalar> InputGatedState<S> {
-    /// W, J.
+    /// What the copy has given and not got back, W, J.
     pub fn account_j(&self) -> S {
         self.account
     }

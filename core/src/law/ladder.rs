@@ -7,7 +7,7 @@
 //! ([`super::event`]). What a packet is that has faded, the law says
 //! ([`super::Law::fade`]).
 //!
-//! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
+//! The degradation depends on silence alone. Who does know that the other peer is gone, or another one (a link whose session
 //! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
 //! started anew, and must not be measured by the old one's counters.
 
@@ -28,10 +28,10 @@ pub struct Ladder<S> {
     longest: u32,
 }
 
-/// Where a peer stands on the ladder.
+/// How far a peer's coordination is degraded by silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engagement {
-    /// Steps above disengaged.
+    /// Steps above disengaged: 0 is disengaged, the most is fully engaged.
     level: u32,
     /// Packet periods without a packet, since the last one.
     silent: u32,
@@ -42,7 +42,11 @@ pub struct Engagement {
 }
 
 impl<S: Scalar> Ladder<S> {
-    /// The scene's ladder.
+    /// The degradation steps of the scene's settings.
+    ///
+    /// # Errors
+    /// `safety.disengage_s` that is not more than `safety.fade_s`, or a silence on purpose (`event.longest_s`) that
+    /// the times of `safety` do not allow.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (timing, safety) = (&settings.timing, &settings.safety);
         if safety.disengage_s <= safety.fade_s {
@@ -88,7 +92,7 @@ impl<S: Scalar> Ladder<S> {
         }
     }
 
-    /// Engaged, without anything left to regain: [`Ladder::share`] is 1.
+    /// Whether the coordination is complete: [`Ladder::share`] is 1.
     #[inline]
     pub fn is_whole(&self, at: &Engagement) -> bool {
         at.level >= self.steps

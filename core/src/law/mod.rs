@@ -66,7 +66,7 @@ impl<S: Scalar> StateVector<S> for Packet<S> {
 }
 
 impl<S: Scalar> Packet<S> {
-    /// Every field finite.
+    /// Whether every field is finite.
     #[inline]
     pub fn is_finite(self) -> bool {
         // Two tests for five: nothing times a number is nothing, times anything else no number.
@@ -135,7 +135,7 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// A coordination law.
+/// A coordination law: what couples the local copy of the object to the remote one, and what it sends for that.
 pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
     const KINDS: &'static [Kind];
@@ -302,9 +302,9 @@ laws! {
 /// The spring and damper K_T, B_T between the copy and where it should be.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring<S> {
-    /// K_T, N/m.
+    /// Coordination stiffness K_T, N/m.
     pub stiffness: S,
-    /// B_T, N·s/m.
+    /// Coordination damping B_T, N·s/m.
     pub damping: S,
     /// κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
     pub impedance: S,
@@ -327,7 +327,7 @@ impl<S: Scalar> Spring<S> {
         port::met_midway(coordination.stiffness_n_per_m, coordination.damping_n_s_per_m, settings)
     }
 
-    /// F_T, N.
+    /// Coordination force F_T on the local copy, N.
     #[inline]
     pub fn force(&self, desired: Motion<S>, local: Motion<S>) -> S {
         self.stiffness * (desired.position - local.position) + self.damping * (desired.velocity - local.velocity)

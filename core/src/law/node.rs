@@ -25,7 +25,7 @@ pub struct Node<S, const N: usize> {
 /// What the node answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattered<S, const N: usize> {
-    /// Common velocity, m/s.
+    /// Velocity that all lines share at the node, m/s.
     pub velocity: S,
     /// Waves back into the lines, √W.
     pub back: [S; N],

@@ -21,7 +21,8 @@ pub const START: Key = Key::number(
     "Laws with an energy tank: what is in it when they begin.",
 );
 
-/// The same of a law that sends waves, whose energy on the line is counted wave by wave: by so much may more be emitted than was heard.
+/// The start value of the tank of a law that sends waves, whose energy on the line is counted wave by wave: by so
+/// much may more be emitted than was heard.
 pub const WAVE_START: Key = Key::number(
     "coordination.wave_tank_j",
     0.0,
@@ -35,15 +36,15 @@ pub const WAVE_START: Key = Key::number(
 pub(super) struct Tanks<C> {
     start_j: C,
     most_j: C,
-    /// T_c, s.
+    /// Control period T_c, s.
     pub(super) period_s: C,
     pub(super) half: C,
 }
 
-/// What may be spent.
+/// The energy that a law may spend.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tank<C> {
-    /// J, never negative.
+    /// Energy in the tank, J; never negative.
     pub(super) level_j: C,
     /// The other peer's sum in the newest packet, J.
     heard_j: Option<C>,

@@ -30,9 +30,9 @@ pub trait Scalar:
     type Counter: Scalar;
     /// Name for reports: `f32`, `f64`, `i32f32`.
     const NAME: &'static str;
-    /// Additive identity.
+    /// Zero, the additive identity.
     const ZERO: Self;
-    /// Multiplicative identity.
+    /// One, the multiplicative identity.
     const ONE: Self;
 
     /// Nearest value; saturates where the type is bounded. For use in `build()`, not in the tick.
@@ -48,7 +48,7 @@ pub trait Scalar:
     fn to_code(self) -> i16 {
         self.round_to_i32() as i16
     }
-    /// As [`Scalar::to_f64`] rounds.
+    /// The nearest counter value; rounds as [`Scalar::to_f64`] does.
     fn to_counter(self) -> Self::Counter;
     /// As [`Scalar::from_f64`] rounds. With it, what a law keeps in counters never leaves the number types, whichever they are.
     fn of_counter(counter: Self::Counter) -> Self;

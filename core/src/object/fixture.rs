@@ -31,12 +31,12 @@ pub struct Fixture<S> {
     entering: S,
 }
 
-/// What pushes, and its sign tells which way alone it may; 0: both ways.
+/// A port, and the sign of the only force that it may have; 0: either sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pushes<S> {
     /// What pushes the copy.
     pub port: Port<S>,
-    /// Which way alone.
+    /// The sign of the only force that this port may have; 0 where it may pull as well as push.
     pub toward: S,
 }
 

@@ -4,7 +4,8 @@
 //! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
 //! A body that turns has a rule of its own, [`rigid`], of the same kind. [`fixture`] is a guide or a wall at the copy, one more of the
 //! ports. In the plane and in space ports are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and
-//! turns at once ([`free_body`], which no peer is told of yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
+//! turns at once ([`free_body`], which no peer uses yet). A new integrator is one file here, its `pub mod`, its name and one line in
+//! the list.
 
 pub mod euler;
 pub mod exact;
@@ -39,7 +40,7 @@ list! {
 }
 
 impl<S: Scalar> AnyIntegrator<S> {
-    /// [`Integrator::step`].
+    /// The copy's motion after one tick under this force (N) ([`Integrator::step`]).
     #[inline]
     pub fn step(&mut self, motion: Motion<S>, force: S) -> Motion<S> {
         each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, model, before => model.step(before, motion, force))

@@ -40,25 +40,25 @@ pub struct Plane<S, const N: usize> {
     one_half: S,
 }
 
-/// What a wall does.
+/// Stiffness, damping and friction of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains {
-    /// K, N/m.
+    /// Stiffness normal to the wall K, N/m.
     pub stiffness_n_per_m: f64,
-    /// B, N·s/m, along the normal.
+    /// Damping along the normal B, N·s/m.
     pub damping_n_s_per_m: f64,
-    /// B_f, N·s/m, along the wall.
+    /// Damping along the wall B_f, N·s/m.
     pub drag_n_s_per_m: f64,
-    /// μ.
+    /// Coefficient of friction μ.
     pub friction: f64,
 }
 
 /// What came of a tick at a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met<S, const N: usize> {
-    /// v, m/s.
+    /// Mean velocity of the body through the tick v, m/s.
     pub mean_velocity: [S; N],
-    /// What the wall pushes with, N; never negative.
+    /// Force with which the wall pushes along its normal, N; never negative.
     pub push: S,
     /// Force along the wall on the body, N: drag and friction.
     pub along: [S; N],
@@ -87,7 +87,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         dot(self.normal, moving.axes.map(|axis| axis.position)) - self.position
     }
 
-    /// ½K·max(0, d)², J.
+    /// Energy stored in the wall's spring ½K·max(0, d)², J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let depth = self.depth(moving).max(S::ZERO);
         self.half_stiffness * depth * depth

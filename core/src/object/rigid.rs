@@ -28,7 +28,7 @@ use crate::num::{Carry, Scalar, StateVector};
 /// Newton steps of a tick at most: they double the digits, from about T_c·ω.
 pub const MOST: u32 = 5;
 
-/// A vector.
+/// A vector in space: x, y, z.
 pub type Three<S> = [S; 3];
 
 /// Torque on a body through a tick, as a function of its mean angular velocity: τ = f − Z·ω, both in space.
@@ -40,7 +40,7 @@ pub struct TorquePort<S> {
     pub impedance: [Three<S>; 3],
 }
 
-/// Which way a body is turned and how it turns.
+/// Orientation and angular momentum of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning<S> {
     /// From the body to space, a unit quaternion: w, x, y, z.
@@ -90,7 +90,7 @@ fn each<S: Scalar>([ax, ay, az]: Three<S>, [bx, by, bz]: Three<S>, of: impl Fn(S
     [of(ax, bx), of(ay, by), of(az, bz)]
 }
 
-/// a + factor·b.
+/// The vector a + factor·b.
 fn add<S: Scalar>(a: Three<S>, factor: S, b: Three<S>) -> Three<S> {
     each(a, b, |a, b| a + factor * b)
 }
@@ -155,7 +155,7 @@ impl<S: Scalar> Rotor<S> {
         each(self.inverse, momentum, |inverse, momentum| inverse * momentum)
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy of the rotation, J.
     pub fn energy_j(&self, state: &Turning<S>) -> S {
         let momentum = times(transposed(state.rotation()), state.momentum);
         self.one_half * dot(momentum, each(self.inverse, momentum, |inverse, momentum| inverse * momentum))
@@ -218,7 +218,7 @@ impl<S: Scalar> Rotor<S> {
         add_rows(add_rows(inertia, self.half, turned), self.half, pulled)
     }
 
-    /// R ← R·cay(T_c·Ω).
+    /// Advances the orientation by one tick at this mean angular velocity (rad/s): R ← R·cay(T_c·Ω).
     fn turn(&self, state: &mut Turning<S>, mean: Three<S>) {
         let [w, x, y, z] = state.orientation;
         let [ax, ay, az] = mean.map(|mean| self.half * mean);

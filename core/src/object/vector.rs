@@ -68,7 +68,7 @@ impl<S: Scalar, const N: usize> Add for VectorPort<S, N> {
     }
 }
 
-/// Entry by entry.
+/// The vector whose entries are `of` the entries of both.
 pub(super) fn combined<S: Scalar, const N: usize>(mut one: [S; N], other: [S; N], of: impl Fn(S, S) -> S) -> [S; N] {
     for (one, other) in one.iter_mut().zip(other) {
         *one = of(*one, other);
@@ -122,7 +122,7 @@ pub struct Body<S, const N: usize> {
 /// Where a body is along every axis, and what its numbers could not hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving<S, const N: usize> {
-    /// m and m/s.
+    /// Position (m) and velocity (m/s) along each axis.
     pub axes: [Motion<S>; N],
     carries: [[Carry<S>; 2]; N],
 }
@@ -133,7 +133,7 @@ impl<S: Scalar, const N: usize> Moving<S, N> {
         Self { axes, carries: [[Carry::default(); 2]; N] }
     }
 
-    /// m/s.
+    /// Velocity along each axis, m/s.
     pub fn velocity(&self) -> [S; N] {
         self.axes.map(|axis| axis.velocity)
     }
@@ -182,7 +182,7 @@ impl<S: Scalar, const N: usize> Body<S, N> {
         }
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy of the body, J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let velocity = moving.velocity();
         self.one_half * self.one_half * self.inertia * self.period * dot(velocity, velocity)

@@ -78,7 +78,7 @@ impl<S: Scalar, const N: usize> Pose<S, N> {
     }
 }
 
-/// A mechanism.
+/// A mechanism: how its joints move the hand along the axes of the task.
 pub trait Kinematics<S: Scalar, const N: usize = AXES>: Model<S> {
     /// The pose for the joints' positions (m or rad, zero where the encoders were first read) and velocities.
     fn forward(&self, joints: [Motion<S>; N]) -> Pose<S, N>;
@@ -122,7 +122,7 @@ macro_rules! mechanisms {
                 })
             }
 
-            /// [`Kinematics::forward`].
+            /// The pose for these joint motions ([`Kinematics::forward`]).
             #[inline]
             pub fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
                 match self { $( Self::$Variant(model) => model.forward(joints) ),+ }
@@ -181,7 +181,7 @@ pub struct Joints {
     pub counts_per_unit: f64,
     /// The most that a joint moves (m or rad) when the hand moves by one metre, for plausibility limits.
     pub most_per_m: f64,
-    /// The same in a usual pose.
+    /// The most that a joint moves (m or rad) when the hand moves by one metre in a usual pose.
     pub usual_per_m: f64,
 }
 

@@ -59,13 +59,13 @@ list! {
 }
 
 impl<S: Scalar> AnyVelocity<S> {
-    /// [`VelocityEstimator::start`].
+    /// Starts the estimator at this motion ([`VelocityEstimator::start`]).
     #[inline]
     pub fn start(&mut self, at: Motion<S>) {
         each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.start(state, at));
     }
 
-    /// [`VelocityEstimator::step`].
+    /// Takes in one reading and gives the velocity, m/s or rad/s ([`VelocityEstimator::step`]).
     #[inline]
     pub fn step(&mut self, reading: Motion<S>) -> S {
         each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.step(state, reading))
