@@ -133,7 +133,7 @@ impl<P> Playout<P> {
         Some(packet)
     }
 
-    /// Packets that wait.
+    /// Number of packets in the buffer.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }

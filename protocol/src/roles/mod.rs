@@ -45,10 +45,10 @@ pub trait Role {
     /// Takes a message of the peer `from`.
     fn receive(&mut self, now_us: u64, from: PeerId, message: &Self::Message, out: &mut dyn Out<Self::Message>);
 
-    /// Lets time pass.
+    /// Does what is due at time `now_us`: repeats, expiries and answers.
     fn poll(&mut self, now_us: u64, out: &mut dyn Out<Self::Message>);
 
-    /// The oldest notice that has not been told.
+    /// The oldest notice that has not been taken.
     fn take_notice(&mut self) -> Option<Self::Notice> {
         None
     }

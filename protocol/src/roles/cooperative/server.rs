@@ -26,7 +26,7 @@ pub struct Server {
     lease: Lease,
     version: u32,
     place: Place,
-    /// The object as it is moved here, or as its holder last told.
+    /// The object as it is moved here, or as its holder last reported it.
     object: Body,
     came: Option<Body>,
 }
