@@ -153,7 +153,7 @@ impl Key {
 /// What a law sends, which is also what it acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sends {
-    /// It sends nothing.
+    /// It sends no packets.
     Nothing,
     /// The motion of its copy.
     Motion,

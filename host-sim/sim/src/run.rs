@@ -34,7 +34,7 @@ use crate::scene::Scene;
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
-/// The same, and answers whether it is to go on.
+/// Tells how far a long run is, in ticks, and answers whether it is to go on.
 pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 
 /// Sees rows, each with its axis, from 0.
@@ -69,17 +69,26 @@ macro_rules! runs {
 runs!(f32, f64, Fixed, DoubleDouble);
 
 /// Runs the scene with peers that compute in `S`.
+///
+/// # Errors
+/// The first key of the scene that is out of range or impossible beside the others.
 pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     S::run(scene, options, &told(progress), None)
 }
 
-/// The same for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made fewer
-/// [`Outcome::ticks`], and what it gave tells nothing of the scene.
+/// [`run`] for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made
+/// fewer [`Outcome::ticks`], and its figures say nothing of the scene.
+///
+/// # Errors
+/// As [`run`].
 pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Outcome, Refused<'static>> {
     S::run(scene, options, go_on, None)
 }
 
-/// The same; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+/// [`run`]; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+///
+/// # Errors
+/// As [`run`].
 pub fn run_seen<S: Run>(
     scene: &Scene,
     options: Options,
@@ -89,7 +98,7 @@ pub fn run_seen<S: Run>(
     S::run(scene, options, &told(progress), Some(each))
 }
 
-/// To the end.
+/// A [`GoOn`] that never ends the run.
 fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     move |tick| {
         progress(tick);

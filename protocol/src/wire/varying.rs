@@ -20,7 +20,7 @@ macro_rules! with_payload {
         impl $Name {
             /// First byte, which names the message.
             pub const KIND: u8 = $kind;
-            /// Longest payload, bytes.
+            /// Length of the longest payload, bytes.
             pub const MAX_PAYLOAD: usize = $most;
             /// Longest encoded message, bytes.
             pub const MAX_LEN: usize = Self::HEAD + Self::MAX_PAYLOAD;

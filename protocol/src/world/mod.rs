@@ -19,7 +19,7 @@ use crate::{bytes, error::Error, key::Key};
 /// A part of the world, chosen by place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Scope {
-    /// The whole world.
+    /// All of the world.
     #[default]
     All,
     /// What comes within a radius of a point.

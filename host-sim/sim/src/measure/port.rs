@@ -29,15 +29,15 @@ use super::Figure;
 /// Energy that crossed the ports of one peer's coordination, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PortEnergy<F = f64> {
-    /// From the network.
+    /// Energy that came in from the network, J.
     pub received_j: F,
-    /// To the network.
+    /// Energy that went out to the network, J.
     pub sent_j: F,
-    /// To the object.
+    /// Work of the coordination on the object, J.
     pub to_object_j: F,
-    /// From the object.
+    /// Work of the object on the coordination, J.
     pub from_object_j: F,
-    /// In the spring.
+    /// Energy stored in the coordination's spring, J.
     pub stored_j: F,
 }
 

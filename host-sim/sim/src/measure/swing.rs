@@ -51,6 +51,9 @@ impl Phasor {
 }
 
 /// Swings a scene whose contact is permanent for `periods` after it has settled.
+///
+/// # Errors
+/// The first key of the scene that is out of range or impossible beside the others.
 pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     let mut swung = scene.clone();
     for (user, sign) in swung.users.iter_mut().zip([1.0, -1.0]) {

@@ -102,7 +102,7 @@ enum Order {
     Voltage(Duty),
 }
 
-/// No current.
+/// The order for zero current.
 const OFF: Order = Order::Current(Duty::OFF, 0);
 /// Ω and H of a motor whose wires touch.
 const SHORTED: [f64; 2] = [0.02, 1e-5];

@@ -55,15 +55,15 @@ use serde_json::Value;
 pub enum Cell {
     /// Nothing: it was not measured, or there is none.
     Empty,
-    /// Yes or no.
+    /// A switch: true or false.
     Flag(bool),
-    /// A count.
+    /// A whole number, such as a count.
     Whole(i64),
-    /// A number.
+    /// A number, in the column's unit.
     Number(f64),
-    /// Several numbers.
+    /// Several numbers, in the column's unit.
     List(Vec<f64>),
-    /// Words.
+    /// Text, such as a name.
     Text(String),
 }
 
@@ -181,11 +181,11 @@ pub fn numbered(name: &str, number: usize) -> String {
 pub enum Values {
     /// Numbers and nothing else.
     Numbers(Vec<f64>),
-    /// Anything.
+    /// Cells of any kind.
     Cells(Vec<Cell>),
 }
 
-/// One named column.
+/// One column: name, unit, meaning and values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     name: String,
@@ -346,12 +346,12 @@ impl<'a, R> Rows<'a, R> {
         self.last(|column| column.blank = blank)
     }
 
-    /// Not in text.
+    /// Leaves the last column out of text tables; files have it.
     pub fn data_only(self) -> Self {
         self.last(|column| column.in_text = false)
     }
 
-    /// The columns.
+    /// The columns as they were declared.
     pub fn done(self) -> Columns {
         self.columns
     }
@@ -393,7 +393,7 @@ impl Columns {
         Self { columns: columns.into_iter().map(column).collect() }
     }
 
-    /// The same without the column of this name.
+    /// These columns without the one of this name.
     #[must_use]
     pub fn without(mut self, name: &str) -> Self {
         self.columns.retain(|column| column.name != name);
@@ -457,7 +457,7 @@ impl Columns {
         object
     }
 
-    /// Number of rows.
+    /// Number of rows in each column.
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, Column::len)
     }
@@ -498,7 +498,7 @@ impl Columns {
     }
 }
 
-/// Column by column.
+/// The columns one by one.
 impl IntoIterator for Columns {
     type Item = Column;
     type IntoIter = std::vec::IntoIter<Column>;

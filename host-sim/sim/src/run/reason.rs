@@ -66,11 +66,11 @@ impl fmt::Display for Reason {
 /// What is to be said of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing failed.
+    /// The run passed every check.
     Stable,
     /// Nothing failed but that the copies came apart: [`Reason::Apart`].
     Apart,
-    /// Anything else failed.
+    /// Another check failed: the run is unstable.
     Unstable,
 }
 
