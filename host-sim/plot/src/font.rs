@@ -26,7 +26,7 @@ pub(crate) fn font(size: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::Name(NAME), size * LINE_PER_EM, FontStyle::Normal)
 }
 
-/// Where letters stand.
+/// The line of writing: base, subscript or superscript.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Level {
     Base,
@@ -72,7 +72,7 @@ pub(crate) struct Word {
     pub(crate) width: f64,
     /// Height above the base line.
     pub(crate) rise: f64,
-    /// Em.
+    /// Size of the letters (em), pixels.
     pub(crate) size: f64,
 }
 

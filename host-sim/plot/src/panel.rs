@@ -20,7 +20,7 @@ pub(crate) const STROKE: f64 = 2.6;
 const NAME: f64 = 19.0;
 /// Distance between obstacles along a line.
 const SPACING: f64 = 6.0;
-/// Radius of dots.
+/// Radius of dots, pixels.
 pub(crate) const DOT: f64 = 7.0;
 /// Opacity of regions: four on top of each other can still be told apart.
 pub(crate) const TINT: f64 = 0.25;
@@ -103,7 +103,7 @@ impl Canvas<'_> {
             self.out.marks.push(Mark::Line { points, color: color(series.color), width: series.width, dash });
         }
     }
-    /// Tints a region.
+    /// Tints the region of this series.
     fn region(&mut self, series: &Series) {
         let Shape::Region(strips) = &series.shape else { return };
         let inside = |value: f64, low: f64, high: f64| if value.is_nan() { low } else { value.clamp(low, high) };
