@@ -5,7 +5,7 @@ use haptic_sim::student::student_95;
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Mean.
+    /// Mean over the seeds.
     pub mean: f64,
     /// The true mean is that far from it at most, with 95 % confidence (Student); nothing of a single run.
     pub within_95: Option<f64>,

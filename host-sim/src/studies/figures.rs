@@ -29,7 +29,7 @@ struct Look {
 #[derive(Clone, Copy, PartialEq)]
 enum Discrepancy {
     True,
-    /// At peer 2.
+    /// The decoded discrepancy at peer 2.
     Decoded,
     Both,
 }

@@ -35,12 +35,12 @@ pub enum Party {
     Client(u32),
 }
 
-/// What a visitor is told.
+/// Settings of a visitor.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The key of its line.
     pub key: Key,
-    /// Its line.
+    /// Number of its line.
     pub line: u32,
     /// Number of the server that it begins at.
     pub home: u8,
@@ -58,7 +58,7 @@ pub struct Visitor {
     roam: Roam,
     regions: Vec<Region>,
     manifest: Manifest,
-    /// What is felt.
+    /// What renders the objects that it knows.
     pub renderer: Renderer,
     hand: [Motion<f64>; 2],
     others: BTreeMap<u32, (u64, Sighting)>,

@@ -11,7 +11,7 @@ use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
 use haptic_sim::{pair::Pair, scene::Scene};
 
-/// Simulated time, s.
+/// Simulated time of a run, s.
 pub const DURATION_S: f64 = 10.0;
 
 /// What is done, for reports.
@@ -36,6 +36,9 @@ pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> S
 }
 
 /// Runs a scene in `S`; one sample each millisecond.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Refused<'static>> {
     let ticks_per_sample = (SAMPLE_S / scene.peer.timing.control_period_s).round() as usize;
     let mut pair = Pair::<S>::new(scene)?;

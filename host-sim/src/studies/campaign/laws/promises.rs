@@ -33,7 +33,7 @@ const TOGETHER_MM: f64 = 0.1;
 /// What came of a promise.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    /// Which.
+    /// The promise that was looked at.
     pub promise: Promise,
     /// Whether it was kept.
     pub kept: bool,

@@ -35,6 +35,9 @@ pub fn stable_to(limit: &Limit) -> f64 {
 }
 
 /// Limits and verdict, or why there are none; `runs` says that the run on the scene's own network was stable.
+///
+/// # Errors
+/// Why the analyser gives no limits.
 pub fn judged(scene: &Scene, runs: bool) -> Result<Stability, String> {
     if let Some(why) = not_linear(scene)? {
         return Err(why.to_owned());
