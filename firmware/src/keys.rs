@@ -39,6 +39,9 @@ pub enum Keyless {
 
 impl Keys {
     /// The keys in a sector whose words `read` gives.
+    ///
+    /// # Errors
+    /// The sector holds no valid key.
     pub fn read(read: impl Fn(u32) -> Option<Word>) -> Result<Self, Keyless> {
         let key = |first, role| Key::from_image(&image(&read, first)?, role);
         let Some(peers) = key(0, Role::Peers) else {
