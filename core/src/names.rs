@@ -11,7 +11,7 @@ pub trait Choice: Copy + PartialEq + 'static {
     fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().position(|known| *known == name).and_then(|at| Self::ALL.get(at).copied())
     }
-    /// What this value is called.
+    /// The name of this value.
     fn name(self) -> &'static str {
         Self::ALL.iter().position(|known| *known == self).and_then(|at| Self::NAMES.get(at).copied()).unwrap_or("?")
     }
@@ -33,7 +33,7 @@ macro_rules! words {
         }
 
         impl $Name {
-            /// What it means, for a person.
+            /// The meaning of this value, for a person.
             pub fn explain(self) -> &'static str {
                 match self { Self::$First => $first, $( Self::$Variant => $meaning ),+ }
             }

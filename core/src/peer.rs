@@ -44,18 +44,18 @@ pub use axis::Observed;
 /// What the tick reads. Positions, where there are no counts, are of the world ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors<S, const N: usize = AXES> {
-    /// Where the device is.
+    /// Reading of the device's position.
     pub reading: Reading<S, N>,
     /// The last tick had not ended when this one was due.
     pub overrun: bool,
-    /// What the power stage measured; none where there is no current loop.
+    /// Measurements of the power stage; none where there is no current loop.
     pub stage: Option<Measured<N>>,
-    /// What the encoders showed beside their counts; none where nobody looks.
+    /// Edges and indices of the encoders beside their counts; none where they are not watched.
     pub marks: Option<[Marks; N]>,
 }
 
 impl<S, const N: usize> Sensors<S, N> {
-    /// Where the device is, and no more: in time, without a current loop.
+    /// Sensors of a device that is in time and has no current loop.
     pub fn of(reading: Reading<S, N>) -> Self {
         Self { reading, overrun: false, stage: None, marks: None }
     }
@@ -209,7 +209,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     pub fn build(settings: &Settings, device: [Motion<S>; N]) -> Result<Self, Refused<'static>> {
         settings.check_ranges()?;
         device::check_axes(settings, SHARED as u32, N as u32)?;
-        // What is refused is told as it was set.
+        // Errors name values as they were set.
         K::build(settings)?;
         let world = &settings.in_the_world();
         let kinematics = K::build(world)?;
@@ -345,7 +345,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// What came of the last probe.
+    /// Outcome of the last probe.
     pub fn probed(&self) -> Outcome {
         self.probing.outcome()
     }
@@ -422,7 +422,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.render::<true>(&pose)
     }
 
-    /// A tick that is not [`Peer::plain`]. Takes of the pose what is not in memory yet, so that the plain tick need not put it there.
+    /// A tick that is not [`Peer::plain`]. Takes only the Jacobian: the pose's axes are in memory already.
     #[cold]
     #[inline(never)]
     fn seldom(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
@@ -436,7 +436,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
     }
 
-    /// One control period of what the hand feels. `PLAIN`: without a look at clutch and fixture, so that who has neither pays for none.
+    /// One control period of what the hand feels. `PLAIN`: clutch and fixture are skipped, so that a peer with neither pays for none.
     #[inline(always)]
     fn render<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Actuators<S, N> {
         match self.advance::<PLAIN>(pose) {
@@ -495,7 +495,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         finite.then_some(felt)
     }
 
-    /// Whether the power stage says that something is wrong. Not where it is called: what has no stage would pay for its registers.
+    /// Trips on a fault that the power stage shows. Not inlined: a peer without a stage would pay for its registers.
     #[inline(never)]
     fn judge(&mut self, measured: Measured<N>) {
         let driven = match self.mode {
@@ -523,7 +523,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// Where the device is on its axes, or why that cannot be said.
+    /// The pose of the device, or the fault that leaves it unknown.
     #[inline]
     fn sense(&mut self, reading: Reading<S, N>, marks: Option<[Marks; N]>) -> Result<Pose<S, N>, Fault> {
         let pose = match reading {
@@ -580,7 +580,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Ok(pose)
     }
 
-    /// What encoders show beside their counts: whether it fits, and while disarmed where the index says the joint is.
+    /// Checks what encoders show beside their counts; while disarmed, the index sets where the joint is.
     #[inline(never)]
     fn heed(&mut self, marks: [Marks; N]) -> Result<(), Fault> {
         let may_move = self.mode == Mode::Disarmed;
@@ -592,7 +592,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Ok(())
     }
 
-    /// Of axes one of which is too fast, too far from home or nowhere: why that is a fault. Too fast or too far is none while nothing is
+    /// The fault of axes of which one is too fast, too far from home or no number. Too fast or too far is no fault while nothing is
     /// rendered; a probe has limits of its own.
     #[cold]
     fn doubt(&self, axes: [Motion<S>; N]) -> Result<(), Fault> {

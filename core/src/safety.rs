@@ -18,10 +18,10 @@ macro_rules! numbered {
         pub enum $Name { $( #[doc = $explained] $Reason = $number ),+ }
 
         impl $Name {
-            /// Every one, by number.
+            /// Every fault, in the order of its number.
             pub const ALL: [Self; [$($number),+].len()] = [$(Self::$Reason),+];
 
-            /// The one called by `number`.
+            /// The fault with this number, if there is one.
             pub fn from_number(number: u8) -> Option<Self> {
                 Self::ALL.into_iter().find(|reason| *reason as u8 == number)
             }
@@ -110,7 +110,7 @@ pub enum Command {
     Home,
     /// The device comes free of the shared world, which stands where it is ([`crate::device::clutch`]). Only in [`Mode::Armed`], which stays.
     Clutch,
-    /// It takes hold again from where it is now. Only in [`Mode::Armed`], which stays.
+    /// The device takes hold of the shared world again from where it is now. Only in [`Mode::Armed`], which stays.
     Release,
 }
 
@@ -124,7 +124,7 @@ impl Mode {
         }
     }
 
-    /// What it is called.
+    /// Name of the mode, for people and programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Disarmed => "disarmed",

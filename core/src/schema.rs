@@ -40,7 +40,7 @@ impl Schema {
             }
             key
         });
-        // A key that several laws have is told once.
+        // A key that several laws have is listed once.
         let before = move |at: usize, key: &Key| {
             self.kinds.iter().take(at).any(|kind| kind.keys.iter().any(|own| own.name == key.name))
         };

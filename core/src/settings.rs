@@ -24,7 +24,7 @@ pub enum Value<'a> {
 }
 
 impl<'a> Value<'a> {
-    /// What a line of text says: `true`, `false`, a number, else a name.
+    /// The value that a text stands for: `true`, `false`, a number, else a name.
     pub fn of_text(text: &'a str) -> Self {
         match text {
             "true" => Self::Flag(true),
@@ -67,7 +67,7 @@ pub enum Allowed {
     Names(&'static [&'static str]),
     /// The name of one of these laws; empty where the table is declared, because crates may add laws.
     Kinds(&'static [Kind]),
-    /// What the other keys leave, in words.
+    /// Values that depend on other keys, in words.
     Only(&'static str),
 }
 
@@ -150,7 +150,7 @@ impl Key {
     }
 }
 
-/// What a law sends, which is also what it acts on.
+/// The packets of a law, by what they carry and so what the law acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sends {
     /// It sends no packets.
@@ -159,11 +159,11 @@ pub enum Sends {
     Motion,
     /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
     Waves,
-    /// How many waves it has sent and what they sum up to, which says it all in the newest packet.
+    /// The number of waves sent and their sum, so that the newest packet says it all.
     Counters,
-    /// What its waves sum up to, and over how many ticks.
+    /// The sum of its waves, and the number of ticks it is over.
     Integrals,
-    /// Waves, and how the line's end moves.
+    /// Waves, and the motion of the line's end.
     WavesAndMotion,
 }
 
@@ -196,17 +196,17 @@ pub struct Kind {
     pub name: &'static str,
     /// The kind of packet it sends.
     pub sends: Sends,
-    /// Keys of its own.
+    /// Keys that only this law has.
     pub keys: &'static [Key],
     /// `key=value` of gains that are worth trying, for campaigns and figures.
     pub gains: &'static [&'static str],
-    /// Where it was published: authors, year, equation; or the section of THEORY. Empty if nowhere.
+    /// Source of the law: authors, year, equation; or the section of THEORY. Empty if there is none.
     pub source: &'static str,
-    /// What it promises, which tests hold it to; nothing if it promises nothing.
+    /// Promises of the law, which tests hold it to.
     pub promises: &'static [Promise],
 }
 
-/// What nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
+/// Energy that nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
 pub const PLENTY_J: f64 = 1e9;
 
 impl Kind {

@@ -33,11 +33,11 @@ pub const MOST: u32 = 64;
 /// A round body: a disc in the plane, a ball in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body<S, const D: usize> {
-    /// Where its centre is and how it moves, along each axis.
+    /// Position (m) and velocity (m/s) of its centre, along each axis.
     pub axes: [Motion<S>; D],
     /// Its radius, m, not negative.
     pub radius: S,
-    /// 1/m, 1/kg; 0 for a body that nothing moves off its course.
+    /// Inverse mass 1/m, 1/kg; 0 for a body that no impact moves.
     pub inverse_mass: S,
 }
 
@@ -50,7 +50,7 @@ pub struct Wall<S, const D: usize> {
     pub offset: S,
 }
 
-/// What happened in a step.
+/// Impulses and energy of the impacts in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Account<S, const D: usize, const N: usize> {
     /// Impulse ΔQ that each body took, N·s.
@@ -90,8 +90,8 @@ fn add<S: Scalar, const D: usize>(mut a: [S; D], factor: S, b: [S; D]) -> [S; D]
     a
 }
 
-/// When two bodies at the distance `d` (m) that moves by `v` (m/s) come to touch, and the line of impact: seconds from now,
-/// 0 if they touch already; `None` if they do not approach each other, or pass.
+/// Time until two bodies at the distance `d` (m), which changes by `v` (m/s), touch, and the line of impact: seconds
+/// from now, 0 if they touch already; `None` if they do not approach each other, or pass.
 pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S) -> Option<(S, [S; D])> {
     let (speed, approach) = (dot(v, v), -dot(d, v));
     // NaN is no approach.

@@ -22,7 +22,7 @@ pub use continuous::Contact;
 pub use rendering::{Impacts, Press, Rendering, Strikes, Touch};
 
 list! {
-    /// Any way to render contact.
+    /// Any rendering of contact.
     AnyRendering, named by RenderingName in contact.rendering {
         Continuous(Contact<S>),
         Impulsive(impulsive::Impulsive<S>),

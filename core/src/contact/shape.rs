@@ -45,7 +45,7 @@ pub enum Shape<S, Edges> {
     },
 }
 
-/// How deep a point is, and the normal of the surface where it is nearest.
+/// Depth of a point inside a shape, and the normal of the nearest surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth<S> {
     /// Distance to the nearest surface, m; above 0.
@@ -54,10 +54,10 @@ pub struct Depth<S> {
     pub normal: [S; 2],
 }
 
-/// What a device feels of a shape.
+/// The contact of a device and a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pressed<S> {
-    /// x, m; 0 where there is no contact.
+    /// Depth x of the device, m; 0 where there is no contact.
     pub depth: S,
     /// Rate at which the depth grows, ẋ, m/s.
     pub rate: S,

@@ -26,11 +26,11 @@ use core::ops::RangeInclusive;
 use super::motor::Duty;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// PWM periods a second, and steps of the loop.
+/// PWM periods, and steps of the loop, in a second.
 pub const PWM_HZ: u32 = 20_000;
-/// One of them, s.
+/// Length of a PWM period, s.
 pub const PWM_PERIOD_S: f64 = 1.0 / PWM_HZ as f64;
-/// Supplies that the gains are scaled for, mV; another is taken for the nearest of these.
+/// Range of supplies that the gains are scaled for, mV; a supply outside counts as the nearest end.
 pub const SUPPLY_MV: RangeInclusive<u32> = 6_000..=60_000;
 /// Share of the supply that the loop uses.
 pub const MOST_VOLTAGE: f64 = 0.95;
@@ -81,8 +81,9 @@ pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     if fits { Ok(whole) } else { Err(settings.refuses("timing.control_period_s", allowed)) }
 }
 
-/// How long after its reference a current comes, s: the area above its response to a step. The sum of what is missing, sample by
-/// sample, is 1/ω_c in any loop of this kind; half a period of the first sample was before the reference.
+/// Mean delay of the current behind its reference, s: the area above its response to a step. The sum of what is
+/// missing, sample by sample, is 1/ω_c in any loop of this kind; half a period of the first sample was before the
+/// reference.
 pub fn lag_s(settings: &Settings) -> f64 {
     1.0 / (TAU * settings.motor.current_loop_hz) - 0.5 * PWM_PERIOD_S
 }
@@ -122,7 +123,7 @@ impl CurrentLoop {
         })
     }
 
-    /// The gains at this supply.
+    /// The gains at this supply (mV).
     #[inline]
     pub fn gains(&self, supply_mv: u32) -> Gains {
         let per_mv = per_mv(supply_mv);
@@ -135,7 +136,7 @@ impl CurrentLoop {
         }
     }
 
-    /// What the back-EMF of a joint at this speed (m/s or rad/s) is, counts: 0 unless `motor.back_emf_forward`.
+    /// The expected back-EMF of a joint at this speed (m/s or rad/s), counts: 0 unless `motor.back_emf_forward`.
     #[inline]
     pub fn forward(&self, joint_speed: f32, supply_mv: u32) -> i32 {
         // A cast saturates, and takes NaN to 0.
@@ -147,7 +148,7 @@ fn per_mv(supply_mv: u32) -> f32 {
     1.0 / supply_mv.clamp(*SUPPLY_MV.start(), *SUPPLY_MV.end()) as f32
 }
 
-/// What the loop of one motor remembers; at rest when it begins.
+/// State of one motor's loop; at rest when it begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Controller {
     /// Voltage so far, 2⁻²⁰ counts.
@@ -171,10 +172,10 @@ impl Controller {
     }
 }
 
-/// From what a converter reads to the current that flows; without a build, none.
+/// Converts a converter's reading to a current; the default gives no current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sensor {
-    /// What it reads at no current.
+    /// Reading of the converter at no current.
     pub zero: i32,
     /// Codes per step of the converter, 2⁻¹²: a sensor of 1 % of full scale to one of a hundred times it.
     codes_per_step: i32,

@@ -32,17 +32,17 @@ pub struct Encoder<S> {
     index_at: i32,
 }
 
-/// What an encoder showed beside its count since the tick before.
+/// Edges and index of an encoder since the tick before, beside its count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// One of its channels rose twice or more, and the other did not.
+    /// One channel rose twice or more, and the other not at all.
     pub lone: bool,
-    /// What the counter said when the index came, if it came.
+    /// The counter's value at the index, if the index came.
     pub index: Option<Counts>,
 }
 
 impl Marks {
-    /// Of an encoder whose channels A and B rose `once` at least, and `again` after that.
+    /// The marks of an encoder whose channels A and B rose `once` at least, and `again` after that.
     #[inline(always)]
     pub fn of(once: [bool; 2], again: [bool; 2], index: Option<Counts>) -> Self {
         Self { lone: again[0] & !once[1] | again[1] & !once[0], index }
@@ -56,11 +56,11 @@ pub struct EncoderState {
     pub total: i32,
     /// The last reading that was believed.
     pub last: Counts,
-    /// A first reading has been taken; without it, the next one is taken as where the joint already is.
+    /// A reading has been taken; without one, the next defines where the joint already is.
     pub primed: bool,
-    /// Where the index was first seen, as counts of `total`.
+    /// Position of the index as it was first seen, as counts of `total`.
     pub index: Option<i32>,
-    /// Ticks of one channel without the other.
+    /// Memory of ticks in which one channel rose without the other.
     pub lone: Patience,
 }
 
@@ -69,8 +69,8 @@ pub struct EncoderState {
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
-/// Ticks of one channel without the other: a device that hums on an edge makes no two rising edges a tick, a cut wire does from 8
-/// counts a tick on.
+/// Ticks with edges of one channel only that are a fault: a device that hums on an edge makes no two rising edges a
+/// tick, a cut wire does from 8 counts a tick on.
 pub const LONE_TICKS: u32 = 4;
 /// Counts that an index may be off by: it is a period wide at most, and comes from either side.
 pub const INDEX_COUNTS: i32 = 4;
@@ -129,7 +129,7 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
-    /// Whether what both showed is to be heeded: most of the time it changes nothing.
+    /// Whether what both showed needs [`Encoder::heed`]: in most ticks it changes nothing.
     #[inline(always)]
     pub fn heeds<const N: usize>(states: [&EncoderState; N], marks: &[Marks; N]) -> bool {
         let calm = Patience::default();

@@ -43,14 +43,14 @@ use crate::names::{FixtureName, RenderingName};
 use crate::num::Motion;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// Most axes, and joints, of a device in the plane, which is what a peer has unless it says another number: three are one in space.
+/// Number of axes, and joints, of a peer's device unless it is given: two in the plane; a device in space has three.
 pub const AXES: usize = 2;
 
 /// Raw value of a timer in encoder mode; wraps modulo 2¹⁶.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts(pub u16);
 
-/// What a device says about where it is, once per tick.
+/// The position of the device, read once per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading<S, const N: usize = AXES> {
     /// Raw counts of every joint's encoder: a real device, or a simulated one down to its encoders.

@@ -112,7 +112,7 @@ pub struct Probe<S> {
     expected: Expected,
 }
 
-/// Times the largest duty that a motor's current may not pass while a loop holds it; and [`SMALL_CODES`] on top.
+/// Factor over the largest duty, plus [`SMALL_CODES`], that a motor's current may not exceed while a loop holds it.
 pub const RUNAWAY: i32 = 2;
 /// A thirty-second of full scale: more than any noise.
 pub const SMALL_CODES: i32 = 1024;
@@ -210,7 +210,7 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
     Err(Refused { key, value: Value::Number(number), allowed: Allowed::Number { min, max }, unit })
 }
 
-/// What came of a probe.
+/// Outcome of a probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// Number of the joint that was pushed, from 1; 0 before the first probe.
@@ -223,19 +223,19 @@ pub struct Outcome {
     pub least_counts: i32,
     /// Work at which a verdict is passed, counts.
     pub verdict_counts: i32,
-    /// It was the check before arming.
+    /// Whether the probe was the check before arming.
     pub check: bool,
-    /// What voltage and current said at its end; none without a current loop.
+    /// Electrical measurements at the end of the probe; none without a current loop.
     pub electric: Option<Electric>,
 }
 
 impl Outcome {
-    /// The check before arming was passed.
+    /// Whether the check before arming was passed.
     pub fn passed(&self) -> bool {
         self.check && self.verdict() == Verdict::Agree
     }
 
-    /// What a swing says about the signs of motor and encoder.
+    /// The verdict of a swing on the signs of motor and encoder.
     pub fn verdict(&self) -> Verdict {
         let enough = self.verdict_counts;
         // A steady push from rest, by a hand or a slope, shows a seventh to a ninth of its most on the wrong side; right
@@ -279,7 +279,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// A probe under way, and what came of the last one.
+/// A probe that runs, and the outcome of the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probing<S> {
     probe: Probe<S>,

@@ -21,8 +21,8 @@ use crate::device::kinematics::KinematicsName;
 use crate::settings::Settings;
 
 impl Settings {
-    /// The settings of the device that, without a scale, would be this one as the world has it. The current loop, the check of a motor
-    /// against its encoder and a probe are within the device, and go by its own.
+    /// Settings of the unscaled device that behaves like this one in the world's units. The current loop, the check
+    /// of a motor against its encoder and a probe belong to the device and use its own settings.
     #[must_use]
     pub fn in_the_world(&self) -> Self {
         let (longer, stronger) = (self.scale.position, self.scale.force);

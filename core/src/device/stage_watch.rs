@@ -41,11 +41,11 @@ use crate::safety::{Fault, Patience};
 use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::AXES, num::Scalar};
 
-/// Time that currents and voltages are averaged over, s.
+/// Time constant of the means of currents and voltages, s.
 pub const MEAN_S: f64 = 0.008;
-/// Time that a supply, or a current of motors that are off, must be wrong for, s.
+/// How long a supply, or a current of motors that are off, must be wrong before it is a fault, s.
 pub const LASTS_S: f64 = 0.01;
-/// Time after the motors went on in which currents and encoders are not judged, s: bridges wake up.
+/// How long after the motors went on currents and encoders are not judged, s: the bridges need it to wake up.
 pub const SETTLES_S: f64 = 0.004;
 
 /// Parts of `motor.sense_a` that a current may be off its reference by, and off zero; and from where its sensor is at its end.
@@ -95,7 +95,7 @@ pub struct StageState<S, const N: usize = AXES> {
     on: u32,
     conducts: Patience,
     supply: Patience,
-    /// The last supply seen is out of range.
+    /// Whether the last supply measured is out of range.
     pub supply_is_wrong: bool,
     motors: [Motor<S>; N],
 }
@@ -129,14 +129,15 @@ struct Motor<S> {
     residual_borne: S,
 }
 
-/// How far the motors are judged.
+/// How the motors are driven, which decides what can be judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driven {
     /// Motors are off: only supply, sensors and warmth are judged.
     Off,
-    /// A probe has them, which judges them by itself: nothing but warmth, supply and the end of the sensor's range.
+    /// A probe drives one motor and judges it itself: only warmth, supply and the end of the sensor's range are
+    /// judged here.
     Probed,
-    /// They are on, and positions are exact.
+    /// Motors are on, and positions are exact: there is no encoder to judge.
     Alone,
     /// Motors are on, with encoders: current, voltage and motion are judged against each other.
     Whole,
@@ -181,7 +182,8 @@ impl<S: Scalar> StageWatch<S> {
         })
     }
 
-    /// A tick's measurements, with the references that stood for it and the counts of every joint at its end: what is wrong.
+    /// Takes a tick's measurements, with the references that stood for it and the counts of every joint at its end;
+    /// gives the fault, if any.
     #[inline]
     pub fn step<const N: usize>(
         &self,

@@ -20,7 +20,7 @@
 use crate::device::kinematics::Joints;
 use crate::{device::motor::Duty, num::Scalar, settings::Settings};
 
-/// What is not believed.
+/// Limits beyond which encoders are not believed.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch<S> {
     stuck_codes: i32,
@@ -34,7 +34,7 @@ const DITHER: u32 = 2;
 /// Force on the hand, N, that friction or a firm grip may hold without a count.
 pub const HELD_N: f64 = 1.0;
 
-/// One joint since its encoder last counted further than it dithers.
+/// Memory of one joint since its encoder last moved beyond dithering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Still {
     counts: i32,
@@ -55,7 +55,8 @@ impl<S: Scalar> Watch<S> {
         }
     }
 
-    /// A joint's counts and duty, every fourth tick: its force has changed too much for an encoder that does not count.
+    /// Takes a joint's counts and duty every fourth tick: whether its force has changed too much for an encoder that
+    /// does not count.
     #[inline]
     pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {
         if counts.abs_diff(still.counts) > DITHER {
@@ -68,7 +69,8 @@ impl<S: Scalar> Watch<S> {
         stuck
     }
 
-    /// The power (W) that the device gives the hand, every tick: whether the hand seems to feed it more than a hand can.
+    /// Takes the power (W) that the device gives the hand, every tick: whether the hand seems to feed in more than a
+    /// hand can.
     #[inline]
     pub fn is_too_much(&self, power: S) -> bool {
         power < self.least_power

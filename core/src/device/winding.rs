@@ -41,7 +41,8 @@ fn alternating(tick: u32) -> i32 {
     WAYS.get(tick as usize % WAYS.len()).copied().unwrap_or_default()
 }
 
-/// Current that is one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six ticks are sure to a few codes.
+/// Smallest current that counts as one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six
+/// ticks are sure to a few codes.
 pub const LEAST_CODES: i32 = 16;
 /// Counts that an encoder may go to and fro by at rest.
 const REST_COUNTS: i32 = 2;
@@ -57,7 +58,7 @@ pub(crate) struct Trial {
 
 /// What a trial does next.
 pub(crate) enum Next {
-    /// This way with the voltage, and whether the bridge is enabled.
+    /// Sign of the voltage for the next tick, and whether the bridge is enabled.
     Way(i32, bool),
     /// The loop may be closed.
     Passed,
@@ -68,9 +69,9 @@ pub(crate) enum Next {
 /// What stands against closing the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Why {
-    /// Current or motion while the enable was low.
+    /// Current or motion while the bridge was not enabled: the enable line does not work.
     Enable,
-    /// The current flows against the voltage.
+    /// The current flows against the voltage: the sensor's sign is wrong.
     Sensor,
     /// No current flows: the circuit is open.
     Open,
@@ -184,12 +185,12 @@ impl Sums {
     }
 }
 
-/// How far from 100 the constant may be, its standard error included.
+/// Largest deviation of the constant from 100 percent, standard error included, percentage points.
 pub const SCALE_PERCENT: i32 = 30;
 /// Resistance of a winding that is the one of the settings: warm, with the dead time of its bridge, and within what a loop bears.
 pub const RESISTANCE_PERCENT: [i32; 2] = [40, 300];
 
-/// What voltage and current of a check said, in percent of what the settings say.
+/// What a check measured of a winding and its scale, percent of the configured values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Electric {
     /// Measured resistance, percent of the configured one.
@@ -201,13 +202,13 @@ pub struct Electric {
 }
 
 impl Electric {
-    /// The winding is that of the settings.
+    /// Whether the winding is the configured one.
     pub fn is_winding(self) -> bool {
         let [least, most] = RESISTANCE_PERCENT;
         (least..=most).contains(&self.resistance_percent)
     }
 
-    /// So are the motor's constant and the encoder's scale.
+    /// Whether the motor's constant and the encoder's scale fit the configured ones.
     pub fn is_scale(self) -> bool {
         let off = self.constant_percent.saturating_sub(100).saturating_abs();
         off.saturating_add(self.unsure_percent) <= SCALE_PERCENT

@@ -28,7 +28,7 @@ pub struct AveragePosition<S> {
     share: S,
 }
 
-/// The mean, and what it is to be made of.
+/// The mean, the other copy as last received, and whether that is new.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AveragePositionState<S> {
     /// x_d, ẋ_d: the mean as the newest packet made it.

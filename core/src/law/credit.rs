@@ -44,7 +44,7 @@ const RESERVE_PACKETS: f64 = 32.0;
 /// Share of what lies above the reserve that one packet's correction may cost.
 const SHARE: f64 = 0.1;
 
-/// How u_in is paid for.
+/// Parameters of the credit that pays for incoming waves.
 #[derive(Clone, Copy, Debug)]
 pub struct Credit<S: Scalar> {
     /// ½·T_c, s.
@@ -58,7 +58,7 @@ pub struct Credit<S: Scalar> {
     corrects: bool,
 }
 
-/// What is left to spend, and what is still owed.
+/// Credit left to spend, and the wave integral still to be made good.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account<S: Scalar> {
     /// Sender's energy counter and wave integral in the newest packet, J and √W·s.
@@ -87,7 +87,7 @@ impl<S: Scalar> Credit<S> {
         })
     }
 
-    /// Takes in the counters of a packet.
+    /// Adds what the counters of a packet say to the credit.
     pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
         let (nothing, half) = (S::Counter::ZERO, S::Counter::from_f64(0.5));
         let wave = packet.wave.to_counter();
@@ -117,7 +117,7 @@ impl<S: Scalar> Credit<S> {
         }
     }
 
-    /// The wave that may be emitted this tick when `held` was received last.
+    /// The wave (√W) that may be emitted this tick when `held` was received last.
     #[inline]
     pub fn spend(&self, account: &mut Account<S>, held: S) -> S {
         let wanted = held + account.correction;

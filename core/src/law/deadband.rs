@@ -47,9 +47,9 @@ const LEAST: Key = Key::number(
 
 /// A law of motions whose packets are coded.
 pub trait Coded<S: Scalar>: Law<S> {
-    /// As settings know the two together.
+    /// The kind that settings know the coded law by.
     const KIND: Kind;
-    /// Whether the receiver takes what it is given least by.
+    /// Whether the receiver uses the modified hold.
     fn is_modified(settings: &Settings) -> bool;
 }
 

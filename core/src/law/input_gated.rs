@@ -36,7 +36,7 @@ pub struct InputGated<S> {
     period: S,
 }
 
-/// What was received, and what may be given.
+/// The received motion, and the energy account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGatedState<S> {
     /// x_d, ẋ_d.

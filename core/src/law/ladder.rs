@@ -15,7 +15,7 @@ use super::event;
 use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// How long each rung is.
+/// Lengths of hold, fade and return, in packet periods.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder<S> {
     /// Periods of silence that change nothing.
@@ -58,7 +58,7 @@ impl<S: Scalar> Ladder<S> {
         Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), longest })
     }
 
-    /// From packet to packet at most, in packet periods; 1: nobody keeps silent on purpose.
+    /// Longest time from one packet to the next, in packet periods; 1: nobody keeps silent on purpose.
     #[inline]
     pub fn longest(&self) -> u32 {
         self.longest
@@ -69,8 +69,8 @@ impl<S: Scalar> Ladder<S> {
         Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
 
-    /// A packet has come: the first of a packet period takes one step back, or as many as its sender may have kept silent for. True if
-    /// the law has to start anew.
+    /// Takes note of a packet: the first of a packet period takes one step back, or as many as its sender may have
+    /// kept silent for. True if the law has to start anew.
     pub fn hear(&self, at: &mut Engagement) -> bool {
         let anew = at.level == 0;
         if !self.is_whole(at) && !at.came {
@@ -81,7 +81,7 @@ impl<S: Scalar> Ladder<S> {
         anew
     }
 
-    /// A packet period is over; if no packet came in it, that is silence.
+    /// Ends a packet period; if no packet came in it, that is silence.
     pub fn pass(&self, at: &mut Engagement) {
         let came = core::mem::take(&mut at.came);
         if at.heard && !came {
@@ -111,18 +111,18 @@ impl Engagement {
         self.came = false;
     }
 
-    /// The coordination acts at all.
+    /// Whether the coordination acts at all.
     #[inline]
     pub fn is_engaged(&self) -> bool {
         self.level > 0
     }
 
-    /// Silence has begun to change what stands.
+    /// Whether silence has begun to fade what is held.
     pub fn is_fading(&self) -> bool {
         self.silent > 0 && self.level > 0
     }
 
-    /// Packet periods of silence.
+    /// Silence so far, packet periods.
     pub fn silent(&self) -> u32 {
         self.silent
     }

@@ -45,7 +45,8 @@ pub use crate::settings::{Kind, Promise, Sends};
 pub struct Packet<S: Scalar> {
     /// Motion of the sender's copy of the object, m and m/s (power-domain).
     pub motion: Motion<S>,
-    /// Wave sample, √W (wave-domain), or what else a law sends beside the motion, in a unit of its own: a force, N. 0 from a peer that is not engaged.
+    /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
+    /// N. 0 from a peer that is not engaged.
     pub wave: S,
     /// Energy that the sender gave to the line since it was armed, up to its last tick, J: of its waves, or from its tank. Filled in by
     /// the peer.
@@ -127,7 +128,7 @@ impl<S: Scalar> Coupled<S> {
         Self { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
     }
 
-    /// Force and powers finite.
+    /// Whether force and powers are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
         // One test for three: a sum is finite only if its terms are.
@@ -137,9 +138,9 @@ impl<S: Scalar> Coupled<S> {
 
 /// A coordination law: what couples the local copy of the object to the remote one, and what it sends for that.
 pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
+    /// The kinds that this law is asked for by; one, unless the law is a list of laws.
     const KINDS: &'static [Kind];
-    /// What changes from tick to tick.
+    /// State of the law.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
 
     /// The kind that the settings name, if it is this law; one of [`Law::KINDS`], unless those are known only when the program runs.
@@ -158,7 +159,7 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         *state = self.start(local);
     }
-    /// Takes in the other peer's packet; it stands until the next.
+    /// Takes in the other peer's packet, which is held until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
     /// One tick: the force on the local copy from what is seen and what was received. None where the law does not say: it has no force, or
     /// acts only on a copy that is moved by ports ([`Law::couple_as_port`]) and refuses to be built for any other.
@@ -183,10 +184,10 @@ pub trait Law<S: Scalar>: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn speaks(&self, _state: &Self::State, _packet: &Packet<S>) -> bool {
         true
     }
-    /// `packet` goes out, where [`event::LONGEST`] allows silence.
+    /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
-    /// A packet through silence, of which this share (below 1) still counts: a motion moved toward the local one, and a wave
-    /// made smaller, which takes energy out of the line and never in.
+    /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
+    /// a wave made smaller, which takes energy out of the line and never puts any in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
         let toward = |local: S, remote: S| local + share * (remote - local);
         Packet {
@@ -306,12 +307,12 @@ pub struct Spring<S> {
     pub stiffness: S,
     /// Coordination damping B_T, N·s/m.
     pub damping: S,
-    /// κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
+    /// Impedance κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
     pub impedance: S,
 }
 
 impl<S: Scalar> Spring<S> {
-    /// K_T and B_T of the scene.
+    /// The spring of the scene's K_T and B_T.
     pub fn build(settings: &Settings) -> Self {
         let coordination = &settings.coordination;
         Self {
@@ -333,7 +334,7 @@ impl<S: Scalar> Spring<S> {
         self.stiffness * (desired.position - local.position) + self.damping * (desired.velocity - local.velocity)
     }
 
-    /// F_T through a tick in which the copy moves and the desired motion is held, f and z.
+    /// F_T as a port, through a tick in which the copy moves and the desired motion is held.
     #[inline]
     pub fn port(&self, desired: Motion<S>, local: Motion<S>) -> Port<S> {
         let stretch = desired.position - local.position;

@@ -74,7 +74,7 @@ const MEMORY: Key = Key::number(
 
 /// Units of m, b, k and f in which the estimate is kept: kg, N·s/m, N/m, N.
 pub const UNITS: [f64; 4] = [1.0, 10.0, 1000.0, 10.0];
-/// What a packet's mean force is off by, N.
+/// Standard error of a packet's mean force, N.
 pub const NOISE_N: f64 = 0.05;
 
 /// The model of the other peer's copy and hand: a mass on a spring and damper.
@@ -152,7 +152,7 @@ impl<S: Scalar> ModelMediatedState<S> {
         self.model
     }
 
-    /// What may be spent, J.
+    /// Energy that may be spent, J.
     pub fn account_j(&self) -> S {
         self.account
     }

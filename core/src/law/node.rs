@@ -22,7 +22,7 @@ pub struct Node<S, const N: usize> {
     inverse_sum: S,
 }
 
-/// What the node answers.
+/// Answer of the node to the incoming waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattered<S, const N: usize> {
     /// Velocity that all lines share at the node, m/s.

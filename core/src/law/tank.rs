@@ -12,7 +12,7 @@ use super::credit::CAP_J;
 use crate::num::Scalar;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
-/// What is in a tank when its law begins; twice as much at the most comes out of a pair of them that nobody put in.
+/// The energy in a tank when its law begins, J; a pair of them gives out at most twice as much that nobody put in.
 pub const START: Key = Key::number(
     "coordination.tank_j",
     0.02,

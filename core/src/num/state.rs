@@ -95,7 +95,7 @@ impl<S> StateVector<S> for Motion<S> {
     }
 }
 
-/// What did not fit into a sum that is kept elsewhere.
+/// The rounding error of a sum that is kept elsewhere, made good with the next term.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carry<S>(S);
 

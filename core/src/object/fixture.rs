@@ -78,7 +78,7 @@ impl<S: Scalar> Fixture<S> {
         }))
     }
 
-    /// What it does to a copy that begins a tick like this.
+    /// The port of this fixture on a copy that begins a tick like this.
     pub fn pushes(&self, object: Motion<S>) -> Pushes<S> {
         let away = self.position - object.position;
         let from_inside =

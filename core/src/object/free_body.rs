@@ -91,7 +91,8 @@ fn block<S: Scalar>(port: &Wrench<S>, row: usize, column: usize) -> [Three<S>; 3
 }
 
 impl<S: Scalar> FreeBody<S> {
-    /// Of this mass (kg), damping of its translation (N·s/m) and these principal moments of inertia (kg·m²), in ticks of `period_s`.
+    /// A body of this mass (kg), damping of its translation (N·s/m) and these principal moments of inertia (kg·m²),
+    /// in ticks of `period_s` (s).
     pub fn new(mass_kg: f64, damping_n_s_per_m: f64, inertia_kg_m2: Three<f64>, period_s: f64) -> Self {
         Self { body: Body::new(mass_kg, damping_n_s_per_m, period_s), rotor: Rotor::new(inertia_kg_m2, period_s) }
     }
@@ -118,7 +119,7 @@ impl<S: Scalar> FreeBody<S> {
         Flown { mean_velocity, turned }
     }
 
-    /// Kinetic energy of both, J.
+    /// Kinetic energy of translation and rotation, J.
     pub fn energy_j(&self, flying: &Flying<S>) -> S {
         self.body.energy_j(&flying.moving) + self.rotor.energy_j(&flying.turning)
     }

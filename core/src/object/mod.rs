@@ -46,13 +46,14 @@ impl<S: Scalar> AnyIntegrator<S> {
         each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, model, before => model.step(before, motion, force))
     }
 
-    /// As after [`AnyIntegrator::build`]: no force acted before.
+    /// Forgets the force of the tick before, as after [`AnyIntegrator::build`].
     pub fn rest(&mut self) {
         each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, _model, before => *before = Default::default());
     }
 }
 
-/// What a staged integrator remembers: the force of the tick before, and what its last position could not hold.
+/// State of a staged integrator: the force of the tick before (N), and the rounding error that its last position
+/// still owes (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Before<S> {
     /// Force of the tick before, N.

@@ -23,9 +23,9 @@ use crate::settings::{Refused, Settings};
 /// A wall in the plane (`N` = 2) or in space (3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<S, const N: usize> {
-    /// Unit vector toward what is forbidden.
+    /// Unit normal toward the forbidden side.
     pub normal: [S; N],
-    /// Where the wall is along it, m.
+    /// Distance of the wall from the origin along its normal, m.
     pub position: S,
     stiffness: S,
     /// K·T_c/2 + B, N·s/m.
@@ -53,7 +53,7 @@ pub struct Gains {
     pub friction: f64,
 }
 
-/// What came of a tick at a wall.
+/// Motion and forces of a tick at a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met<S, const N: usize> {
     /// Mean velocity of the body through the tick v, m/s.
@@ -82,7 +82,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         }
     }
 
-    /// How far a body is past it, m.
+    /// Depth of a body past the wall, m; negative in front of it.
     pub fn depth(&self, moving: &Moving<S, N>) -> S {
         dot(self.normal, moving.axes.map(|axis| axis.position)) - self.position
     }

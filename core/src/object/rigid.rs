@@ -56,12 +56,12 @@ impl<S> StateVector<S> for Turning<S> {
     }
 }
 
-/// What came of a tick.
+/// Mean angular velocity and torque of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turned<S> {
-    /// ω, rad/s, in space.
+    /// Mean angular velocity ω in space, rad/s.
     pub mean_velocity: Three<S>,
-    /// τ, N·m, in space.
+    /// Torque τ in space, N·m.
     pub torque: Three<S>,
 }
 
@@ -129,7 +129,7 @@ impl<S: Scalar> Turning<S> {
 }
 
 impl<S: Scalar> Rotor<S> {
-    /// With these principal moments of inertia (kg·m², each above 0), ticks of `period_s`.
+    /// A rotor with these principal moments of inertia (kg·m², each above 0), in ticks of `period_s` (s).
     pub fn new(inertia_kg_m2: Three<f64>, period_s: f64) -> Self {
         Self {
             inertia: inertia_kg_m2.map(S::from_f64),
@@ -140,7 +140,8 @@ impl<S: Scalar> Rotor<S> {
         }
     }
 
-    /// Turned this way (w, x, y, z, of any length but 0) with this angular velocity about the body's own axes, rad/s.
+    /// The state of a body in this orientation (w, x, y, z, of any length but 0) with this angular velocity about its
+    /// own axes, rad/s.
     pub fn turning(&self, orientation: [f64; 4], velocity: Three<f64>) -> Turning<S> {
         let norm = libm::sqrt(orientation.iter().map(|part| part * part).sum());
         let orientation = orientation.map(|part| S::from_f64(part / norm));

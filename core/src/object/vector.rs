@@ -119,7 +119,7 @@ pub struct Body<S, const N: usize> {
     one_half: S,
 }
 
-/// Where a body is along every axis, and what its numbers could not hold.
+/// Position and velocity of a body along every axis, with the rounding errors that they still owe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving<S, const N: usize> {
     /// Position (m) and velocity (m/s) along each axis.
@@ -146,7 +146,7 @@ impl<S: Scalar, const N: usize> StateVector<S> for Moving<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Body<S, N> {
-    /// Of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s`.
+    /// A body of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s` (s).
     pub fn new(mass_kg: f64, damping_n_s_per_m: f64, period_s: f64) -> Self {
         Self {
             period: S::from_f64(period_s),
@@ -173,7 +173,7 @@ impl<S: Scalar, const N: usize> Body<S, N> {
         solved(rows, right)
     }
 
-    /// One control period with this mean velocity.
+    /// Advances the body by one control period at this mean velocity, m/s.
     pub fn advance(&self, moving: &mut Moving<S, N>, mean_velocity: [S; N]) {
         for ((axis, [position, velocity]), mean) in moving.axes.iter_mut().zip(&mut moving.carries).zip(mean_velocity) {
             let half_change = mean - axis.velocity;

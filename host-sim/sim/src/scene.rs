@@ -698,10 +698,10 @@ impl Scene {
         self.peer_from(at, self.start(at))
     }
 
-    /// [`Scene::peer`] with its device somewhere else (m), at rest.
+    /// [`Scene::peer()`] with its device somewhere else (m), at rest.
     ///
     /// # Errors
-    /// As [`Scene::peer`].
+    /// As [`Scene::peer()`].
     pub fn peer_from<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         &self,
         at: usize,

@@ -22,7 +22,7 @@ use crate::{device::AXES, model::Model};
 
 pub use crate::names::{KinematicsName, Maths};
 
-/// Where the axes are, and how the joints move them.
+/// Positions of the axes, and how the joints move them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S, const N: usize = AXES> {
     /// Position (m) and velocity (m/s) of every axis.
@@ -186,7 +186,7 @@ pub struct Joints {
 }
 
 impl Joints {
-    /// Of the mechanism that the settings name.
+    /// The joints of the mechanism that the settings name.
     pub fn of(settings: &Settings) -> Self {
         let kinematics = &settings.kinematics;
         let slide = settings.encoder.counts_per_m;

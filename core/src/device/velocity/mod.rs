@@ -21,7 +21,7 @@ use crate::settings::{Refused, Settings};
 
 pub use crate::names::VelocityName;
 
-/// From the readings of a joint to its velocity.
+/// Estimates a joint's velocity from its readings.
 pub trait VelocityEstimator<S: Scalar>: Model<S> {
     /// Forgets the past: the joint has moved uniformly up to `at`, which is the reading that the next `step` takes.
     fn start(&self, state: &mut Self::State, at: Motion<S>);
