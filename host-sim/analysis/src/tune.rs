@@ -51,7 +51,7 @@ pub const BEYOND: f64 = 4.0;
 /// Times 2 % is taken off before giving up.
 const RETREATS: usize = 50;
 
-/// What is proposed for a scene.
+/// The gains proposed for a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Proposal {
     /// Contact stiffness K_LC, N/m.

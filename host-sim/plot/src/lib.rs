@@ -239,7 +239,7 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
 pub struct ReportError {
     /// Path of the file.
     pub path: PathBuf,
-    /// What it was to contain: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
+    /// Format of the file: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
     pub format: &'static str,
     /// What the operating system or the encoder said.
     pub cause: String,

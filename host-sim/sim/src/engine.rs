@@ -26,7 +26,7 @@ pub type Out<'a, A, P> = dyn FnMut(A, &P) + 'a;
 /// each control period `hear` for every datagram that has come, up to a bound, then `speak` and `act` at once; a datagram
 /// that the socket does not take is lost. So an actor must not count on anything between `speak` and `act`.
 pub trait Actor<A> {
-    /// What is sent and heard: `[u8]`, or a value that crosses as it is.
+    /// The packets that actors exchange: `[u8]`, or a value that crosses as it is.
     type Packet: Payload + ?Sized;
 
     /// Takes what has come; it may change it in place, as a seal does that is opened.
@@ -42,7 +42,7 @@ pub trait Actor<A> {
 /// A clock that starts anywhere and runs fast or slow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// What it shows in the beginning, ns.
+    /// Time that the clock shows at true time 0, ns.
     pub start_ns: u64,
     /// How fast it runs; 1 is true.
     pub rate: f64,
@@ -52,7 +52,7 @@ impl Clock {
     /// A clock that shows true time.
     pub const TRUE: Self = Self { start_ns: 0, rate: 1.0 };
 
-    /// What it shows at this true time, ns.
+    /// Time that the clock shows at this true time, ns.
     #[inline]
     pub fn at(self, true_ns: u64) -> u64 {
         self.start_ns + if self.rate == 1.0 { true_ns } else { (true_ns as f64 * self.rate) as u64 }

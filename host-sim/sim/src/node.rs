@@ -297,7 +297,7 @@ where
         self.peer.observed()[0]
     }
 
-    /// Where its device is along the free axis, and how fast it moves.
+    /// Motion of the node's device along the free axis, m and m/s.
     pub fn motion(&self) -> Motion<f64> {
         self.plant.motions()[0]
     }

@@ -171,7 +171,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usiz
 pub struct Seen<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
     /// Number of the peer, 1 or 2.
     pub number: usize,
-    /// What it heard before the tick, a packet for each shared axis.
+    /// Packets that the peer heard before the tick, one for each shared axis.
     pub heard: Option<[Packet<S>; SHARED]>,
     /// An exchange was due before the tick.
     pub exchanged: bool,

@@ -76,7 +76,7 @@ dyn_peer! {
     fn speak(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
     /// The second half of it: counts silence.
     fn listen(self: &mut Self);
-    /// What it would send now.
+    /// The packets that the peer would send now.
     fn outgoing(self: &Self) -> [Packet<S>; SHARED];
     /// Whether an exchange is due before the next tick.
     fn packet_due(self: &Self) -> bool;
@@ -88,7 +88,7 @@ dyn_peer! {
     fn part(self: &mut Self);
     /// Begins a probe, if disarmed.
     fn probe(self: &mut Self, probe: Probe<S>);
-    /// What came of the last probe.
+    /// Outcome of the last probe.
     fn probed(self: &Self) -> Outcome;
     /// The mode, with the fault that latched.
     fn mode(self: &Self) -> Mode;

@@ -247,7 +247,7 @@ type Own = Vec<(&'static str, Value<'static>)>;
 const OWN: [&str; 7] =
     ["scale", "device", "fixture", "safety", "probe", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
-/// What is wrong with a scene, and where, in one line.
+/// An error in a scene, and its place, in one line.
 #[derive(Debug, thiserror::Error)]
 #[error("{said}")]
 pub struct SceneError {

@@ -169,7 +169,7 @@ impl Trace {
         Self { file: PathBuf::default(), samples: vec![(0.0, 0.0), (until_s, force_n)] }
     }
 
-    /// Nothing before `at_s`, then `force_n`.
+    /// No force before `at_s` (s), then `force_n` (N).
     pub fn step(at_s: f64, force_n: f64) -> Self {
         Self { file: PathBuf::default(), samples: vec![(at_s, 0.0), (at_s, force_n)] }
     }

@@ -37,9 +37,9 @@ pub mod static_scene;
 ///
 /// A crash is a new value of the same type; what it must still know comes back in by the role's own record.
 pub trait Role {
-    /// What it understands and says.
+    /// The messages that the role takes and sends.
     type Message;
-    /// What it tells its user.
+    /// The notices that the role gives its user.
     type Notice;
 
     /// Takes a message of the peer `from`.

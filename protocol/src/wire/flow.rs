@@ -29,7 +29,7 @@ pub struct Flows<const AXES: usize> {
     pub fading: bool,
     /// The sender's newest tick, in control periods since it started; wraps after 49 days at 1 kHz.
     pub tick: u32,
-    /// What it says along each shared axis.
+    /// The packet of each shared axis.
     pub axes: [Along; AXES],
 }
 

@@ -50,7 +50,7 @@ byte_enum! {
 /// A question about the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ask {
-    /// What is asked for.
+    /// The kind of part that is asked for.
     pub topic: Topic,
     /// Number that bit 0 of `wanted` stands for.
     pub first: u16,
@@ -158,7 +158,7 @@ pub enum Payload {
 }
 
 impl Payload {
-    /// What it is about.
+    /// The kind of part that this is.
     pub fn topic(&self) -> Topic {
         match self {
             Self::Manifest(_) => Topic::Manifest,

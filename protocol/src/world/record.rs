@@ -59,7 +59,7 @@ pub struct Object {
     pub id: u32,
     /// Changes whenever the shape does.
     pub version: u32,
-    /// What it is made of.
+    /// Shape of the object, with its numbers.
     pub shape: Shape,
 }
 

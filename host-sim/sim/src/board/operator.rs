@@ -101,7 +101,7 @@ impl Session {
         &self.link
     }
 
-    /// What is received next has waited for so long since it came, µs.
+    /// Sets how long the datagram that is received next has waited since it came, µs.
     pub fn waited(&mut self, us: u64) {
         self.link.waited(us);
     }

@@ -66,7 +66,7 @@ pub struct LastHalf<const N: usize, F = f64> {
 }
 
 impl<const N: usize, F: Figure> LastHalf<N, F> {
-    /// Of a run of so many ticks.
+    /// A measurement over a run of so many ticks.
     pub fn new(ticks: u64) -> Self {
         Self { from_tick: ticks / 2, count: 0, sums: [F::ZERO; N] }
     }

@@ -89,7 +89,7 @@ pub struct ObjectPort<F = f64> {
 }
 
 impl<F: Figure> ObjectPort<F> {
-    /// Nothing booked yet, at this control period and K_T.
+    /// An account without entries, at this control period (s) and K_T (N/m).
     pub fn new(period_s: F, stiffness_n_per_m: F) -> Self {
         Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
     }

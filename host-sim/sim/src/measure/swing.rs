@@ -22,7 +22,7 @@ const SETTLE_S: u32 = 10;
 pub struct Felt {
     /// Apparent mass of the whole shared object, kg.
     pub mass_kg: f64,
-    /// What it loses to drag, N·s/m.
+    /// Drag that the hands feel, N·s/m.
     pub drag_n_s_per_m: f64,
     /// From one peer's tick to the other's that acts on it, mean of both ways, s.
     pub delay_s: f64,

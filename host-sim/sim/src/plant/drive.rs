@@ -44,7 +44,7 @@ impl Converter {
         }
     }
 
-    /// What it reads at this current.
+    /// Reading of the converter at this current (A).
     pub fn read(&mut self, current_a: f64) -> u16 {
         let noise_a = if self.noise_a > 0.0 { self.noise_a * self.rng.normal() } else { 0.0 };
         let steps = self.half + (current_a + self.zero_a + noise_a) / self.sense_a * self.half;

@@ -53,7 +53,7 @@ use serde_json::Value;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(into = "Value")]
 pub enum Cell {
-    /// Nothing: it was not measured, or there is none.
+    /// No value: it was not measured, or there is none.
     Empty,
     /// A switch: true or false.
     Flag(bool),
@@ -104,11 +104,11 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 enum Digits {
     /// As many as it takes.
     All,
-    /// So many behind the point.
+    /// This many digits behind the point.
     Fixed(usize),
     /// At least so many that count.
     Significant(usize),
-    /// So many behind the point of a power of ten.
+    /// A power of ten with this many digits behind the point.
     Power(usize),
     Signed,
     /// As many as it takes where those are few, else six that count.
@@ -231,7 +231,7 @@ impl Column {
         apart(&self.name).1
     }
 
-    /// What it means, in words; may be empty.
+    /// Meaning of the column, in words; may be empty.
     pub fn meaning(&self) -> &str {
         &self.meaning
     }
@@ -325,7 +325,7 @@ impl<'a, R> Rows<'a, R> {
         self.with(name, Digits::Signed, cell)
     }
 
-    /// What it is called in text, without the unit.
+    /// Heading of the column in text tables, without the unit.
     pub fn head(self, head: &str) -> Self {
         self.last(|column| column.head = head.to_owned())
     }
@@ -335,7 +335,7 @@ impl<'a, R> Rows<'a, R> {
         self.last(|column| (column.unit, column.scale) = (unit.to_owned(), factor))
     }
 
-    /// What it means, for those who read the table or its file.
+    /// Meaning of the column, for those who read the table or its file.
     pub fn means(self, meaning: &str) -> Self {
         self.last(|column| column.meaning = meaning.to_owned())
     }

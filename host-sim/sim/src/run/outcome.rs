@@ -78,7 +78,7 @@ pub struct Outcome {
     pub fault: Option<(usize, Fault)>,
     /// Simulated time of that fault, s.
     pub fault_time_s: Option<f64>,
-    /// Of all shared axes together; of one, that one's.
+    /// Figures of all shared axes together; of one axis, its own.
     pub whole: Figures,
     /// Each shared axis, in the order of [`AXIS_NAMES`].
     pub axes: Vec<Along>,
@@ -108,7 +108,7 @@ impl Outcome {
         }
     }
 
-    /// What is to be said of it.
+    /// Verdict on the run.
     pub fn verdict(&self) -> Verdict {
         match self.reason {
             None => Verdict::Stable,

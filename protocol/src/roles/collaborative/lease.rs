@@ -88,7 +88,7 @@ pub enum Wish {
     Edit,
     /// Whatever it was before.
     AsBefore,
-    /// Nothing: give back what is held.
+    /// It wants nothing, and gives back what it holds.
     Leave,
 }
 

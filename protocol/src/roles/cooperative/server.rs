@@ -42,7 +42,7 @@ impl Server {
         self.place == Place::Here
     }
 
-    /// Of the engine, wherever it is.
+    /// Version of the engine, wherever that is.
     pub fn version(&self) -> u32 {
         self.version
     }

@@ -92,7 +92,7 @@ pub struct Racket {
     pub mass_kg: f32,
     /// Velocity of the racket, m/s.
     pub velocity: [f32; 2],
-    /// Where its face looks; its length does not matter.
+    /// Normal of the racket's face; its length does not matter.
     pub normal: [f32; 2],
 }
 

@@ -30,7 +30,7 @@ const _: () = assert!(PAGES == 2 * Bits::COUNT);
 /// What a part has done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// Nothing: known, or about another scope or world.
+    /// Nothing new: known already, or about another scope or world.
     Nothing,
     /// Something new, but not all that is in scope yet.
     More,
@@ -127,7 +127,7 @@ impl<const N: usize> Download<N> {
         self.told
     }
 
-    /// Everything in scope is held.
+    /// Whether everything in scope is held.
     pub fn is_complete(&self) -> bool {
         self.complete
     }

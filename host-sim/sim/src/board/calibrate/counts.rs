@@ -10,9 +10,9 @@ use haptic_core::device::kinematics::KinematicsName;
 /// By how much the joint is to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Distance {
-    /// So many metres: a slide.
+    /// A slide's distance, m.
     Metres(f64),
-    /// So many revolutions: a joint that turns.
+    /// Revolutions of a joint that turns.
     Revolutions(f64),
 }
 

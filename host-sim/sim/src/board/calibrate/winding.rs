@@ -51,7 +51,7 @@ pub struct Sheet {
     pub resistance_ohm: Option<f64>,
     /// Inductance L of the winding, H.
     pub inductance_h: Option<f64>,
-    /// Of either, as a share of it.
+    /// Tolerance of both, as a fraction.
     pub tolerance: f64,
 }
 

@@ -35,9 +35,9 @@ pub enum Notice {
     Granted,
     /// It may no longer: the server was not heard in time. What was edited stays local.
     Expired,
-    /// What it released is the official copy of this version.
+    /// Its edit is published: the official copy of this version.
     Published(u32),
-    /// What it released was too late: this grant had run out, and somebody else had been granted the object.
+    /// Its edit was released too late: this grant had run out, and somebody else had been granted the object.
     TooLate(u32),
     /// There is a new official copy, this version: the local one is to follow it.
     Changed(u32),

@@ -84,7 +84,7 @@ layout! {
 }
 
 layout! {
-    /// What is passed around: the object, and who the members are.
+    /// The token: the object, and who the members are.
     pub struct State(32 bytes) {
         0 => version: u32, "How often it has been changed.";
         4 => roster: Roster, "The members.";

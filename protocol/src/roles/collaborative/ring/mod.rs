@@ -78,7 +78,7 @@ pub struct Config {
 pub enum Notice {
     /// The right to edit is granted.
     Granted,
-    /// What it published is kept by a majority, as this version.
+    /// Its edit is kept by a majority, as this version.
     Published(u32),
     /// Its turn was over before it had published: what it edited stays local.
     Overdue,
