@@ -24,7 +24,7 @@ pub struct Addresses {
     pub peer: Option<Ipv4Addr>,
 }
 
-/// Everything that is kept.
+/// Settings and addresses that a board keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kept {
     /// The settings of the scene.

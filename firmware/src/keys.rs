@@ -18,9 +18,9 @@ const SINGLE: &[u8] = b"haptkey1";
 /// The two keys of a board.
 #[derive(Debug)]
 pub struct Keys {
-    /// Of the link to the other peer, or to a hub.
+    /// Key of the link to the other peer, or to a hub.
     pub peers: Key,
-    /// Of the operator's port.
+    /// Key of the operator's port.
     pub operator: Key,
 }
 

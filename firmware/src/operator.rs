@@ -33,7 +33,7 @@ pub enum Request<'a> {
     Check(u32),
     /// A motor pushed open loop.
     Probe(probe::Request),
-    /// What came of the last check or probe.
+    /// Outcome of the last check or probe.
     Probed,
     /// A key of the draft.
     Set(&'a str, Value<'a>),
@@ -47,7 +47,7 @@ pub enum Request<'a> {
     Save,
     /// Every how-many-th tick to the sender; 0 is none.
     Stream(u32),
-    /// So many ticks in a row, every one.
+    /// Records of this many ticks in a row, without gaps.
     Capture(u32),
     /// How long ticks took on the chip, or runs of the current loop.
     Time(Whose, Time),

@@ -52,7 +52,7 @@ pub const PARTED: u8 = 16;
 /// The coordination acted in this tick.
 pub const ENGAGED: u8 = 32;
 
-/// What is the same of every record of a tick.
+/// What the records of all axes of a tick have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick {
     /// Ticks since the board started.
@@ -69,7 +69,7 @@ pub struct Tick {
     pub mode: Mode,
     /// [`ENABLED`] and the others.
     pub flags: u8,
-    /// Of the state after the tick ([`digest`]).
+    /// Digest of the state after the tick ([`digest`]).
     pub digest: u32,
 }
 

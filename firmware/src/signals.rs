@@ -45,7 +45,7 @@ impl Coded for Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
     number: u32,
-    /// What is to be done.
+    /// The command that was given.
     pub command: Command,
 }
 
@@ -151,7 +151,7 @@ impl<T: Coded> Word<T> {
         self.0.store(value.code(), Ordering::Relaxed);
     }
 
-    /// What it holds, before anything that follows is done.
+    /// The value that it holds, loaded before anything that follows (acquire).
     pub fn acquire(&self) -> T {
         T::decode(self.0.load(Ordering::Acquire))
     }

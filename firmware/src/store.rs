@@ -24,7 +24,7 @@ use heapless::String;
 use crate::kept::Kept;
 use haptic_core::settings::Value;
 
-/// What is programmed at once.
+/// The unit in which flash is programmed, 32 bytes.
 pub type Word = [u8; 32];
 const BYTES: usize = size_of::<Word>();
 /// Words in a slot.

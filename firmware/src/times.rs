@@ -14,7 +14,7 @@ use crate::signals::Word;
 pub struct Took {
     /// Number of the tick.
     pub tick: u32,
-    /// What it did, as in a record ([`crate::record`]).
+    /// Flags of what the tick did, as in a record ([`crate::record`]).
     pub flags: u8,
     /// Cycles from when it was due to when it began.
     pub delay: u32,

@@ -100,7 +100,7 @@ impl Came {
     }
 }
 
-/// What is to go with one system call.
+/// Datagrams that go out with one system call.
 #[derive(Debug, Default)]
 pub struct Going {
     bytes: Vec<u8>,

@@ -189,10 +189,10 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
     /// Tells the others that this is the end.
     fn goodbye(&mut self, _now_ns: u64, _out: &mut Out<'_, SocketAddr, [u8]>) {}
 
-    /// What it hears next has waited in the socket for so long, where the system tells.
+    /// Takes how long the datagram that is heard next has waited in the socket, where the system says so.
     fn waited(&mut self, _waited: Duration) {}
 
-    /// What it said about what it has heard is handed to the system.
+    /// Takes note that the answers to what was heard are handed to the system.
     fn sent(&mut self, _now_ns: u64) {}
 }
 

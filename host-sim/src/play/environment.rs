@@ -39,7 +39,7 @@ pub(super) fn number_of(mode: Mode) -> u8 {
 pub(super) enum Command {
     /// Turns the motors off.
     Stop,
-    /// Everything anew, from rest.
+    /// Starts the environment anew, from rest.
     Start,
     /// The line is cut, or joined.
     Cut(bool),

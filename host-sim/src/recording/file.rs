@@ -27,7 +27,7 @@ pub struct Recording {
     pub channels: Vec<Rows>,
     /// Rows that were lost while it was recorded, by the recorder's own account; `None` where that is missing.
     pub lost: Option<u64>,
-    /// What is missing at its end.
+    /// The damage at its end; none in a whole file.
     pub cut: Option<Cut>,
 }
 
@@ -54,7 +54,7 @@ impl Cut {
 /// The rows of a channel.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
-    /// What it is called.
+    /// Name of the channel.
     pub topic: String,
     /// Names of the columns, which end in their units.
     pub names: Vec<String>,

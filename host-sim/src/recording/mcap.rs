@@ -40,7 +40,7 @@ pub(super) mod op {
 pub struct Field {
     /// Its name, which ends in its unit.
     pub name: String,
-    /// What it is, in words; may be empty.
+    /// Meaning of the field, in words; may be empty.
     pub meaning: String,
 }
 

@@ -20,7 +20,7 @@ use super::sweep::{MERITS, Merit, Row, all_same, of_runs};
 /// A scene that is compared.
 #[derive(Clone, Debug)]
 pub struct Entrant {
-    /// What it is called.
+    /// Name of the scene in reports.
     pub name: String,
     /// The scene that is run.
     pub scene: Scene,

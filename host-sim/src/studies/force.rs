@@ -87,7 +87,7 @@ pub struct Made {
     pub error_n: f64,
     /// Root mean square of the error against the command as late as the drive says it is, N.
     pub delayed_error_n: f64,
-    /// Of the force over the held command, at the command's frequency.
+    /// Gain of the force over the held command, at the command's frequency.
     pub gain: f64,
     /// Degrees; negative is late.
     pub phase: f64,

@@ -11,7 +11,7 @@ use haptic_sim::report::Columns;
 pub struct Row {
     /// Its name; of the law that says anything, words.
     pub law: &'static str,
-    /// What came of it.
+    /// The result of the proof.
     pub proved: Proved,
 }
 

@@ -35,7 +35,7 @@ const FINER: usize = 10;
 /// The far device held, and alone.
 const FARS: [Far; 2] = [Far::Held, Far::Alone];
 
-/// What is answered at one frequency, the far device held, and alone.
+/// Answers at one frequency: with the far device held, and alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Frequency of the hand's motion, Hz.

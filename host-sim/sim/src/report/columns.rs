@@ -108,7 +108,7 @@ enum Digits {
     Fixed(usize),
     /// At least so many that count.
     Significant(usize),
-    /// A power of ten with this many digits behind the point.
+    /// A mantissa with this many digits behind the point, and a power of ten.
     Power(usize),
     Signed,
     /// As many as it takes where those are few, else six that count.

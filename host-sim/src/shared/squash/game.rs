@@ -57,7 +57,7 @@ pub(super) struct Moment {
 
 /// A game that was played.
 pub struct Game {
-    /// What it came to.
+    /// The referee's report of the game.
     pub report: Report,
     /// What happened, if it was recorded.
     pub(super) moments: Vec<Moment>,

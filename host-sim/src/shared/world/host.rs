@@ -60,7 +60,7 @@ pub struct Host<A> {
     sessions: HashMap<u32, u32>,
     pub(crate) server: Box<Server<OBJECTS>>,
     board: Box<Board<{ MOST_LINES as usize }>>,
-    /// What it has done.
+    /// Counts of what the server has done.
     pub counts: Counts,
     refused: Refused<A>,
     next_answer_us: u64,

@@ -40,7 +40,7 @@ impl Choice for Processor {
 }
 
 impl Processor {
-    /// What it is called in reports.
+    /// Name of the processor in reports.
     pub fn label(self) -> &'static str {
         match self {
             Self::CortexM7 => "a Cortex-M7, counted under QEMU",

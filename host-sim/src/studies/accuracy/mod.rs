@@ -40,7 +40,7 @@ pub struct Point {
     pub choice: String,
     /// How wrong it is, in the comparison's unit.
     pub error: f64,
-    /// What it costs, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
+    /// Cost of the choice, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
     pub instructions: Option<u64>,
     /// No other choice of the comparison is as good in one and better in the other.
     pub on_front: bool,
@@ -128,9 +128,9 @@ pub struct Family {
     pub name: &'static str,
     /// Heading of the family's page.
     pub title: &'static str,
-    /// What is done to measure it.
+    /// The motion in which the family is measured.
     pub motion: String,
-    /// What it is measured against.
+    /// The reference that it is measured against.
     pub reference: &'static str,
     /// What instructions are counted for.
     pub instructions_per: &'static str,

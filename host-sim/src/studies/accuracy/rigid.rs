@@ -35,7 +35,7 @@ const LOOK: u32 = 100;
 /// A number type at a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// What it computes in.
+    /// Number type of the body's state.
     pub number_type: &'static str,
     /// Control period of the run, ms.
     pub period_ms: f64,

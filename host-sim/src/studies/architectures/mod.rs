@@ -34,7 +34,7 @@ use haptic_sim::scene::{Scene, SceneError};
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
 
-/// What is to be done.
+/// The task that two users share.
 #[derive(Clone, Copy, Debug)]
 pub struct Task {
     /// Where each user wants the body, m.

@@ -75,7 +75,7 @@ fn largest(cell: &Cell, of: impl Fn(&Outcome) -> f64) -> f64 {
 }
 
 impl Row {
-    /// What it costs in true discrepancy, as a share; negative is a gain. None where either is not stable.
+    /// Relative increase of the true discrepancy; negative is a gain. None where either is not stable.
     pub fn cost(&self) -> Option<f64> {
         Some(true_mm(&self.seldom)? / true_mm(&self.each)? - 1.0)
     }

@@ -38,7 +38,7 @@ pub struct Number {
     pub paper: &'static str,
     /// Section, figure or equation.
     pub place: &'static str,
-    /// What it is of.
+    /// The quantity that the number measures.
     pub what: &'static str,
     /// Its unit; nothing for a share.
     pub unit: &'static str,

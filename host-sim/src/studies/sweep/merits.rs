@@ -13,7 +13,7 @@ pub struct Merit {
     pub meaning: &'static str,
     /// Whether a table for people shows it.
     pub shown: bool,
-    /// Of a run; none of one that failed.
+    /// The figure of a run; none of one that failed.
     pub of: fn(&Outcome) -> Option<f64>,
 }
 

@@ -48,9 +48,9 @@ pub const MOST_RUNS: usize = 10_000_000;
 pub struct Sweep {
     /// What every point starts from.
     pub scene: Scene,
-    /// What is varied over a grid.
+    /// Keys that are varied over a grid.
     pub axes: Vec<Axis>,
-    /// And what at each point of it.
+    /// Keys that are drawn at each point of the grid.
     pub sample: Option<Sample>,
     /// Runs of a point.
     pub seeds: u32,

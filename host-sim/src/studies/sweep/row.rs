@@ -50,7 +50,7 @@ impl Row {
         Ok(writer.into_inner()?)
     }
 
-    /// And back: the rows that these lines say, each as it is read.
+    /// The rows that these lines hold, each as it is read.
     pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
         csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
     }

@@ -122,7 +122,7 @@ pub struct Sample {
     pub design: Design,
     /// Number of points to spread.
     pub points: usize,
-    /// Of the shift, or of the Latin hypercube.
+    /// Seed of the shift, or of the Latin hypercube.
     pub seed: u32,
     /// Keys and the ranges over which they are spread.
     pub spreads: Vec<Spread>,

@@ -111,7 +111,7 @@ pub struct Row {
     pub stability: Result<Stability, String>,
     /// What the hand feels.
     pub touch: Touch,
-    /// What it promises, and what came of it.
+    /// The law's promises, and whether they were kept.
     pub promises: Vec<Kept>,
     /// Packets that a peer sends, /s, on the scene's own network.
     pub packets_per_s: f64,

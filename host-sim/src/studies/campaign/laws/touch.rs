@@ -24,7 +24,7 @@ pub const PASSIVE_TO_HZ: f64 = 50.0;
 /// Periods of the swing.
 const PERIODS: u32 = 20;
 
-/// What is felt at a frequency.
+/// The impedance that is felt at a frequency.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Frequency of the hand's motion, Hz.
