@@ -1,4 +1,4 @@
-//! Closed words: what a setting may be called where the list of names is fixed.
+//! Settings that are one of a fixed list of names, with the meaning of each.
 
 /// A setting that is one of a fixed list of names.
 pub trait Choice: Copy + PartialEq + 'static {

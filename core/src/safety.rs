@@ -2,8 +2,8 @@
 //!
 //! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns
 //! them off in the same tick and latches; leaving it takes [`Command::Clear`] and then [`Command::Arm`]. No setting
-//! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models say, a force leaves finite,
-//! within ±max_force and, unless it is off, within the slew limit of the one before.
+//! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models compute, a force that is commanded is
+//! finite, within ±max_force and, unless the motors are off, within the slew limit of the one before.
 
 use crate::{num::Scalar, settings::Settings};
 

@@ -1,4 +1,4 @@
-//! A mean that forgets: m ← m·(1 − T/τ) + x·T/τ, once every T.
+//! A leaky mean: m ← m·(1 − T/τ) + x·T/τ, once every T.
 //!
 //! A constant x from m = 0 on passes a limit after −τ·ln(1 − limit/x); exactly, with the first n for which
 //! 1 − (1 − T/τ)ⁿ > limit/x. One that is below the limit never does. A mean of squares is what warms a winding and tires a hand.

@@ -3,9 +3,9 @@
 //! Calibration and the check before arming need motion whose cause is known, from a device of which neither scale nor sign
 //! may be known yet. So a probe commands a duty, not a force, and its limits are in duty, encoder counts and seconds:
 //! largest duty, travel from where it began, counts in one tick, duration (table `probe`). At any of them the motor is off in
-//! the same tick, and why is kept until the next probe. The guards of [`crate::safety`] stand as well, and trip as ever.
+//! the same tick, and the reason is kept until the next probe. The guards of [`crate::safety`] trip as always.
 //!
-//! | shape | duty, in the largest | for |
+//! | shape | duty, as a fraction of the largest | for |
 //! |---|---|---|
 //! | `pulse` | 1 | holding against a gauge |
 //! | `swing` | 1, −1, −1, 1, a quarter of the time each | sign, inertia: a device without friction ends where it began, at rest |
@@ -16,7 +16,7 @@
 //! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
 //! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
 //! motor and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is
-//! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
+//! recognised: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
 //! count.
 //!
 //! **With a current loop** the check begins with a trial ([`winding`]), before the loop is closed, and ends with what voltage and current say

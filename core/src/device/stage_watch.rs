@@ -19,17 +19,17 @@
 //!
 //! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
 //! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that misses half of its reference
-//! now, else the encoder's. Where only e is, it is the current's; a voltage that is at its limit against what is missing makes no e,
-//! for r says that the voltage goes into speed: the supply is at its end, which is no fault. What is x times what is tolerated, all the
-//! time, is told after
-//! the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14 ms, twice after 6 ms, five
-//! times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just before.
+//! now, else the encoder's. Where only e is too large, it is the current's. While the voltage is at its limit toward the reference, e
+//! is not counted: r shows that the voltage goes into speed, so the supply is at its end, which is no fault. An e or r that stays at x
+//! times its tolerance trips after the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14
+//! ms, twice after 6 ms, five times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just
+//! before.
 //!
-//! While a probe runs ([`super::probe`]), e and r are not asked for: scales and signs are what it is there to find, and it has a watch of
-//! its own. r is not where positions are exact.
+//! While a probe runs ([`super::probe`]), e and r are not judged: the probe is there to find scales and signs, and has a watch of
+//! its own. Where positions are exact, r is not judged either.
 //!
 //! Limits: an open motor that no force is asked of is reported as an encoder fault as soon as it moves, and not at all while it
-//! rests. A supply that is wrongly measured makes r. What the encoder does at less than the tolerated speed is not seen.
+//! rests. A supply that is measured wrongly raises r. Encoder faults below the tolerated speed are not seen.
 
 use crate::device::current::{self, PWM_PERIOD_S};
 use crate::device::kinematics::Joints;

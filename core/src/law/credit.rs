@@ -5,9 +5,9 @@
 //! for any delay, jitter, loss, reorder and duplication, without a clock (THEORY §5): late, lost or repeated counters are
 //! only conservative. Holding the last sample through a loss is allowed for as long as there is credit.
 //!
-//! What a loss still does is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
+//! What a loss still causes is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
 //! what was sent and not yet emitted is added to u_in over the next packets. It may spend only what lies above a reserve:
-//! the reserve is what holds the wave through the next loss, and a correction that eats it loses more than it mends (the
+//! the reserve holds the wave through the next loss, and a correction that spends it loses more than it restores (the
 //! same integral in fewer ticks costs more energy). Measured by `host-sim campaign`.
 //!
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.

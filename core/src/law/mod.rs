@@ -2,9 +2,9 @@
 //!
 //! A law sees its own copy move ([`Law::couple`], or [`Law::couple_as_port`] where the copy is moved by ports; every tick),
 //! hands out one [`Packet`] each packet period ([`Law::send`]), unless it keeps silent ([`Law::speaks`], [`event`]), and takes in the
-//! other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
-//! and one line in the list below make it known to simulator, analyser, campaign, board and reports; a crate outside hands it to
-//! them. [`free`] shows the least a law can be.
+//! other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own keys and the gains to try are its [`Kind`],
+//! beside it. In this crate the file, its `pub mod` and one line in the list below make it known to simulator, analyser, campaign, board
+//! and reports; a crate outside passes it to them. [`free`] is the smallest law.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).

@@ -1,11 +1,10 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
-//! The staged ones take a force that was computed before; [`midpoint`] solves for everything that pushes at once. Staged forces
-//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
-//! A body that turns has a rule of its own, [`rigid`], of the same kind. [`fixture`] is a guide or a wall at the copy, one more of the
-//! ports. In the plane and in space ports are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and
-//! turns at once ([`free_body`], which no peer uses yet). A new integrator is one file here, its `pub mod`, its name and one line in
-//! the list.
+//! Staged integrators take a force that was computed before; [`midpoint`] solves for all forces and the motion at once. Staged forces
+//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest. A body that turns has a
+//! midpoint rule of its own, [`rigid`]. [`fixture`] is a guide or a wall at the copy, as another port. In the plane and in space ports
+//! are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and turns at once ([`free_body`], which
+//! no peer uses yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod euler;
 pub mod exact;

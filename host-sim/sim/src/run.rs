@@ -5,8 +5,8 @@
 //!
 //! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, the copies
 //! are within [`APART_MM`] of each other, and both peers were engaged in the end; else [`Outcome::reason`] is the first of these that
-//! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. One that only let the copies
-//! come apart is told as far as it tells that ([`Outcome::whole`]): how far they are, how large the forces were, who made energy.
+//! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. Of one in which
+//! only the copies came apart the figures that describe that are kept ([`Outcome::whole`]): distance, forces, energy made.
 //! Peaks and ratios stand for the whole run.
 
 mod account;
