@@ -1,8 +1,7 @@
 //! Letters: the built-in font, how wide a text is, and where its lines break.
 //!
-//! Ubuntu Light from `epaint_default_fonts`, so that no figure depends on the fonts of the machine. It has Latin, Greek
-//! and common signs (− × ± ≤ ≥ ≈ ² ° µ Ω …) but no arrows; what it lacks is drawn as an empty box. A text may hold an
-//! index (`K_T`) and a power (`10^−3`).
+//! Ubuntu Light from `epaint_default_fonts`, so that no figure depends on the fonts of the machine. It has Latin, Greek and common signs
+//! (− × ± ≤ ≥ ≈ ² ° µ Ω …) but no arrows; what it lacks is drawn as an empty box. A text may hold an index (`K_T`) and a power (`10^−3`).
 
 use std::sync::Once;
 

@@ -5,10 +5,9 @@
 //! space) and paints the same marks three times (`svg`, `pdf`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as
 //! its rows need; letters are large enough to be read at half size. SVG and PDF carry the figure's data (`data`) and what made it.
 //!
-//! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the
-//! positive ones. Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are
-//! drawn until they have left the frame: one run that diverges does not flatten the others. Texts that a neighbour
-//! repeats are left out.
+//! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the positive ones.
+//! Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are drawn until they have left the
+//! frame: one run that diverges does not flatten the others. Texts that a neighbour repeats are left out.
 //!
 //! In all texts `K_T` is written with an index and `10^3` with a power.
 //!

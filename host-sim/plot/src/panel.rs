@@ -1,12 +1,10 @@
 //! Panels: the inside of one frame, from data to marks.
 //!
-//! Regions lie at the bottom, then the grid, bars, lines and dots in their order, names, and the frame on top. Beside
-//! the marks a panel returns its obstacles: points of what was drawn, close enough together that a box without any
-//! covers nothing.
+//! Regions lie at the bottom, then the grid, bars, lines and dots in their order, names, and the frame on top. Beside the marks a panel
+//! returns its obstacles: points of what was drawn, close enough together that a box without any covers nothing.
 //!
-//! Bars stand on zero, or on the lower edge of a logarithmic axis, and end at the frame at the latest. Those of several
-//! series share the room of a category. A bar without a finite value still has its value written: nothing is left out
-//! in silence.
+//! Bars stand on zero, or on the lower edge of a logarithmic axis, and end at the frame at the latest. Those of several series share the
+//! room of a category. A bar without a finite value still has its value written: nothing is left out in silence.
 //!
 //! A region is tinted between straight edges, which are those that its outline is drawn along.
 
